@@ -1,0 +1,85 @@
+//! The look-up table (LUT): force over depth for a grid of parameters, as bytes.
+//!
+//! One file serves the board's flash, the host's disk and the link. It is read in place: [`Table::parse`]
+//! checks everything once (magic, version, lengths, both CRCs, axes, offsets, finiteness) and after
+//! that no access can fail.
+//!
+//! # Form
+//! *Rows* are depths, *columns* parameter combinations; row r holds the force of every column at depth r
+//! side by side, which is the order a search reads them in, one depth a tick (thesis Fig. 15).
+//! Forces are `u16` counts times a scale of their column, so a soft column is as finely resolved as a stiff one.
+//!
+//! A parameter that force is proportional to need not be sampled: an axis of role [`Role::Factor`] lists
+//! values that multiply the stored columns. With mu as factor the thesis' 900 columns are 30
+//! stored ones ("30-row form"); with mu as an ordinary column axis all 900 are stored ("900-column form").
+//! Both read alike.
+//!
+//! # Layout, version 1, little-endian
+//! | at | type | what |
+//! |---|---|---|
+//! | 0 | 8 bytes | magic `PALPLUT\0` |
+//! | 8 | u16 | version |
+//! | 10 | u16 | length of this header: 96 |
+//! | 12 | u32 | length of the whole table |
+//! | 16 | u32 | CRC-32 of everything after the header |
+//! | 20 | u32 | CRC-32 of the header with this field zero |
+//! | 24 | 16 bytes | hash: SHA-256 of everything after the header, first 16 bytes |
+//! | 40 | 3 x f32 | error bound: discretisation, interpolation, quantisation, relative to a curve's peak force |
+//! | 52 | u8, u8 | number of axes, of library materials |
+//! | 54 | u16 | points of a display curve |
+//! | 56 | u32, u32 | rows, stored columns |
+//! | 64 | u32 | offset of the axes: 32 bytes each |
+//! | 68 | u32 | offset of the column scales: f32 each, N per count |
+//! | 72 | u32 | offset of the counts: u16, row by row |
+//! | 76 | u32 | offset of the library: 64 bytes a material |
+//! | 80 | u32, u32 | offset and length of the provenance, UTF-8 |
+//! | 88 | 8 bytes | zero |
+//!
+//! An axis is: name (12 bytes), unit (8), role (u8), scale (u8), count (u16), offset of its f32 values (u32), zero (u32).
+//! A material is: name (16 bytes), mu MPa, alpha, height mm, N per count, N per display point, mm per count,
+//! acceptance (f32 each), offset of its force counts, offset of its display counts (u32 each), zero (12 bytes).
+
+mod axis;
+mod bytes;
+mod error;
+mod library;
+mod reader;
+#[cfg(any(test, feature = "std"))]
+mod writer;
+
+pub use axis::{Axis, Role, Scale};
+pub use error::TableError;
+pub use library::Material;
+pub use reader::{DepthPosition, ErrorBound, Table};
+#[cfg(any(test, feature = "std"))]
+pub use writer::{AxisSpec, MaterialSpec, TableSpec, WriteError};
+
+/// First bytes of every table.
+pub const MAGIC: [u8; 8] = *b"PALPLUT\0";
+
+/// Version of the layout.
+pub const VERSION: u16 = 1;
+
+/// Length of the header, bytes. It is written to flash last: without it there is no table.
+pub const HEADER_LEN: usize = 96;
+
+/// Length of an axis record, bytes.
+pub const AXIS_LEN: usize = 32;
+
+/// Length of a library record, bytes.
+pub const MATERIAL_LEN: usize = 64;
+
+/// Most axes of a table.
+pub const MAX_AXES: usize = 8;
+
+/// Names of the axes that the board's search looks for.
+pub mod axis_name {
+    /// Depth after contact, mm: the rows.
+    pub const DEPTH: &str = "depth";
+    /// Height of the specimen, mm: the slowest column axis, if there is one.
+    pub const HEIGHT: &str = "height";
+    /// Exponent of the one-term Hyperfoam.
+    pub const ALPHA: &str = "alpha";
+    /// Shear modulus of the one-term Hyperfoam, MPa.
+    pub const MU: &str = "mu";
+}

@@ -1,0 +1,100 @@
+//! Identity, mode and status of a board.
+
+use crate::fault::FaultSet;
+use crate::wire::wire;
+
+wire! {
+    /// The host's side of the greeting.
+    pub struct HelloRequest {
+        /// [`crate::PROTOCOL_VERSION`] of the host.
+        pub protocol_version: u16,
+        /// [`super::SCHEMA_HASH`] of the host.
+        pub schema_hash: u64,
+    }
+    /// Who the board is.
+    pub struct Hello {
+        /// [`crate::PROTOCOL_VERSION`] of the board.
+        pub protocol_version: u16,
+        /// [`super::SCHEMA_HASH`] of the board.
+        pub schema_hash: u64,
+        /// Firmware version: major, minor, patch.
+        pub firmware_version: [u8; 3],
+        /// Unique number of the microcontroller (96 bit on STM32; chosen for simulated boards).
+        pub unique_id: [u8; 12],
+        /// True if surroundings and sensors are simulated.
+        pub simulated: bool,
+        /// Bytes of one table slot.
+        pub slot_len: u32,
+        /// Why the board last started.
+        pub reset_cause: ResetCause,
+    }
+    /// A snapshot.
+    pub struct Status {
+        /// Time since start, ms.
+        pub uptime_ms: u32,
+        /// Commanded mode.
+        pub mode: Mode,
+        /// What the board is doing.
+        pub state: State,
+        /// Latched faults.
+        pub faults: FaultSet,
+        /// Frames received that failed CRC or decoding.
+        pub frames_rejected: u32,
+        /// Telemetry frames not sent because the link was full.
+        pub frames_dropped: u32,
+        /// Control ticks that missed their deadline.
+        pub deadlines_missed: u32,
+        /// Longest control tick since start, us.
+        pub tick_max_us: u16,
+        /// Hash of the active table, zero without one.
+        pub table_hash: [u8; 16],
+    }
+}
+
+wire! {
+    /// What the host asks the board to do.
+    pub enum Mode {
+        /// Outputs off.
+        Idle,
+        /// Press the probe into a specimen at constant rate and identify it.
+        Palpate {
+            /// Rate of the probe, mm/s; one of the rates the board allows (1 to 4).
+            rate_mm_s: f32,
+            /// Depth after contact at which the palpation ends, mm.
+            depth_mm: f32,
+        },
+        /// Display the softness of a library material to a finger.
+        Display {
+            /// Index into the table's library.
+            material: u8,
+        },
+    }
+    /// What the board is doing.
+    pub enum State {
+        /// Outputs off, waiting.
+        Idle,
+        /// Probe moves, no contact yet.
+        Approach,
+        /// Probe in contact, search runs.
+        Contact,
+        /// Probe returns.
+        Retract,
+        /// Softness is displayed.
+        Display,
+        /// Outputs off, a fault is latched.
+        Fault,
+    }
+    /// Why the board started.
+    pub enum ResetCause {
+        /// Power on, or brown-out.
+        PowerOn,
+        /// Reset pin or debugger.
+        Pin,
+        /// Software asked for it.
+        Software,
+        /// The independent watchdog.
+        Watchdog,
+        /// Not known.
+        Other,
+    }
+}

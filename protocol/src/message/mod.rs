@@ -1,0 +1,250 @@
+//! The interface between host and board as one table.
+//!
+//! Every message has a number that never changes and is never reused; new messages are appended.
+//! Requests (host to board) are below `0x80`, reports (board to host) from `0x80` on. Every request is
+//! answered by the report named beside it, or by [`Refused`].
+
+mod board;
+mod identification;
+mod setup;
+mod table;
+mod telemetry;
+
+pub use board::{Hello, HelloRequest, Mode, ResetCause, State, Status};
+pub use identification::{Outcome, Recognition, Verdict};
+pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor};
+pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
+pub use telemetry::{FaultReport, Telemetry};
+
+use crate::wire::{FNV_BASIS, Wire, fold, wire};
+
+wire! {
+    /// No content.
+    pub struct Empty {}
+    /// The request was carried out.
+    pub struct Accepted {
+        /// Number of the request's kind.
+        pub of: u8,
+        /// Sequence number of the request.
+        pub seq: u16,
+    }
+    /// The request was not carried out; nothing has changed.
+    pub struct Refused {
+        /// Number of the request's kind.
+        pub of: u8,
+        /// Sequence number of the request.
+        pub seq: u16,
+        /// Why.
+        pub reason: Refusal,
+    }
+    /// Every how many control ticks telemetry is sent.
+    pub struct TelemetryRate {
+        /// 0: none; 1: every tick (50 Hz); n: every n-th.
+        pub divider: u8,
+    }
+}
+
+wire! {
+    /// Why a request was refused.
+    pub enum Refusal {
+        /// This version does not know the message.
+        Unknown,
+        /// The body does not decode.
+        Malformed,
+        /// Not in this mode: outputs are on, or a palpation is running.
+        Busy,
+        /// A fault is latched; clear it first.
+        Faulted,
+        /// The fault's cause is still present.
+        CauseRemains,
+        /// No valid table is active.
+        NoTable,
+        /// A value is outside the board's own limits.
+        OutOfRange,
+        /// A table chunk that does not continue the upload.
+        OutOfOrder,
+        /// The table is larger than a slot.
+        TooLarge,
+        /// The table does not pass its checks.
+        TableRejected,
+        /// Flash erase or write failed.
+        FlashFailed,
+        /// Host and board were built from different message tables.
+        SchemaMismatch,
+    }
+}
+
+impl Refusal {
+    /// The reason in words, with what to do.
+    pub const fn describe(self) -> &'static str {
+        match self {
+            Refusal::Unknown => {
+                "the board does not know this message: its firmware is older than this tool"
+            }
+            Refusal::Malformed => "the board could not decode the message",
+            Refusal::Busy => "the board is busy: set mode idle first",
+            Refusal::Faulted => "a fault is latched: clear it first",
+            Refusal::CauseRemains => "the cause of the fault is still present",
+            Refusal::NoTable => "the board holds no valid table: upload one",
+            Refusal::OutOfRange => "a value is outside the board's own limits",
+            Refusal::OutOfOrder => "the table chunk does not continue the upload",
+            Refusal::TooLarge => "the table is larger than the board's slot",
+            Refusal::TableRejected => "the table did not pass the board's checks",
+            Refusal::FlashFailed => "the board could not write its flash",
+            Refusal::SchemaMismatch => "tool and firmware were built from different message tables",
+        }
+    }
+}
+
+/// Declares the table: the enumeration, its numbers, encoding, decoding and the schema hash.
+macro_rules! messages {
+    ($($(#[$outer:meta])* pub enum $set:ident { $($(#[$doc:meta])* $kind:literal $name:ident($body:ty),)* })*) => {
+        $(
+            $(#[$outer])*
+            #[derive(Debug, Clone, PartialEq)]
+            pub enum $set { $($(#[$doc])* $name($body),)* }
+
+            impl $set {
+                /// Number and name of every message of this direction.
+                pub const TABLE: &'static [(u8, &'static str)] = &[$(($kind, stringify!($name)),)*];
+
+                /// Number of this message's kind.
+                pub const fn kind(&self) -> u8 {
+                    match self { $(Self::$name(_) => $kind,)* }
+                }
+
+                /// Writes the body into `buffer`; returns the used part.
+                ///
+                /// # Errors
+                /// `SerializeBufferFull` when `buffer` is too short.
+                pub fn encode<'b>(&self, buffer: &'b mut [u8]) -> Result<&'b mut [u8], postcard::Error> {
+                    match self { $(Self::$name(body) => postcard::to_slice(body, buffer),)* }
+                }
+
+                /// Reads a message of kind `kind` from `body`. Bytes left over are an error.
+                ///
+                /// # Errors
+                /// [`DecodeError::Unknown`] for a number not in the table of this direction,
+                /// [`DecodeError::Malformed`] for a body that is not one of this kind.
+                pub fn decode(kind: u8, body: &[u8]) -> Result<Self, DecodeError> {
+                    match kind {
+                        $($kind => match postcard::take_from_bytes::<$body>(body) {
+                            Ok((value, [])) => Ok(Self::$name(value)),
+                            _ => Err(DecodeError::Malformed { kind }),
+                        },)*
+                        _ => Err(DecodeError::Unknown { kind }),
+                    }
+                }
+            }
+        )*
+
+        /// Fingerprint of the whole table: numbers, names, and the shape of every body.
+        pub const SCHEMA_HASH: u64 = {
+            let mut hash = FNV_BASIS;
+            $($(
+                hash = fold(hash, stringify!($kind));
+                hash = fold(hash, stringify!($name));
+                hash = fold(hash, <$body as Wire>::SHAPE);
+            )*)*
+            // Structures inside bodies.
+            hash = fold(hash, <Mode as Wire>::SHAPE);
+            hash = fold(hash, <State as Wire>::SHAPE);
+            hash = fold(hash, <ResetCause as Wire>::SHAPE);
+            hash = fold(hash, <Refusal as Wire>::SHAPE);
+            hash = fold(hash, <Outcome as Wire>::SHAPE);
+            hash = fold(hash, <Recognition as Wire>::SHAPE);
+            hash = fold(hash, <Slot as Wire>::SHAPE);
+            hash = fold(hash, <LoadCell as Wire>::SHAPE);
+            hash = fold(hash, <ResistiveSensor as Wire>::SHAPE);
+            hash = fold(hash, <ProbePosition as Wire>::SHAPE);
+            hash
+        };
+    };
+}
+
+messages! {
+    /// From host to board.
+    pub enum Request {
+        /// Who are you? Answered by [`Report::Hello`].
+        0x01 Hello(HelloRequest),
+        /// Answered by [`Report::Status`]. Also keeps the link alive.
+        0x02 Status(Empty),
+        /// Answered by [`Report::Accepted`].
+        0x03 SetMode(Mode),
+        /// PID gains. Answered by [`Report::Accepted`].
+        0x04 SetGains(Gains),
+        /// Answered by [`Report::Calibration`].
+        0x05 GetCalibration(Empty),
+        /// Answered by [`Report::Accepted`]; only in idle.
+        0x06 SetCalibration(Calibration),
+        /// Takes the load cell's present reading as zero. Answered by [`Report::Accepted`]; only in idle.
+        0x07 Tare(Empty),
+        /// Answered by [`Report::Accepted`].
+        0x08 ClearFaults(Empty),
+        /// Answered by [`Report::Accepted`].
+        0x09 SetTelemetry(TelemetryRate),
+        /// Erases the inactive slot. Answered by [`Report::TableState`]; only in idle.
+        0x10 TableBegin(TableBegin),
+        /// Answered by [`Report::TableState`].
+        0x11 TableChunk(TableChunk),
+        /// Checks and activates the uploaded table. Answered by [`Report::TableState`].
+        0x12 TableCommit(Empty),
+        /// Answered by [`Report::TableState`]. After a lost link: where to continue.
+        0x13 TableQuery(Empty),
+    }
+    /// From board to host.
+    pub enum Report {
+        /// Who the board is.
+        0x81 Hello(Hello),
+        /// Mode, state, faults, counters.
+        0x82 Status(Status),
+        /// A request was carried out.
+        0x83 Accepted(Accepted),
+        /// A request was refused.
+        0x84 Refused(Refused),
+        /// One control tick.
+        0x85 Telemetry(Telemetry),
+        /// The end of a palpation.
+        0x86 Verdict(Verdict),
+        /// A fault was latched.
+        0x87 Fault(FaultReport),
+        /// The upload, and the active table.
+        0x88 TableState(TableState),
+        /// The calibration in use.
+        0x89 Calibration(Calibration),
+    }
+}
+
+/// Why bytes with a valid CRC are not a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum DecodeError {
+    /// No message has this number: the other side is newer, or speaks another direction.
+    Unknown {
+        /// The number.
+        kind: u8,
+    },
+    /// The body is not one of this kind.
+    Malformed {
+        /// The message's number.
+        kind: u8,
+    },
+}
+
+impl core::fmt::Display for DecodeError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            DecodeError::Unknown { kind } => write!(
+                f,
+                "unknown message 0x{kind:02x}: the other side speaks a newer protocol than version {}",
+                crate::PROTOCOL_VERSION
+            ),
+            DecodeError::Malformed { kind } => write!(
+                f,
+                "message 0x{kind:02x} does not decode: the other side was built from another message table"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for DecodeError {}

@@ -1,0 +1,54 @@
+//! The 50 Hz record.
+
+use super::State;
+use crate::fault::FaultSet;
+use crate::wire::wire;
+
+wire! {
+    /// One control tick: what the sensors read, what the controller believes, what the outputs do.
+    pub struct Telemetry {
+        /// Number of the control tick since start.
+        pub tick: u32,
+        /// What the board is doing.
+        pub state: State,
+        /// Latched faults.
+        pub faults: FaultSet,
+        /// Height of the ball above the base plate, mm.
+        pub probe_mm: f32,
+        /// Depth after contact as the board believes it, mm; 0 without contact.
+        pub depth_mm: f32,
+        /// Load cell, N.
+        pub load_cell_n: f32,
+        /// FSR of the display, N.
+        pub fsr_n: f32,
+        /// Shaft position, mm.
+        pub shaft_mm: f32,
+        /// Desired shaft position, mm.
+        pub shaft_target_mm: f32,
+        /// Actuator command, V.
+        pub actuator_v: f32,
+        /// Coil current, A.
+        pub coil_a: f32,
+        /// Desired coil current, A.
+        pub coil_target_a: f32,
+        /// Coil duty, 0 to 1.
+        pub coil_duty: f32,
+        /// Estimated coil temperature, degrees Celsius.
+        pub coil_c: f32,
+        /// Mean absolute difference of the best column so far, N.
+        pub search_error_n: f32,
+        /// Duration of the previous control tick, us.
+        pub tick_us: u16,
+    }
+    /// A fault was latched in this tick.
+    pub struct FaultReport {
+        /// Number of the control tick.
+        pub tick: u32,
+        /// Bit of the fault ([`crate::fault::Fault::from_bit`]).
+        pub fault: u8,
+        /// The value that tripped it, in the unit of its limit.
+        pub value: f32,
+        /// The limit.
+        pub limit: f32,
+    }
+}
