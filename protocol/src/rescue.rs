@@ -74,3 +74,29 @@ impl Answer {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// These bytes are frozen: a change here cuts off every board in the field.
+    #[test]
+    fn the_frozen_bytes() {
+        let answer = Answer {
+            protocol_version: 0x0201,
+            firmware_version: [3, 4, 5],
+            schema_hash_low: 0x0908_0706,
+        };
+        assert_eq!(
+            &answer.to_bytes(),
+            b"PALP!\x01\x02\x03\x04\x05\x06\x07\x08\x09"
+        );
+        assert_eq!(Answer::from_bytes(&answer.to_bytes()), Some(answer));
+        assert_eq!(
+            Answer::from_bytes(b"PALP!\x01\x02\x03\x04\x05\x06\x07\x08\x09 and more"),
+            Some(answer)
+        );
+        assert_eq!(Answer::from_bytes(b"PALP?"), None);
+        assert_eq!(&QUESTION, b"PALP?");
+    }
+}

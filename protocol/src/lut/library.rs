@@ -90,7 +90,7 @@ impl<'a> Material<'a> {
     pub fn displacement_mm(&self, force_n: f32) -> f32 {
         let points = self.display.len() / 2;
         let at = force_n / self.n_per_display_point;
-        if points == 0 || !(at > 0.0) {
+        if points == 0 || at.is_nan() || at <= 0.0 {
             return 0.0;
         }
         // Point i is the displacement at (i + 1) steps of force; below the first point, from zero.

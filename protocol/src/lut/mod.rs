@@ -50,7 +50,7 @@ mod writer;
 pub use axis::{Axis, Role, Scale};
 pub use error::TableError;
 pub use library::Material;
-pub use reader::{DepthPosition, ErrorBound, Table};
+pub use reader::{Checked, DepthPosition, ErrorBound, Table};
 #[cfg(any(test, feature = "std"))]
 pub use writer::{AxisSpec, MaterialSpec, TableSpec, WriteError};
 

@@ -66,6 +66,41 @@ pub struct Table<'a> {
     depth_step_mm: f32,
 }
 
+/// What [`Table::parse`] found, without the bytes: lets an owner of the bytes open the table again
+/// at every tick without paying for its CRCs again.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Checked {
+    len: usize,
+    /// Both CRCs, as in the header.
+    identity: [u8; 8],
+    hash: [u8; 16],
+    depth_step_mm: f32,
+}
+
+impl Checked {
+    /// Hash of the table that was checked.
+    pub const fn hash(&self) -> [u8; 16] {
+        self.hash
+    }
+
+    /// Length of the table that was checked, bytes.
+    pub const fn byte_len(&self) -> usize {
+        self.len
+    }
+
+    /// Opens the table in `bytes`, which must begin with the table that was checked and must not have been
+    /// written since. `None` if there are too few bytes or the CRCs in the header are not those of that table.
+    pub fn open<'a>(&self, bytes: &'a [u8]) -> Option<Table<'a>> {
+        let data = bytes.get(..self.len)?;
+        if array::<8>(data, 16) != self.identity {
+            return None;
+        }
+        let mut table = Table::sections(data).ok()?;
+        table.depth_step_mm = self.depth_step_mm;
+        Some(table)
+    }
+}
+
 impl<'a> Table<'a> {
     /// Checks `bytes` and reads them in place. Bytes after the table's stated length are ignored (a flash slot
     /// is longer than its table).
@@ -73,7 +108,21 @@ impl<'a> Table<'a> {
     /// # Errors
     /// Every departure from the layout of [`super`], see [`TableError`].
     pub fn parse(bytes: &'a [u8]) -> Result<Self, TableError> {
-        let data = check_envelope(bytes)?;
+        Table::sections(check_envelope(bytes)?)?.check_contents()
+    }
+
+    /// What [`Checked::open`] needs to open this table again.
+    pub fn checked(&self) -> Checked {
+        Checked {
+            len: self.data.len(),
+            identity: array(self.data, 16),
+            hash: self.hash(),
+            depth_step_mm: self.depth_step_mm,
+        }
+    }
+
+    /// Finds the sections of a table whose envelope is sound; their contents are not looked at.
+    fn sections(data: &'a [u8]) -> Result<Self, TableError> {
         let rows = u32_at(data, 56) as usize;
         let columns = u32_at(data, 60) as usize;
         let axis_count = data[52];
@@ -93,7 +142,7 @@ impl<'a> Table<'a> {
             Some(usize::from(material_count) * MATERIAL_LEN),
         )?;
         let provenance = section("provenance", 80, Some(u32_at(data, 84) as usize))?;
-        let table = Table {
+        Ok(Table {
             data,
             axes_at: u32_at(data, 64) as usize,
             axis_count,
@@ -112,8 +161,7 @@ impl<'a> Table<'a> {
                 section: "provenance",
             })?,
             depth_step_mm: 0.0,
-        };
-        table.check_contents()
+        })
     }
 
     fn check_contents(mut self) -> Result<Self, TableError> {

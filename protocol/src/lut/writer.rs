@@ -298,3 +298,188 @@ fn put_padded(out: &mut Vec<u8>, text: &str, len: usize) -> Result<(), WriteErro
     out.extend(text.bytes().chain(std::iter::repeat(0)).take(len));
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::lut::axis_name;
+
+    /// Two heights, three exponents, four depths, mu as factor, one material: `force = alpha * depth / height`.
+    pub(crate) fn small() -> TableSpec {
+        let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
+            name: name.into(),
+            unit: unit.into(),
+            role,
+            scale: Scale::Linear,
+            values: values.to_vec(),
+        };
+        let depths = [0.5, 1.0, 1.5, 2.0];
+        let columns = [10.0, 20.0]
+            .iter()
+            .flat_map(|h| [1.0, 2.0, 4.0].map(|a| depths.map(|d| a * d / h).to_vec()))
+            .collect();
+        TableSpec {
+            axes: vec![
+                axis(axis_name::DEPTH, "mm", Role::Row, &depths),
+                axis(axis_name::HEIGHT, "mm", Role::Column, &[10.0, 20.0]),
+                axis(axis_name::ALPHA, "", Role::Column, &[1.0, 2.0, 4.0]),
+                axis(axis_name::MU, "MPa", Role::Factor, &[0.1, 0.2]),
+            ],
+            columns,
+            library: vec![MaterialSpec {
+                name: "foam".into(),
+                mu_mpa: 0.2,
+                alpha: 2.0,
+                height_mm: 10.0,
+                acceptance: 0.05,
+                force_n: vec![0.1, 0.2, 0.3, 0.4],
+                display_step_n: 1.0,
+                displacement_mm: vec![2.0, 3.0, 3.5],
+            }],
+            discretisation: 0.002,
+            interpolation: 0.001,
+            provenance: "force = alpha depth / height".into(),
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let bytes = small().to_bytes().unwrap();
+        let table = Table::parse(&bytes).unwrap();
+        assert_eq!(
+            (table.rows(), table.columns(), table.material_count()),
+            (4, 6, 1)
+        );
+        assert_eq!(table.slice(1), 3..6);
+        assert_eq!(table.column_value(5, axis_name::ALPHA), Some(4.0));
+        assert_eq!(table.column_value(5, axis_name::HEIGHT), Some(20.0));
+        assert_eq!(table.factor().unwrap().name, axis_name::MU);
+        // The rule is linear in depth, so interpolation adds nothing to the rounding to counts.
+        let worst = table.error_bound().quantisation;
+        assert!(worst > 0.0 && worst <= 0.5 / 65535.0 * 1.01, "{worst}");
+        for depth in [0.1f32, 0.5, 0.75, 1.9, 2.0] {
+            let position = table.locate(depth).unwrap();
+            for column in 0..6 {
+                let expected = table.column_value(column, axis_name::ALPHA).unwrap() * depth
+                    / table.column_value(column, axis_name::HEIGHT).unwrap();
+                let peak = expected / depth * 2.0;
+                assert!(
+                    (table.force_n(position, column) - expected).abs() <= 2.0 * worst * peak + 1e-6
+                );
+            }
+            let side_by_side: Vec<f32> = table.forces_n(position, 0..6).collect();
+            for (column, force) in side_by_side.iter().enumerate() {
+                assert!(
+                    (force - table.force_n(position, column)).abs() <= 1e-6,
+                    "both reads agree"
+                );
+            }
+        }
+        assert_eq!(table.locate(0.0), None);
+        assert_eq!(table.locate(2.1), None);
+        assert_eq!(table.locate(f32::NAN), None);
+        let foam = table.material(0).unwrap();
+        assert!((foam.force_n(table.locate(1.25).unwrap()) - 0.25).abs() < 1e-5);
+        assert!(
+            (foam.displacement_mm(0.5) - 1.0).abs() < 1e-4,
+            "below the first point, from zero"
+        );
+        assert!((foam.displacement_mm(2.5) - 3.25).abs() < 1e-4);
+        assert!((foam.displacement_mm(99.0) - 3.5).abs() < 1e-4);
+        assert_eq!(foam.displacement_mm(f32::NAN), 0.0);
+        assert!(table.material(1).is_none());
+    }
+
+    #[test]
+    fn every_flipped_bit_and_every_truncation_is_refused() {
+        let bytes = small().to_bytes().unwrap();
+        for bit in 0..bytes.len() * 8 {
+            let mut broken = bytes.clone();
+            broken[bit / 8] ^= 1 << (bit % 8);
+            assert!(Table::parse(&broken).is_err(), "bit {bit}");
+        }
+        for len in 0..bytes.len() {
+            assert!(Table::parse(&bytes[..len]).is_err(), "length {len}");
+        }
+    }
+
+    #[test]
+    fn errors_say_what_was_found_and_expected() {
+        let good = small().to_bytes().unwrap();
+        let text = |bytes: &[u8]| Table::parse(bytes).unwrap_err().to_string();
+        assert_eq!(
+            text(b"ELF file, really"),
+            "not a Palpate table: the first 8 bytes are not PALPLUT"
+        );
+        assert_eq!(
+            text(&good[..good.len() - 7]),
+            format!(
+                "table truncated: {} bytes of {}",
+                good.len() - 7,
+                good.len()
+            )
+        );
+        let mut newer = good.clone();
+        newer[8] = 9;
+        assert_eq!(
+            text(&newer),
+            "table layout version 9, this build reads version 1: make the table again with `palpate lut`"
+        );
+
+        let mut spec = small();
+        spec.columns[2][1] = f64::NAN;
+        assert_eq!(
+            spec.to_bytes().unwrap_err().to_string(),
+            "column 2: NaN is not a finite number >= 0, or the whole curve is zero"
+        );
+        let mut spec = small();
+        spec.columns.pop();
+        assert_eq!(
+            spec.to_bytes().unwrap_err().to_string(),
+            "table axes span 6 columns, the header says 5"
+        );
+        let mut spec = small();
+        spec.axes[0].values = vec![0.5, 1.0, 1.6, 2.0];
+        assert_eq!(
+            spec.to_bytes().unwrap_err().to_string(),
+            "table axis 0: depths are not even steps from the surface"
+        );
+        let mut spec = small();
+        spec.library[0].name = "a name that is far too long".into();
+        assert_eq!(
+            spec.to_bytes().unwrap_err().to_string(),
+            "name `a name that is far too long` must be ASCII of 1 to 16 characters"
+        );
+    }
+
+    proptest::proptest! {
+        /// With both CRCs made right again, a changed table may be refused or read, but nothing panics.
+        #[test]
+        fn no_table_panics_the_reader(changes in proptest::collection::vec((0usize..2000, proptest::num::u8::ANY), 1..8)) {
+            let mut bytes = small().to_bytes().unwrap();
+            for (at, value) in changes {
+                let at = 8 + at % (bytes.len() - 8);
+                bytes[at] = value;
+            }
+            let payload = CRC32.checksum(&bytes[HEADER_LEN..]);
+            let length = bytes.len() as u32;
+            bytes[12..16].copy_from_slice(&length.to_le_bytes());
+            bytes[16..20].copy_from_slice(&payload.to_le_bytes());
+            bytes[20..24].fill(0);
+            let header = CRC32.checksum(&bytes[..HEADER_LEN]);
+            bytes[20..24].copy_from_slice(&header.to_le_bytes());
+            if let Ok(table) = Table::parse(&bytes) {
+                for step in 0..20 {
+                    if let Some(position) = table.locate(step as f32 * 0.3) {
+                        let all: Vec<f32> = table.forces_n(position, table.slice(step)).collect();
+                        proptest::prop_assert_eq!(all.len(), table.slice(step).len());
+                        for material in table.materials() {
+                            let _ = (material.force_n(position), material.displacement_mm(step as f32));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

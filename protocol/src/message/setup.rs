@@ -33,7 +33,7 @@ wire! {
         /// Sensitivity, N for the full reference voltage.
         pub n_per_ratio: f32,
     }
-    /// A resistive sensor below a fixed resistor in a ratiometric divider, with a linear law
+    /// A resistive sensor between the supply and a fixed resistor to ground, whose voltage is read (Eq. 44), with a linear law
     /// `y = slope x + offset`; y is conductance in mS for the FSR (x in units of 100 gf) and resistance in
     /// kOhm for the potentiometer (x in mm).
     pub struct ResistiveSensor {

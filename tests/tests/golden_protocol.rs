@@ -1,0 +1,119 @@
+//! The bytes of protocol version 1 and of table layout version 1. A released board depends on them.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use protocol::frame::{Decoder, MAX_FRAME, encode, encode_report, encode_request};
+use protocol::lut::Table;
+use protocol::message::{Report, Request};
+use tests::{golden, samples};
+
+/// Every message as (name, its frame with sequence number 0x0102).
+fn frames() -> Vec<(String, Vec<u8>)> {
+    let mut out = [0; MAX_FRAME];
+    let named = |table: &[(u8, &str)], kind: u8| {
+        table
+            .iter()
+            .find(|(k, _)| *k == kind)
+            .map(|(k, name)| format!("0x{k:02x} {name}"))
+            .unwrap()
+    };
+    let mut all = vec![];
+    for message in samples::requests() {
+        let frame = encode_request(&message, 0x0102, &mut out).unwrap().to_vec();
+        all.push((named(Request::TABLE, message.kind()), frame));
+    }
+    for message in samples::reports() {
+        let frame = encode_report(&message, 0x0102, &mut out).unwrap().to_vec();
+        all.push((named(Report::TABLE, message.kind()), frame));
+    }
+    let question = |b: &mut [u8]| {
+        b[..5].copy_from_slice(&protocol::rescue::QUESTION);
+        Some(5)
+    };
+    all.push((
+        "0x00 Rescue".into(),
+        encode(protocol::rescue::KIND, 0x0102, question, &mut out)
+            .unwrap()
+            .to_vec(),
+    ));
+    all
+}
+
+#[test]
+fn every_message_keeps_its_bytes() {
+    let frames = frames();
+    assert_eq!(
+        frames.len(),
+        Request::TABLE.len() + Report::TABLE.len() + 1,
+        "a message without a sample"
+    );
+    let mut text: String = frames
+        .iter()
+        .map(|(name, bytes)| format!("{name} {}\n", golden::hex(bytes)))
+        .collect();
+    text += &format!("schema hash {:016x}\n", protocol::message::SCHEMA_HASH);
+    golden::compare("frames-v1.txt", &text).unwrap();
+}
+
+#[test]
+fn every_message_survives_the_line() {
+    let mut decoder = Decoder::new();
+    let mut out = [0; MAX_FRAME];
+    for (seq, message) in samples::requests().iter().enumerate() {
+        let bytes = encode_request(message, seq as u16, &mut out)
+            .unwrap()
+            .to_vec();
+        let (kind, body) = last_frame(&mut decoder, &bytes);
+        assert_eq!(Request::decode(kind, &body).as_ref(), Ok(message));
+        assert!(
+            Report::decode(kind, &body).is_err(),
+            "a request is no report"
+        );
+    }
+    for message in &samples::reports() {
+        let bytes = encode_report(message, 9, &mut out).unwrap().to_vec();
+        let (kind, body) = last_frame(&mut decoder, &bytes);
+        assert_eq!(Report::decode(kind, &body).as_ref(), Ok(message));
+    }
+}
+
+fn last_frame(decoder: &mut Decoder, bytes: &[u8]) -> (u8, Vec<u8>) {
+    let mut found = None;
+    for byte in bytes {
+        if let Some(frame) = decoder.push(*byte) {
+            let frame = frame.unwrap();
+            found = Some((frame.kind, frame.body.to_vec()));
+        }
+    }
+    found.unwrap()
+}
+
+/// Each single-bit flip of each golden frame: none may pass as any frame. A flip may make a zero and cut the
+/// frame in two, or take away the final zero and join it with what follows: no part may pass either.
+#[test]
+fn no_flipped_bit_is_accepted() {
+    for (name, bytes) in frames() {
+        for bit in 0..bytes.len() * 8 {
+            let mut broken = bytes.clone();
+            broken[bit / 8] ^= 1 << (bit % 8);
+            broken.push(0);
+            let mut decoder = Decoder::new();
+            for byte in &broken {
+                if let Some(Ok(frame)) = decoder.push(*byte) {
+                    panic!("{name}, bit {bit}: accepted as kind {}", frame.kind);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_table_keeps_its_bytes() {
+    let bytes = samples::small_table().to_bytes().unwrap();
+    let text: String = bytes
+        .chunks(32)
+        .map(|row| golden::hex(row) + "\n")
+        .collect();
+    golden::compare("table-v1.txt", &text).unwrap();
+    let table = Table::parse(&bytes).unwrap();
+    assert_eq!(table.column_value(4, "alpha"), Some(2.0));
+}
