@@ -1,0 +1,103 @@
+//! Serendipity (8-node) mesh of a rectangle `[0, W] x [0, h]` in the r-z plane.
+
+use super::graded;
+
+/// Element sizes of the block, all in units of the ball radius except refinement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sizes {
+    /// Radial size at the axis.
+    pub axis: f64,
+    /// Growth of the radial size per radius under the ball.
+    pub growth_under: f64,
+    /// Radius, beyond which the ball is no longer near.
+    pub near: f64,
+    /// Growth of the radial size beyond `near`.
+    pub growth_far: f64,
+    /// Height of the elements at the surface.
+    pub surface: f64,
+    /// Growth of the height with distance from the surface.
+    pub growth_down: f64,
+    /// Divides all sizes.
+    pub refinement: f64,
+}
+
+/// Nodes and elements; the base is z = 0, the top z = height.
+#[derive(Debug, Clone)]
+pub struct BlockMesh {
+    /// Node positions `[r, z]` [mm].
+    pub nodes: Vec<[f64; 2]>,
+    /// Nodes of each element: four corners counter-clockwise from inner bottom,
+    /// then the middles of bottom, outer, top, inner side.
+    pub elements: Vec<[usize; 8]>,
+    /// Surface edges from the axis outward: inner, middle, outer node.
+    pub top: Vec<[usize; 3]>,
+    /// Height of the block [mm].
+    pub height_mm: f64,
+    /// Radius of the block [mm].
+    pub radius_mm: f64,
+}
+
+impl BlockMesh {
+    /// Meshes a block for a ball of radius `ball_mm`.
+    #[must_use]
+    pub fn new(radius_mm: f64, height_mm: f64, ball_mm: f64, sizes: &Sizes) -> Self {
+        let s = sizes;
+        let r = graded(radius_mm / ball_mm, s.refinement, |x| {
+            s.axis + s.growth_under * x.min(s.near) + s.growth_far * (x - s.near).max(0.0)
+        });
+        let depth = graded(height_mm / ball_mm, s.refinement, |x| {
+            s.surface + s.growth_down * x
+        });
+        let r: Vec<f64> = r.iter().map(|x| x * ball_mm).collect();
+        let z: Vec<f64> = depth.iter().rev().map(|x| height_mm - x * ball_mm).collect();
+        Self::from_lines(&r, &z)
+    }
+
+    /// Meshes the rectangle spanned by the given lines (each sorted, at least two).
+    #[must_use]
+    pub fn from_lines(r: &[f64], z: &[f64]) -> Self {
+        let (nr, nz) = (r.len() - 1, z.len() - 1);
+        // Nodes stand on a (2 nr + 1) x (2 nz + 1) lattice without the cell centres.
+        let at = |k: usize, x: &[f64]| {
+            if k % 2 == 0 { x[k / 2] } else { 0.5 * (x[k / 2] + x[k / 2 + 1]) }
+        };
+        let mut nodes = Vec::new();
+        let mut id = vec![usize::MAX; (2 * nr + 1) * (2 * nz + 1)];
+        let cell = |i: usize, j: usize| i * (2 * nz + 1) + j;
+        for i in 0..=2 * nr {
+            for j in 0..=2 * nz {
+                if i % 2 == 0 || j % 2 == 0 {
+                    id[cell(i, j)] = nodes.len();
+                    nodes.push([at(i, r), at(j, z)]);
+                }
+            }
+        }
+        let node = |i: usize, j: usize| id[cell(i, j)];
+        let mut elements = Vec::with_capacity(nr * nz);
+        for i in 0..nr {
+            for j in 0..nz {
+                let (a, b) = (2 * i, 2 * j);
+                elements.push([
+                    node(a, b),
+                    node(a + 2, b),
+                    node(a + 2, b + 2),
+                    node(a, b + 2),
+                    node(a + 1, b),
+                    node(a + 2, b + 1),
+                    node(a + 1, b + 2),
+                    node(a, b + 1),
+                ]);
+            }
+        }
+        let top = (0..nr)
+            .map(|i| [node(2 * i, 2 * nz), node(2 * i + 1, 2 * nz), node(2 * i + 2, 2 * nz)])
+            .collect();
+        Self {
+            nodes,
+            elements,
+            top,
+            height_mm: z[nz],
+            radius_mm: r[nr],
+        }
+    }
+}

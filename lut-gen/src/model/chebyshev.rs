@@ -1,0 +1,116 @@
+//! Chebyshev polynomials on an axis of a parameter.
+
+/// The coordinate in which a parameter is resolved evenly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// The value itself.
+    Linear,
+    /// Its logarithm.
+    Log,
+    /// Its reciprocal.
+    Reciprocal,
+}
+
+impl Scale {
+    fn to(self, v: f64) -> f64 {
+        match self {
+            Self::Linear => v,
+            Self::Log => v.ln(),
+            Self::Reciprocal => 1.0 / v,
+        }
+    }
+
+    fn from(self, t: f64) -> f64 {
+        match self {
+            Self::Linear => t,
+            Self::Log => t.exp(),
+            Self::Reciprocal => 1.0 / t,
+        }
+    }
+
+    fn slope(self, v: f64) -> f64 {
+        match self {
+            Self::Linear => 1.0,
+            Self::Log => 1.0 / v,
+            Self::Reciprocal => -1.0 / (v * v),
+        }
+    }
+}
+
+/// A parameter axis with `n` Chebyshev nodes (of the first kind) between two ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Axis {
+    /// Lower end of the range.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Number of nodes, at least 1; with one node the axis is constant.
+    pub nodes: usize,
+    /// Coordinate in which the nodes are spread.
+    pub scale: Scale,
+}
+
+impl Axis {
+    /// The parameter's value at node `k`; for one node the lower end.
+    #[must_use]
+    pub fn node(&self, k: usize) -> f64 {
+        if self.nodes == 1 {
+            return self.low;
+        }
+        self.value((std::f64::consts::PI * (k as f64 + 0.5) / self.nodes as f64).cos())
+    }
+
+    /// The parameter's value at `x` in [-1, 1].
+    #[must_use]
+    pub fn value(&self, x: f64) -> f64 {
+        let (a, b) = (self.scale.to(self.low), self.scale.to(self.high));
+        self.scale.from(0.5 * (a + b) + 0.5 * (b - a) * x)
+    }
+
+    /// `x` in [-1, 1] of a value and `dx/dvalue`. Outside the range the end is
+    /// taken with slope 0, so the interpolant is continued as a constant.
+    #[must_use]
+    pub fn local(&self, v: f64) -> (f64, f64) {
+        if self.nodes == 1 {
+            return (0.0, 0.0);
+        }
+        let (a, b) = (self.scale.to(self.low), self.scale.to(self.high));
+        let x = (2.0 * self.scale.to(v) - a - b) / (b - a);
+        if (-1.0..=1.0).contains(&x) {
+            (x, 2.0 * self.scale.slope(v) / (b - a))
+        } else {
+            (x.clamp(-1.0, 1.0), 0.0)
+        }
+    }
+
+    /// Coefficients of the interpolant of the values at the nodes.
+    #[must_use]
+    pub fn coefficients(&self, values: &[f64]) -> Vec<f64> {
+        let n = self.nodes;
+        (0..n)
+            .map(|j| {
+                let sum: f64 = (0..n)
+                    .map(|k| {
+                        let angle = std::f64::consts::PI * j as f64 * (k as f64 + 0.5) / n as f64;
+                        values[k] * angle.cos()
+                    })
+                    .sum();
+                sum * if j == 0 { 1.0 } else { 2.0 } / n as f64
+            })
+            .collect()
+    }
+}
+
+/// `T_0 .. T_{n-1}` and their derivatives at `x`, into the given slices.
+pub fn polynomials(x: f64, value: &mut [f64], slope: &mut [f64]) {
+    for k in 0..value.len() {
+        (value[k], slope[k]) = match k {
+            0 => (1.0, 0.0),
+            1 => (x, 1.0),
+            _ => (
+                2.0 * x * value[k - 1] - value[k - 2],
+                2.0 * (value[k - 1] + x * slope[k - 1]) - slope[k - 2],
+            ),
+        };
+    }
+}

@@ -1,0 +1,105 @@
+//! Force over depth as one smooth function with the exact Hertz limit.
+
+use faer::Mat;
+use faer::linalg::solvers::SolveLstsq;
+
+use super::chebyshev::polynomials;
+
+/// Largest number of terms a profile can have.
+pub const MAX_TERMS: usize = 24;
+
+/// One computed force with the relative error it is trusted to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Depth [mm], positive.
+    pub depth_mm: f64,
+    /// Force [N].
+    pub force_n: f64,
+    /// Relative standard error for the weight, positive.
+    pub error: f64,
+}
+
+/// `F(d) = d^(3/2) [ H + s sum_k c_k T_k(2 s - 1) ]` with `s = sqrt(d / d_max)`.
+///
+/// `H` is Hertz's factor `4/3 E* sqrt(R)`, exact for `d -> 0` whatever the
+/// height and the law (the contact is then small and the strain infinitesimal).
+/// What remains is smooth in `s`, the ratio of contact size to its largest.
+/// Between 0 and `d_max` the function and its derivative are continuous.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthProfile {
+    /// Largest depth [mm].
+    pub depth_max_mm: f64,
+    /// Hertz factor `H` [N/mm^1.5].
+    pub hertz: f64,
+    /// Coefficients `c_k` [N/mm^1.5], at most [`MAX_TERMS`].
+    pub coefficients: Vec<f64>,
+}
+
+impl DepthProfile {
+    /// Least-squares fit with weights `1 / error`; also returns the root mean
+    /// square of the relative residuals of the samples at or beyond `from_mm`.
+    #[must_use]
+    pub fn fit(samples: &[Sample], depth_max_mm: f64, hertz: f64, terms: usize, from_mm: f64) -> (Self, f64) {
+        let terms = terms.min(MAX_TERMS).min(samples.len());
+        let mut matrix = Mat::<f64>::zeros(samples.len(), terms);
+        let mut right = Mat::<f64>::zeros(samples.len(), 1);
+        let (mut value, mut slope) = ([0.0; MAX_TERMS], [0.0; MAX_TERMS]);
+        for (i, p) in samples.iter().enumerate() {
+            let s = (p.depth_mm / depth_max_mm).sqrt();
+            polynomials(2.0 * s - 1.0, &mut value[..terms], &mut slope[..terms]);
+            let g = p.force_n / p.depth_mm.powf(1.5);
+            let weight = 1.0 / (p.error * g);
+            for (k, t) in value[..terms].iter().enumerate() {
+                matrix[(i, k)] = weight * s * t;
+            }
+            right[(i, 0)] = weight * (g - hertz);
+        }
+        let solution = matrix.qr().solve_lstsq(&right);
+        let profile = Self {
+            depth_max_mm,
+            hertz,
+            coefficients: (0..terms).map(|k| solution[(k, 0)]).collect(),
+        };
+        let misses: Vec<f64> = samples
+            .iter()
+            .filter(|p| p.depth_mm >= from_mm)
+            .map(|p| profile.force_n(p.depth_mm) / p.force_n - 1.0)
+            .collect();
+        let square = misses.iter().map(|x| x * x).sum::<f64>() / misses.len().max(1) as f64;
+        (profile, square.sqrt())
+    }
+
+    /// Force [N] at a depth; 0 for `depth <= 0`, the linear continuation beyond the range.
+    #[must_use]
+    pub fn force_n(&self, depth_mm: f64) -> f64 {
+        self.force_and_slope(depth_mm).0
+    }
+
+    /// Force [N] and `dF/dd` [N/mm].
+    #[must_use]
+    pub fn force_and_slope(&self, depth_mm: f64) -> (f64, f64) {
+        if depth_mm <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let d = depth_mm.min(self.depth_max_mm);
+        let n = self.coefficients.len();
+        let (mut value, mut slope) = ([0.0; MAX_TERMS], [0.0; MAX_TERMS]);
+        let s = (d / self.depth_max_mm).sqrt();
+        polynomials(2.0 * s - 1.0, &mut value[..n], &mut slope[..n]);
+        let (mut q, mut dq) = (0.0, 0.0);
+        for k in 0..n {
+            q += self.coefficients[k] * value[k];
+            dq += self.coefficients[k] * 2.0 * slope[k];
+        }
+        let (f, df) = assemble(d, s, self.hertz, q, dq);
+        (f + df * (depth_mm - d), df)
+    }
+}
+
+/// `F` and `dF/dd` from `q(s)` and `dq/ds`; `ds/dd = s / (2 d)`.
+pub fn assemble(d: f64, s: f64, hertz: f64, q: f64, dq: f64) -> (f64, f64) {
+    let root = d.sqrt();
+    let g = hertz + s * q;
+    let dg = (q + s * dq) * s / (2.0 * d);
+    (d * root * g, root * (1.5 * g + d * dg))
+}

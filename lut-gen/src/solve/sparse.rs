@@ -1,0 +1,150 @@
+//! Symmetric sparse matrix of fixed pattern and its Cholesky factor.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
+use faer::{Conj, MatMut, Par, Side};
+
+/// A degree of freedom that is held: it has no equation.
+pub const HELD: usize = usize::MAX;
+
+/// Pattern of the lower triangle in compressed columns, with one scatter list a group.
+#[derive(Debug)]
+pub struct Pattern {
+    symbolic: SymbolicSparseColMat<usize>,
+    diagonal: Vec<usize>,
+}
+
+impl Pattern {
+    /// Pattern of `n` equations in which the members of each group are coupled.
+    ///
+    /// `groups` list equation numbers, [`HELD`] for none. Returns the pattern
+    /// and for every group the position in the value array of each entry of its
+    /// lower triangle (row by row), [`u32::MAX`] for entries of held members.
+    #[must_use]
+    pub fn new<'a>(n: usize, groups: impl Iterator<Item = &'a [usize]> + Clone) -> (Self, Vec<Vec<u32>>) {
+        let mut columns: Vec<Vec<usize>> = vec![Vec::new(); n];
+        for group in groups.clone() {
+            for &a in group {
+                for &b in group {
+                    if a != HELD && b != HELD && a >= b {
+                        columns[b].push(a);
+                    }
+                }
+            }
+        }
+        let mut start = Vec::with_capacity(n + 1);
+        let mut rows = Vec::new();
+        let mut diagonal = Vec::with_capacity(n);
+        start.push(0);
+        for column in &mut columns {
+            column.sort_unstable();
+            column.dedup();
+            diagonal.push(rows.len());
+            rows.extend_from_slice(column);
+            start.push(rows.len());
+        }
+        let place = |a: usize, b: usize| {
+            if a == HELD || b == HELD {
+                return u32::MAX;
+            }
+            let (row, column) = (a.max(b), a.min(b));
+            let list = &rows[start[column]..start[column + 1]];
+            list.binary_search(&row)
+                .map_or(u32::MAX, |k| (start[column] + k) as u32)
+        };
+        let scatter = groups
+            .map(|group| {
+                let mut list = Vec::with_capacity(group.len() * (group.len() + 1) / 2);
+                for i in 0..group.len() {
+                    for j in 0..=i {
+                        list.push(place(group[i], group[j]));
+                    }
+                }
+                list
+            })
+            .collect();
+        let symbolic = SymbolicSparseColMat::new_checked(n, n, start, None, rows);
+        (Self { symbolic, diagonal }, scatter)
+    }
+
+    /// Number of stored values.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.symbolic.row_idx().len()
+    }
+
+    /// Positions of the diagonal in the value array.
+    #[must_use]
+    pub fn diagonal(&self) -> &[usize] {
+        &self.diagonal
+    }
+}
+
+/// Cholesky factor with symbolic analysis done once.
+pub struct Factor {
+    symbolic: SymbolicCholesky<usize>,
+    values: Vec<f64>,
+    memory: MemBuffer,
+}
+
+impl Factor {
+    /// Analyses the pattern (approximate minimum degree ordering); `None` when
+    /// memory does not suffice.
+    #[must_use]
+    pub fn new(pattern: &Pattern) -> Option<Self> {
+        let symbolic = factorize_symbolic_cholesky(
+            pattern.symbolic.as_ref(),
+            Side::Lower,
+            SymmetricOrdering::Amd,
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..Default::default()
+            },
+        )
+        .ok()?;
+        let numeric = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let solve = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        Some(Self {
+            values: vec![0.0; symbolic.len_val()],
+            memory: MemBuffer::new(numeric.or(solve)),
+            symbolic,
+        })
+    }
+
+    /// Factorises the matrix of the given values. False when it is not positive definite.
+    pub fn factorise(&mut self, pattern: &Pattern, values: &[f64]) -> bool {
+        self.symbolic
+            .factorize_numeric_llt(
+                &mut self.values,
+                SparseColMatRef::new(pattern.symbolic.as_ref(), values),
+                Side::Lower,
+                LltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut self.memory),
+                Default::default(),
+            )
+            .is_ok()
+    }
+
+    /// Solves in place with the last factor.
+    pub fn solve(&mut self, x: &mut [f64]) {
+        let n = x.len();
+        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(x, n, 1),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+        );
+    }
+
+    /// Stored entries of the factor.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+}
