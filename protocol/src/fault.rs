@@ -121,10 +121,7 @@ impl FaultSet {
 
     /// The faults in the set that this version knows, lowest bit first.
     pub fn iter(self) -> impl Iterator<Item = Fault> {
-        Fault::ALL
-            .iter()
-            .copied()
-            .filter(move |f| self.contains(*f))
+        Fault::ALL.iter().copied().filter(move |f| self.contains(*f))
     }
 }
 
@@ -140,13 +137,7 @@ mod tests {
             let mut set = FaultSet::NONE;
             set.insert(*fault);
             assert_eq!(set.iter().collect::<Vec<_>>(), [*fault]);
-            assert_eq!(
-                Fault::ALL
-                    .iter()
-                    .filter(|f| f.code() == fault.code())
-                    .count(),
-                1
-            );
+            assert_eq!(Fault::ALL.iter().filter(|f| f.code() == fault.code()).count(), 1);
         }
         assert_eq!(Fault::from_bit(Fault::ALL.len() as u8), None);
     }

@@ -84,15 +84,12 @@ pub fn encode(
     let mut raw = [0u8; MAX_RAW];
     raw[0] = kind;
     raw[1..3].copy_from_slice(&seq.to_le_bytes());
-    let body_len = fill(&mut raw[3..3 + MAX_BODY])
-        .filter(|n| *n <= MAX_BODY)
-        .ok_or(BodyTooLong)?;
+    let body_len = fill(&mut raw[3..3 + MAX_BODY]).filter(|n| *n <= MAX_BODY).ok_or(BodyTooLong)?;
     let end = 3 + body_len;
     let crc = CRC32.checksum(&raw[..end]);
     raw[end..end + 4].copy_from_slice(&crc.to_le_bytes());
     // `out` has room for the worst case of COBS by the definition of MAX_FRAME.
-    let n =
-        cobs::try_encode(&raw[..end + 4], &mut out[..MAX_FRAME - 1]).map_err(|_| BodyTooLong)?;
+    let n = cobs::try_encode(&raw[..end + 4], &mut out[..MAX_FRAME - 1]).map_err(|_| BodyTooLong)?;
     out[n] = 0;
     Ok(&out[..=n])
 }
@@ -135,11 +132,7 @@ impl Default for Decoder {
 impl Decoder {
     /// An empty decoder.
     pub const fn new() -> Self {
-        Decoder {
-            buffer: [0; MAX_FRAME],
-            len: 0,
-            skipping: false,
-        }
+        Decoder { buffer: [0; MAX_FRAME], len: 0, skipping: false }
     }
 
     /// Takes one byte. `None` until a zero ends a run of bytes; an empty run is not an error.
@@ -182,11 +175,7 @@ fn check(buffer: &mut [u8; MAX_FRAME], len: usize) -> Result<Frame<'_>, FrameErr
     let [kind, s0, s1, body @ ..] = content else {
         return Err(FrameError::TooShort);
     };
-    Ok(Frame {
-        kind: *kind,
-        seq: u16::from_le_bytes([*s0, *s1]),
-        body,
-    })
+    Ok(Frame { kind: *kind, seq: u16::from_le_bytes([*s0, *s1]), body })
 }
 
 /// Counts frames that never arrived, from the gaps in their sequence numbers.
@@ -245,10 +234,7 @@ mod tests {
         let (good, _) = decode_all(&frame(1, 2, &body));
         assert_eq!(good, [(1, 2, body.to_vec())]);
         let mut out = [0; MAX_FRAME];
-        assert_eq!(
-            encode(1, 2, |_| Some(MAX_BODY + 1), &mut out),
-            Err(BodyTooLong)
-        );
+        assert_eq!(encode(1, 2, |_| Some(MAX_BODY + 1), &mut out), Err(BodyTooLong));
     }
 
     #[test]

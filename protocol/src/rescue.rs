@@ -40,31 +40,12 @@ impl Answer {
         let [v0, v1] = self.protocol_version.to_le_bytes();
         let [a, b, c] = self.firmware_version;
         let [h0, h1, h2, h3] = self.schema_hash_low.to_le_bytes();
-        [
-            b'P', b'A', b'L', b'P', b'!', v0, v1, a, b, c, h0, h1, h2, h3,
-        ]
+        [b'P', b'A', b'L', b'P', b'!', v0, v1, a, b, c, h0, h1, h2, h3]
     }
 
     /// Reads an answer; longer bodies are accepted so that a future board may say more.
     pub fn from_bytes(body: &[u8]) -> Option<Self> {
-        let [
-            b'P',
-            b'A',
-            b'L',
-            b'P',
-            b'!',
-            v0,
-            v1,
-            a,
-            b,
-            c,
-            h0,
-            h1,
-            h2,
-            h3,
-            ..,
-        ] = *body
-        else {
+        let [b'P', b'A', b'L', b'P', b'!', v0, v1, a, b, c, h0, h1, h2, h3, ..] = *body else {
             return None;
         };
         Some(Answer {
@@ -82,20 +63,10 @@ mod tests {
     /// These bytes are frozen: a change here cuts off every board in the field.
     #[test]
     fn the_frozen_bytes() {
-        let answer = Answer {
-            protocol_version: 0x0201,
-            firmware_version: [3, 4, 5],
-            schema_hash_low: 0x0908_0706,
-        };
-        assert_eq!(
-            &answer.to_bytes(),
-            b"PALP!\x01\x02\x03\x04\x05\x06\x07\x08\x09"
-        );
+        let answer = Answer { protocol_version: 0x0201, firmware_version: [3, 4, 5], schema_hash_low: 0x0908_0706 };
+        assert_eq!(&answer.to_bytes(), b"PALP!\x01\x02\x03\x04\x05\x06\x07\x08\x09");
         assert_eq!(Answer::from_bytes(&answer.to_bytes()), Some(answer));
-        assert_eq!(
-            Answer::from_bytes(b"PALP!\x01\x02\x03\x04\x05\x06\x07\x08\x09 and more"),
-            Some(answer)
-        );
+        assert_eq!(Answer::from_bytes(b"PALP!\x01\x02\x03\x04\x05\x06\x07\x08\x09 and more"), Some(answer));
         assert_eq!(Answer::from_bytes(b"PALP?"), None);
         assert_eq!(&QUESTION, b"PALP?");
     }

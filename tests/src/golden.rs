@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Path of a golden file.
 pub fn path(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("golden")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("golden").join(name)
 }
 
 /// Compares `text` with golden file `name`, or writes the file when blessing.
@@ -27,11 +25,7 @@ pub fn compare(name: &str, text: &str) -> Result<(), String> {
         ));
     }
     if golden.lines().count() != text.lines().count() {
-        return Err(format!(
-            "{name}: {} lines, now {}",
-            golden.lines().count(),
-            text.lines().count()
-        ));
+        return Err(format!("{name}: {} lines, now {}", golden.lines().count(), text.lines().count()));
     }
     Ok(())
 }

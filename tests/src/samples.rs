@@ -8,30 +8,16 @@ use protocol::message::*;
 pub fn requests() -> Vec<Request> {
     let data = (0..5).collect();
     vec![
-        Request::Hello(HelloRequest {
-            protocol_version: 1,
-            schema_hash: 0x0123_4567_89ab_cdef,
-        }),
+        Request::Hello(HelloRequest { protocol_version: 1, schema_hash: 0x0123_4567_89ab_cdef }),
         Request::Status(Empty {}),
-        Request::SetMode(Mode::Palpate {
-            rate_mm_s: 2.0,
-            depth_mm: 4.0,
-        }),
-        Request::SetGains(Gains {
-            kp: 1.5,
-            ki: 2.5,
-            kd: 0.25,
-            n: 7.5,
-        }),
+        Request::SetMode(Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 }),
+        Request::SetGains(Gains { kp: 1.5, ki: 2.5, kd: 0.25, n: 7.5 }),
         Request::GetCalibration(Empty {}),
         Request::SetCalibration(calibration()),
         Request::Tare(Empty {}),
         Request::ClearFaults(Empty {}),
         Request::SetTelemetry(TelemetryRate { divider: 2 }),
-        Request::TableBegin(TableBegin {
-            length: 36_000,
-            crc: 0xcbf4_3926,
-        }),
+        Request::TableBegin(TableBegin { length: 36_000, crc: 0xcbf4_3926 }),
         Request::TableChunk(TableChunk { offset: 192, data }),
         Request::TableCommit(Empty {}),
         Request::TableQuery(Empty {}),
@@ -64,49 +50,21 @@ pub fn reports() -> Vec<Report> {
             table_hash: [7; 16],
         }),
         Report::Accepted(Accepted { of: 3, seq: 77 }),
-        Report::Refused(Refused {
-            of: 16,
-            seq: 78,
-            reason: Refusal::TooLarge,
-        }),
+        Report::Refused(Refused { of: 16, seq: 78, reason: Refusal::TooLarge }),
         Report::Telemetry(telemetry(faults)),
         Report::Verdict(verdict()),
-        Report::Fault(FaultReport {
-            tick: 51,
-            fault: Fault::ForceLimit as u8,
-            value: 21.0,
-            limit: 20.0,
-        }),
-        Report::TableState(TableState {
-            active: Slot::B,
-            hash: [9; 16],
-            next_offset: 384,
-            length: 36_000,
-        }),
+        Report::Fault(FaultReport { tick: 51, fault: Fault::ForceLimit as u8, value: 21.0, limit: 20.0 }),
+        Report::TableState(TableState { active: Slot::B, hash: [9; 16], next_offset: 384, length: 36_000 }),
         Report::Calibration(calibration()),
     ]
 }
 
 fn calibration() -> Calibration {
     Calibration {
-        load_cell: LoadCell {
-            zero_ratio: 0.5,
-            n_per_ratio: 40.0,
-        },
-        fsr: ResistiveSensor {
-            slope: 0.079,
-            offset: -0.016,
-            divider_kohm: 10.0,
-        },
-        potentiometer: ResistiveSensor {
-            slope: -0.080279,
-            offset: 2.5829,
-            divider_kohm: 1.6,
-        },
-        probe: ProbePosition {
-            zero_ratio: 0.1,
-            mm_per_ratio: 60.0,
-        },
+        load_cell: LoadCell { zero_ratio: 0.5, n_per_ratio: 40.0 },
+        fsr: ResistiveSensor { slope: 0.079, offset: -0.016, divider_kohm: 10.0 },
+        potentiometer: ResistiveSensor { slope: -0.080279, offset: 2.5829, divider_kohm: 1.6 },
+        probe: ProbePosition { zero_ratio: 0.1, mm_per_ratio: 60.0 },
     }
 }
 
@@ -145,13 +103,7 @@ fn verdict() -> Verdict {
         margin: 0.5,
         peak_force_n: 6.0,
         samples: 100,
-        material: Recognition {
-            index: 0,
-            error_n: 0.03125,
-            runner_up: 4,
-            runner_up_error_n: 0.125,
-            margin: 0.75,
-        },
+        material: Recognition { index: 0, error_n: 0.03125, runner_up: 4, runner_up_error_n: 0.125, margin: 0.75 },
         tick_max_us: 120,
         tick_mean_us: 80.5,
     }
@@ -167,34 +119,14 @@ pub fn small_table() -> TableSpec {
         values: values.to_vec(),
     };
     let depths = [0.5, 1.0, 1.5, 2.0];
-    let columns = [10.0, 20.0]
-        .iter()
-        .flat_map(|h| [1.0, 2.0, 4.0].map(|alpha| depths.map(|d| alpha * d / h).to_vec()))
-        .collect();
+    let columns =
+        [10.0, 20.0].iter().flat_map(|h| [1.0, 2.0, 4.0].map(|alpha| depths.map(|d| alpha * d / h).to_vec())).collect();
     TableSpec {
         axes: vec![
             axis(axis_name::DEPTH, "mm", Role::Row, Scale::Linear, &depths),
-            axis(
-                axis_name::HEIGHT,
-                "mm",
-                Role::Column,
-                Scale::Listed,
-                &[10.0, 20.0],
-            ),
-            axis(
-                axis_name::ALPHA,
-                "",
-                Role::Column,
-                Scale::Logarithmic,
-                &[1.0, 2.0, 4.0],
-            ),
-            axis(
-                axis_name::MU,
-                "MPa",
-                Role::Factor,
-                Scale::Linear,
-                &[0.1, 0.2],
-            ),
+            axis(axis_name::HEIGHT, "mm", Role::Column, Scale::Listed, &[10.0, 20.0]),
+            axis(axis_name::ALPHA, "", Role::Column, Scale::Logarithmic, &[1.0, 2.0, 4.0]),
+            axis(axis_name::MU, "MPa", Role::Factor, Scale::Linear, &[0.1, 0.2]),
         ],
         columns,
         library: vec![MaterialSpec {

@@ -10,11 +10,7 @@ use tests::{golden, samples};
 fn frames() -> Vec<(String, Vec<u8>)> {
     let mut out = [0; MAX_FRAME];
     let named = |table: &[(u8, &str)], kind: u8| {
-        table
-            .iter()
-            .find(|(k, _)| *k == kind)
-            .map(|(k, name)| format!("0x{k:02x} {name}"))
-            .unwrap()
+        table.iter().find(|(k, _)| *k == kind).map(|(k, name)| format!("0x{k:02x} {name}")).unwrap()
     };
     let mut all = vec![];
     for message in samples::requests() {
@@ -29,27 +25,15 @@ fn frames() -> Vec<(String, Vec<u8>)> {
         b[..5].copy_from_slice(&protocol::rescue::QUESTION);
         Some(5)
     };
-    all.push((
-        "0x00 Rescue".into(),
-        encode(protocol::rescue::KIND, 0x0102, question, &mut out)
-            .unwrap()
-            .to_vec(),
-    ));
+    all.push(("0x00 Rescue".into(), encode(protocol::rescue::KIND, 0x0102, question, &mut out).unwrap().to_vec()));
     all
 }
 
 #[test]
 fn every_message_keeps_its_bytes() {
     let frames = frames();
-    assert_eq!(
-        frames.len(),
-        Request::TABLE.len() + Report::TABLE.len() + 1,
-        "a message without a sample"
-    );
-    let mut text: String = frames
-        .iter()
-        .map(|(name, bytes)| format!("{name} {}\n", golden::hex(bytes)))
-        .collect();
+    assert_eq!(frames.len(), Request::TABLE.len() + Report::TABLE.len() + 1, "a message without a sample");
+    let mut text: String = frames.iter().map(|(name, bytes)| format!("{name} {}\n", golden::hex(bytes))).collect();
     text += &format!("schema hash {:016x}\n", protocol::message::SCHEMA_HASH);
     golden::compare("frames-v1.txt", &text).unwrap();
 }
@@ -59,15 +43,10 @@ fn every_message_survives_the_line() {
     let mut decoder = Decoder::new();
     let mut out = [0; MAX_FRAME];
     for (seq, message) in samples::requests().iter().enumerate() {
-        let bytes = encode_request(message, seq as u16, &mut out)
-            .unwrap()
-            .to_vec();
+        let bytes = encode_request(message, seq as u16, &mut out).unwrap().to_vec();
         let (kind, body) = last_frame(&mut decoder, &bytes);
         assert_eq!(Request::decode(kind, &body).as_ref(), Ok(message));
-        assert!(
-            Report::decode(kind, &body).is_err(),
-            "a request is no report"
-        );
+        assert!(Report::decode(kind, &body).is_err(), "a request is no report");
     }
     for message in &samples::reports() {
         let bytes = encode_report(message, 9, &mut out).unwrap().to_vec();
@@ -109,10 +88,7 @@ fn no_flipped_bit_is_accepted() {
 #[test]
 fn the_table_keeps_its_bytes() {
     let bytes = samples::small_table().to_bytes().unwrap();
-    let text: String = bytes
-        .chunks(32)
-        .map(|row| golden::hex(row) + "\n")
-        .collect();
+    let text: String = bytes.chunks(32).map(|row| golden::hex(row) + "\n").collect();
     golden::compare("table-v1.txt", &text).unwrap();
     let table = Table::parse(&bytes).unwrap();
     assert_eq!(table.column_value(4, "alpha"), Some(2.0));

@@ -46,9 +46,7 @@ impl<'a> Axis<'a> {
     pub(super) fn parse(data: &'a [u8], axes_at: usize, axis: u8) -> Result<Self, TableError> {
         let bad = |rule| TableError::BadAxis { axis, rule };
         let at = axes_at + usize::from(axis) * AXIS_LEN;
-        let name = name_at(data, at, 12)
-            .filter(|n| !n.is_empty())
-            .ok_or(bad("name is not printable ASCII"))?;
+        let name = name_at(data, at, 12).filter(|n| !n.is_empty()).ok_or(bad("name is not printable ASCII"))?;
         let unit = name_at(data, at + 12, 8).ok_or(bad("unit is not printable ASCII"))?;
         let role = match data.get(at + 20) {
             Some(0) => Role::Row,
@@ -69,13 +67,7 @@ impl<'a> Axis<'a> {
             .filter(|_| from >= super::HEADER_LEN)
             .and_then(|end| data.get(from..end))
             .ok_or(bad("values lie outside the table"))?;
-        let parsed = Axis {
-            name,
-            unit,
-            role,
-            scale,
-            values,
-        };
+        let parsed = Axis { name, unit, role, scale, values };
         if count == 0 {
             return Err(bad("no values"));
         }

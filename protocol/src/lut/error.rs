@@ -60,9 +60,7 @@ pub enum TableError {
 impl core::fmt::Display for TableError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {
-            TableError::NotATable => {
-                f.write_str("not a Palpate table: the first 8 bytes are not PALPLUT")
-            }
+            TableError::NotATable => f.write_str("not a Palpate table: the first 8 bytes are not PALPLUT"),
             TableError::WrongVersion { found } => write!(
                 f,
                 "table layout version {found}, this build reads version {}: make the table again with `palpate lut`",
@@ -78,23 +76,15 @@ impl core::fmt::Display for TableError {
             }
             TableError::BadAxis { axis, rule } => write!(f, "table axis {axis}: {rule}"),
             TableError::ColumnsMismatch { axes, header } => {
-                write!(
-                    f,
-                    "table axes span {axes} columns, the header says {header}"
-                )
+                write!(f, "table axes span {axes} columns, the header says {header}")
             }
             TableError::BadScale { column } => {
-                write!(
-                    f,
-                    "table column {column}: scale is not a positive finite number"
-                )
+                write!(f, "table column {column}: scale is not a positive finite number")
             }
             TableError::BadMaterial { material, rule } => {
                 write!(f, "table library material {material}: {rule}")
             }
-            TableError::BadErrorBound => {
-                f.write_str("table error bound is not a finite number >= 0")
-            }
+            TableError::BadErrorBound => f.write_str("table error bound is not a finite number >= 0"),
         }
     }
 }

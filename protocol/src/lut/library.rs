@@ -42,9 +42,7 @@ impl<'a> Material<'a> {
                 .and_then(|end| data.get(from..end))
                 .ok_or(bad("a curve lies outside the table"))
         };
-        let name = name_at(data, at, 16)
-            .filter(|n| !n.is_empty())
-            .ok_or(bad("name is not printable ASCII"))?;
+        let name = name_at(data, at, 16).filter(|n| !n.is_empty()).ok_or(bad("name is not printable ASCII"))?;
         let mut fields = [0f32; 7];
         for (i, field) in fields.iter_mut().enumerate() {
             *field = f32_at(data, at + 16 + 4 * i);
@@ -52,15 +50,7 @@ impl<'a> Material<'a> {
                 return Err(bad("a number is not positive and finite"));
             }
         }
-        let [
-            mu_mpa,
-            alpha,
-            height_mm,
-            n_per_count,
-            n_per_display_point,
-            mm_per_count,
-            acceptance,
-        ] = fields;
+        let [mu_mpa, alpha, height_mm, n_per_count, n_per_display_point, mm_per_count, acceptance] = fields;
         Ok(Material {
             name,
             mu_mpa,

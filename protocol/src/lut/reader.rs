@@ -40,11 +40,7 @@ pub struct DepthPosition {
 impl DepthPosition {
     /// Linear interpolation of a quantity that is `value(row)` at a row and zero at depth zero.
     pub fn interpolate(self, value: impl Fn(usize) -> f32) -> f32 {
-        let lower = if self.row == 0 {
-            0.0
-        } else {
-            value(self.row - 1)
-        };
+        let lower = if self.row == 0 { 0.0 } else { value(self.row - 1) };
         lower + self.weight * (value(self.row) - lower)
     }
 }
@@ -136,11 +132,7 @@ impl<'a> Table<'a> {
                 .ok_or(TableError::BadSection { section: name })
         };
         section("axes", 64, Some(usize::from(axis_count) * AXIS_LEN))?;
-        section(
-            "library",
-            76,
-            Some(usize::from(material_count) * MATERIAL_LEN),
-        )?;
+        section("library", 76, Some(usize::from(material_count) * MATERIAL_LEN))?;
         let provenance = section("provenance", 80, Some(u32_at(data, 84) as usize))?;
         Ok(Table {
             data,
@@ -149,50 +141,30 @@ impl<'a> Table<'a> {
             rows,
             columns,
             scales: section("scales", 68, columns.checked_mul(4))?,
-            counts: section(
-                "counts",
-                72,
-                columns.checked_mul(rows).and_then(|n| n.checked_mul(2)),
-            )?,
+            counts: section("counts", 72, columns.checked_mul(rows).and_then(|n| n.checked_mul(2)))?,
             library_at: u32_at(data, 76) as usize,
             material_count,
             display_points,
-            provenance: core::str::from_utf8(provenance).map_err(|_| TableError::BadSection {
-                section: "provenance",
-            })?,
+            provenance: core::str::from_utf8(provenance)
+                .map_err(|_| TableError::BadSection { section: "provenance" })?,
             depth_step_mm: 0.0,
         })
     }
 
     fn check_contents(mut self) -> Result<Self, TableError> {
         let bound = self.error_bound();
-        if ![
-            bound.discretisation,
-            bound.interpolation,
-            bound.quantisation,
-        ]
-        .iter()
-        .all(|e| e.is_finite() && *e >= 0.0)
-        {
+        if ![bound.discretisation, bound.interpolation, bound.quantisation].iter().all(|e| e.is_finite() && *e >= 0.0) {
             return Err(TableError::BadErrorBound);
         }
         self.depth_step_mm = self.check_axes()?;
         for (column, scale) in self.scales.chunks_exact(4).enumerate() {
             let scale = f32_at(scale, 0);
             if !(scale.is_finite() && scale > 0.0) {
-                return Err(TableError::BadScale {
-                    column: column as u32,
-                });
+                return Err(TableError::BadScale { column: column as u32 });
             }
         }
         for material in 0..self.material_count {
-            Material::parse(
-                self.data,
-                self.library_at,
-                material,
-                self.rows,
-                self.display_points,
-            )?;
+            Material::parse(self.data, self.library_at, material, self.rows, self.display_points)?;
         }
         Ok(self)
     }
@@ -220,18 +192,12 @@ impl<'a> Table<'a> {
                 }
                 (_, Role::Factor) if factors == 0 && axis.value(0) > 0.0 => factors += 1,
                 (_, Role::Factor) => {
-                    return Err(bad(
-                        number,
-                        "at most one factor axis, with values above zero",
-                    ));
+                    return Err(bad(number, "at most one factor axis, with values above zero"));
                 }
             }
         }
         if product as usize != self.columns {
-            return Err(TableError::ColumnsMismatch {
-                axes: product,
-                header: self.columns as u32,
-            });
+            return Err(TableError::ColumnsMismatch { axes: product, header: self.columns as u32 });
         }
         Ok(step)
     }
@@ -329,51 +295,29 @@ impl<'a> Table<'a> {
             return None;
         }
         let row = (at as usize).min(self.rows - 1);
-        Some(DepthPosition {
-            row,
-            weight: (at - row as f32).min(1.0),
-        })
+        Some(DepthPosition { row, weight: (at - row as f32).min(1.0) })
     }
 
     /// Force of one stored column, N (N per unit of the factor axis where there is one).
     pub fn force_n(&self, position: DepthPosition, column: usize) -> f32 {
-        position
-            .interpolate(|row| f32::from(u16_at(self.counts, (row * self.columns + column) * 2)))
+        position.interpolate(|row| f32::from(u16_at(self.counts, (row * self.columns + column) * 2)))
             * f32_at(self.scales, column * 4)
     }
 
     /// Forces of stored columns side by side, as [`Table::force_n`]: what a search reads in one tick.
-    pub fn forces_n(
-        &self,
-        position: DepthPosition,
-        columns: Range<usize>,
-    ) -> impl Iterator<Item = f32> + use<'a> {
+    pub fn forces_n(&self, position: DepthPosition, columns: Range<usize>) -> impl Iterator<Item = f32> + use<'a> {
         let row = |row: usize| {
             let from = (row * self.columns + columns.start) * 2;
-            self.counts
-                .get(from..from + columns.len() * 2)
-                .unwrap_or(&[])
+            self.counts.get(from..from + columns.len() * 2).unwrap_or(&[])
         };
         let upper = row(position.row);
         // At depth zero every force is zero: weight the first row alone.
-        let (lower, zero) = if position.row == 0 {
-            (upper, 0.0)
-        } else {
-            (row(position.row - 1), 1.0)
-        };
-        let scales = self
-            .scales
-            .get(columns.start * 4..columns.end * 4)
-            .unwrap_or(&[]);
+        let (lower, zero) = if position.row == 0 { (upper, 0.0) } else { (row(position.row - 1), 1.0) };
+        let scales = self.scales.get(columns.start * 4..columns.end * 4).unwrap_or(&[]);
         let (w_upper, w_lower) = (position.weight, zero * (1.0 - position.weight));
-        upper
-            .chunks_exact(2)
-            .zip(lower.chunks_exact(2))
-            .zip(scales.chunks_exact(4))
-            .map(move |((u, l), s)| {
-                (w_upper * f32::from(u16_at(u, 0)) + w_lower * f32::from(u16_at(l, 0)))
-                    * f32_at(s, 0)
-            })
+        upper.chunks_exact(2).zip(lower.chunks_exact(2)).zip(scales.chunks_exact(4)).map(move |((u, l), s)| {
+            (w_upper * f32::from(u16_at(u, 0)) + w_lower * f32::from(u16_at(l, 0))) * f32_at(s, 0)
+        })
     }
 
     /// Number of library materials.
@@ -383,17 +327,8 @@ impl<'a> Table<'a> {
 
     /// Library material number `index`.
     pub fn material(&self, index: usize) -> Option<Material<'a>> {
-        let index = u8::try_from(index)
-            .ok()
-            .filter(|i| *i < self.material_count)?;
-        Material::parse(
-            self.data,
-            self.library_at,
-            index,
-            self.rows,
-            self.display_points,
-        )
-        .ok()
+        let index = u8::try_from(index).ok().filter(|i| *i < self.material_count)?;
+        Material::parse(self.data, self.library_at, index, self.rows, self.display_points).ok()
     }
 
     /// All library materials.
@@ -410,10 +345,7 @@ fn check_envelope(bytes: &[u8]) -> Result<&[u8], TableError> {
     }
     let found = bytes.len() as u32;
     if bytes.len() < HEADER_LEN {
-        return Err(TableError::Truncated {
-            expected: HEADER_LEN as u32,
-            found,
-        });
+        return Err(TableError::Truncated { expected: HEADER_LEN as u32, found });
     }
     let version = u16_at(bytes, 8);
     if version != VERSION {
@@ -421,18 +353,13 @@ fn check_envelope(bytes: &[u8]) -> Result<&[u8], TableError> {
     }
     let mut header: [u8; HEADER_LEN] = array(bytes, 0);
     header[20..24].fill(0);
-    if CRC32.checksum(&header) != u32_at(bytes, 20) || usize::from(u16_at(bytes, 10)) != HEADER_LEN
-    {
+    if CRC32.checksum(&header) != u32_at(bytes, 20) || usize::from(u16_at(bytes, 10)) != HEADER_LEN {
         return Err(TableError::HeaderCorrupt);
     }
     let expected = u32_at(bytes, 12);
-    let data = bytes
-        .get(..expected as usize)
-        .ok_or(TableError::Truncated { expected, found })?;
-    let payload = data.get(HEADER_LEN..).ok_or(TableError::Truncated {
-        expected: HEADER_LEN as u32,
-        found: expected,
-    })?;
+    let data = bytes.get(..expected as usize).ok_or(TableError::Truncated { expected, found })?;
+    let payload =
+        data.get(HEADER_LEN..).ok_or(TableError::Truncated { expected: HEADER_LEN as u32, found: expected })?;
     if CRC32.checksum(payload) != u32_at(bytes, 16) {
         return Err(TableError::PayloadCorrupt);
     }
@@ -447,10 +374,7 @@ fn check_depth(axis: &Axis<'_>, rows: usize) -> Result<f32, TableError> {
     }
     let step = axis.value(rows - 1) / rows as f32;
     // f32 values written from f64 are off by rounding only; a thousandth of a step is far above it.
-    let even = axis
-        .values()
-        .enumerate()
-        .all(|(i, v)| (v - step * (i + 1) as f32).abs() <= 1e-3 * step);
+    let even = axis.values().enumerate().all(|(i, v)| (v - step * (i + 1) as f32).abs() <= 1e-3 * step);
     if !(step > 0.0 && even) {
         return Err(bad("depths are not even steps from the surface"));
     }

@@ -95,18 +95,11 @@ impl core::fmt::Display for WriteError {
             WriteError::BadName { text, limit } => {
                 write!(f, "name `{text}` must be ASCII of 1 to {limit} characters")
             }
-            WriteError::WrongLength {
-                what,
-                found,
-                expected,
-            } => {
+            WriteError::WrongLength { what, found, expected } => {
                 write!(f, "{what} has {found} values, expected {expected}")
             }
             WriteError::BadValue { what, value } => {
-                write!(
-                    f,
-                    "{what}: {value} is not a finite number >= 0, or the whole curve is zero"
-                )
+                write!(f, "{what}: {value} is not a finite number >= 0, or the whole curve is zero")
             }
             WriteError::Layout(error) => error.fmt(f),
         }
@@ -144,8 +137,7 @@ impl TableSpec {
         let scales_at = out.len();
         let mut counts = Vec::with_capacity(self.columns.len());
         for (number, column) in self.columns.iter().enumerate() {
-            let (scale, column) =
-                quantise(&format!("column {number}"), column, rows, &mut quantisation)?;
+            let (scale, column) = quantise(&format!("column {number}"), column, rows, &mut quantisation)?;
             out.extend(scale.to_le_bytes());
             counts.push(column);
         }
@@ -160,22 +152,15 @@ impl TableSpec {
         let mut curves_at = library_at + self.library.len() * MATERIAL_LEN;
         let mut curves = Vec::new();
         for material in &self.library {
-            let (n_per_count, force) =
-                quantise(&material.name, &material.force_n, rows, &mut quantisation)?;
+            let (n_per_count, force) = quantise(&material.name, &material.force_n, rows, &mut quantisation)?;
             // A display curve is felt, not compared: its rounding stays out of the force bound.
             let what = format!("display curve of {}", material.name);
-            let (mm_per_count, display) =
-                quantise(&what, &material.displacement_mm, points, &mut 0.0)?;
+            let (mm_per_count, display) = quantise(&what, &material.displacement_mm, points, &mut 0.0)?;
             put_name(&mut out, &material.name, 16)?;
             for value in [material.mu_mpa, material.alpha, material.height_mm] {
                 out.extend((value as f32).to_le_bytes());
             }
-            for value in [
-                n_per_count,
-                material.display_step_n as f32,
-                mm_per_count,
-                material.acceptance as f32,
-            ] {
+            for value in [n_per_count, material.display_step_n as f32, mm_per_count, material.acceptance as f32] {
                 out.extend(value.to_le_bytes());
             }
             out.extend((curves_at as u32).to_le_bytes());
@@ -193,27 +178,13 @@ impl TableSpec {
             interpolation: self.interpolation as f32,
             quantisation: quantisation as f32,
         };
-        let offsets = [
-            axes_at,
-            scales_at,
-            counts_at,
-            library_at,
-            provenance_at,
-            self.provenance.len(),
-        ];
+        let offsets = [axes_at, scales_at, counts_at, library_at, provenance_at, self.provenance.len()];
         self.put_header(&mut out, bound, rows, points, offsets);
         Table::parse(&out).map_err(WriteError::Layout)?;
         Ok(out)
     }
 
-    fn put_header(
-        &self,
-        out: &mut [u8],
-        bound: ErrorBound,
-        rows: usize,
-        points: usize,
-        offsets: [usize; 6],
-    ) {
+    fn put_header(&self, out: &mut [u8], bound: ErrorBound, rows: usize, points: usize, offsets: [usize; 6]) {
         let total = out.len() as u32;
         let (header, payload) = out.split_at_mut(HEADER_LEN);
         let mut put = |at: usize, bytes: &[u8]| header[at..at + bytes.len()].copy_from_slice(bytes);
@@ -239,35 +210,16 @@ impl TableSpec {
 }
 
 /// Scale and counts of a curve; raises `worst` to the largest rounding error relative to the curve's peak.
-fn quantise(
-    what: &str,
-    curve: &[f64],
-    expected: usize,
-    worst: &mut f64,
-) -> Result<(f32, Vec<u16>), WriteError> {
+fn quantise(what: &str, curve: &[f64], expected: usize, worst: &mut f64) -> Result<(f32, Vec<u16>), WriteError> {
     if curve.len() != expected {
-        return Err(WriteError::WrongLength {
-            what: what.into(),
-            found: curve.len(),
-            expected,
-        });
+        return Err(WriteError::WrongLength { what: what.into(), found: curve.len(), expected });
     }
     let peak = curve.iter().copied().fold(0.0, f64::max);
-    if let Some(bad) = curve
-        .iter()
-        .copied()
-        .find(|v| !v.is_finite() || *v < 0.0 || peak == 0.0)
-    {
-        return Err(WriteError::BadValue {
-            what: what.into(),
-            value: bad,
-        });
+    if let Some(bad) = curve.iter().copied().find(|v| !v.is_finite() || *v < 0.0 || peak == 0.0) {
+        return Err(WriteError::BadValue { what: what.into(), value: bad });
     }
     let scale = (peak / f64::from(u16::MAX)) as f32;
-    let counts: Vec<u16> = curve
-        .iter()
-        .map(|v| (v / f64::from(scale)).round() as u16)
-        .collect();
+    let counts: Vec<u16> = curve.iter().map(|v| (v / f64::from(scale)).round() as u16).collect();
     for (value, count) in curve.iter().zip(&counts) {
         *worst = worst.max((value - f64::from(*count) * f64::from(scale)).abs() / peak);
     }
@@ -276,10 +228,7 @@ fn quantise(
 
 fn put_name(out: &mut Vec<u8>, text: &str, len: usize) -> Result<(), WriteError> {
     if text.is_empty() {
-        return Err(WriteError::BadName {
-            text: text.into(),
-            limit: len,
-        });
+        return Err(WriteError::BadName { text: text.into(), limit: len });
     }
     put_padded(out, text, len)
 }
@@ -290,10 +239,7 @@ fn put_unit(out: &mut Vec<u8>, text: &str) -> Result<(), WriteError> {
 
 fn put_padded(out: &mut Vec<u8>, text: &str, len: usize) -> Result<(), WriteError> {
     if text.len() > len || !text.bytes().all(|b| (0x20..0x7f).contains(&b)) {
-        return Err(WriteError::BadName {
-            text: text.into(),
-            limit: len,
-        });
+        return Err(WriteError::BadName { text: text.into(), limit: len });
     }
     out.extend(text.bytes().chain(std::iter::repeat(0)).take(len));
     Ok(())
@@ -315,10 +261,8 @@ mod tests {
             values: values.to_vec(),
         };
         let depths = [0.5, 1.0, 1.5, 2.0];
-        let columns = [10.0, 20.0]
-            .iter()
-            .flat_map(|h| [1.0, 2.0, 4.0].map(|a| depths.map(|d| a * d / h).to_vec()))
-            .collect();
+        let columns =
+            [10.0, 20.0].iter().flat_map(|h| [1.0, 2.0, 4.0].map(|a| depths.map(|d| a * d / h).to_vec())).collect();
         TableSpec {
             axes: vec![
                 axis(axis_name::DEPTH, "mm", Role::Row, &depths),
@@ -347,10 +291,7 @@ mod tests {
     fn what_is_written_is_read() {
         let bytes = small().to_bytes().unwrap();
         let table = Table::parse(&bytes).unwrap();
-        assert_eq!(
-            (table.rows(), table.columns(), table.material_count()),
-            (4, 6, 1)
-        );
+        assert_eq!((table.rows(), table.columns(), table.material_count()), (4, 6, 1));
         assert_eq!(table.slice(1), 3..6);
         assert_eq!(table.column_value(5, axis_name::ALPHA), Some(4.0));
         assert_eq!(table.column_value(5, axis_name::HEIGHT), Some(20.0));
@@ -364,16 +305,11 @@ mod tests {
                 let expected = table.column_value(column, axis_name::ALPHA).unwrap() * depth
                     / table.column_value(column, axis_name::HEIGHT).unwrap();
                 let peak = expected / depth * 2.0;
-                assert!(
-                    (table.force_n(position, column) - expected).abs() <= 2.0 * worst * peak + 1e-6
-                );
+                assert!((table.force_n(position, column) - expected).abs() <= 2.0 * worst * peak + 1e-6);
             }
             let side_by_side: Vec<f32> = table.forces_n(position, 0..6).collect();
             for (column, force) in side_by_side.iter().enumerate() {
-                assert!(
-                    (force - table.force_n(position, column)).abs() <= 1e-6,
-                    "both reads agree"
-                );
+                assert!((force - table.force_n(position, column)).abs() <= 1e-6, "both reads agree");
             }
         }
         assert_eq!(table.locate(0.0), None);
@@ -381,10 +317,7 @@ mod tests {
         assert_eq!(table.locate(f32::NAN), None);
         let foam = table.material(0).unwrap();
         assert!((foam.force_n(table.locate(1.25).unwrap()) - 0.25).abs() < 1e-5);
-        assert!(
-            (foam.displacement_mm(0.5) - 1.0).abs() < 1e-4,
-            "below the first point, from zero"
-        );
+        assert!((foam.displacement_mm(0.5) - 1.0).abs() < 1e-4, "below the first point, from zero");
         assert!((foam.displacement_mm(2.5) - 3.25).abs() < 1e-4);
         assert!((foam.displacement_mm(99.0) - 3.5).abs() < 1e-4);
         assert_eq!(foam.displacement_mm(f32::NAN), 0.0);
@@ -408,17 +341,10 @@ mod tests {
     fn errors_say_what_was_found_and_expected() {
         let good = small().to_bytes().unwrap();
         let text = |bytes: &[u8]| Table::parse(bytes).unwrap_err().to_string();
-        assert_eq!(
-            text(b"ELF file, really"),
-            "not a Palpate table: the first 8 bytes are not PALPLUT"
-        );
+        assert_eq!(text(b"ELF file, really"), "not a Palpate table: the first 8 bytes are not PALPLUT");
         assert_eq!(
             text(&good[..good.len() - 7]),
-            format!(
-                "table truncated: {} bytes of {}",
-                good.len() - 7,
-                good.len()
-            )
+            format!("table truncated: {} bytes of {}", good.len() - 7, good.len())
         );
         let mut newer = good.clone();
         newer[8] = 9;
@@ -435,10 +361,7 @@ mod tests {
         );
         let mut spec = small();
         spec.columns.pop();
-        assert_eq!(
-            spec.to_bytes().unwrap_err().to_string(),
-            "table axes span 6 columns, the header says 5"
-        );
+        assert_eq!(spec.to_bytes().unwrap_err().to_string(), "table axes span 6 columns, the header says 5");
         let mut spec = small();
         spec.axes[0].values = vec![0.5, 1.0, 1.6, 2.0];
         assert_eq!(

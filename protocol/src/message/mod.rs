@@ -78,9 +78,7 @@ impl Refusal {
     /// The reason in words, with what to do.
     pub const fn describe(self) -> &'static str {
         match self {
-            Refusal::Unknown => {
-                "the board does not know this message: its firmware is older than this tool"
-            }
+            Refusal::Unknown => "the board does not know this message: its firmware is older than this tool",
             Refusal::Malformed => "the board could not decode the message",
             Refusal::Busy => "the board is busy: set mode idle first",
             Refusal::Faulted => "a fault is latched: clear it first",
@@ -239,10 +237,9 @@ impl core::fmt::Display for DecodeError {
                 "unknown message 0x{kind:02x}: the other side speaks a newer protocol than version {}",
                 crate::PROTOCOL_VERSION
             ),
-            DecodeError::Malformed { kind } => write!(
-                f,
-                "message 0x{kind:02x} does not decode: the other side was built from another message table"
-            ),
+            DecodeError::Malformed { kind } => {
+                write!(f, "message 0x{kind:02x} does not decode: the other side was built from another message table")
+            }
         }
     }
 }

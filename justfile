@@ -1,0 +1,37 @@
+# `just check` is what CI runs. Every recipe is a plain command that works without `just` as well.
+
+board_target := "thumbv7em-none-eabihf"
+
+# What CI runs, in its order.
+check: format lint docs board test
+
+# Formatting, as rustfmt.toml has it.
+format:
+    cargo fmt --all -- --check
+
+# Clippy on host and board code, warnings denied.
+lint:
+    cargo clippy --workspace --all-targets -- -D warnings
+    cargo clippy -p protocol --target {{board_target}} -- -D warnings
+    cargo clippy --profile board --target {{board_target}} -p firmware --features board -- -D warnings
+
+# API documentation, warnings (broken links, missing docs) denied.
+docs:
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+
+# The board's image, and its size against the budget.
+board:
+    cargo build --profile board --target {{board_target}} -p firmware --features board
+    firmware/size-budget.sh
+
+# The README's test command.
+test:
+    cargo test --workspace
+
+# The demo, as the README has it.
+demo:
+    cargo run --release -- demo
+
+# Re-bless golden files after a change that is meant.
+bless:
+    PALPATE_BLESS=1 cargo test -p tests
