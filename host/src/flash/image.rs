@@ -1,0 +1,103 @@
+//! What can be written: firmware and tables, checked before a probe is touched.
+
+use std::path::{Path, PathBuf};
+
+use protocol::lut::Table;
+
+use super::{BANK_2_LEN, FlashingError};
+
+/// An ELF file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Firmware {
+    path: PathBuf,
+    bytes: Vec<u8>,
+}
+
+impl Firmware {
+    /// Reads an ELF file.
+    ///
+    /// # Errors
+    /// [`FlashingError::File`], [`FlashingError::Firmware`] for a file of another kind.
+    pub fn read(path: &Path) -> Result<Self, FlashingError> {
+        Self::from_bytes(path, read(path)?)
+    }
+
+    /// Takes the content of an ELF file.
+    ///
+    /// # Errors
+    /// [`FlashingError::Firmware`] for content of another kind.
+    pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, FlashingError> {
+        if !bytes.starts_with(b"\x7fELF") {
+            return Err(FlashingError::Firmware {
+                path: path.into(),
+                reason: "it is not an ELF file; build it with `cargo build --profile board --target thumbv7em-none-eabihf -p firmware`".into(),
+            });
+        }
+        Ok(Firmware { path: path.into(), bytes })
+    }
+
+    /// Where it came from.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its content.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+/// A look-up table that has passed its checks.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TableImage {
+    bytes: Vec<u8>,
+}
+
+impl TableImage {
+    /// Reads and checks a table.
+    ///
+    /// # Errors
+    /// [`FlashingError::File`], [`FlashingError::Table`], [`FlashingError::TableTooLarge`].
+    pub fn read(path: &Path) -> Result<Self, FlashingError> {
+        Self::from_bytes(path, read(path)?)
+    }
+
+    /// Checks the bytes of a table.
+    ///
+    /// # Errors
+    /// [`FlashingError::Table`], [`FlashingError::TableTooLarge`].
+    pub fn from_bytes(path: &Path, mut bytes: Vec<u8>) -> Result<Self, FlashingError> {
+        let length =
+            Table::parse(&bytes).map_err(|source| FlashingError::Table { path: path.into(), source })?.bytes().len();
+        bytes.truncate(length);
+        if length as u64 > BANK_2_LEN {
+            return Err(FlashingError::TableTooLarge { path: path.into(), length: length as u64, limit: BANK_2_LEN });
+        }
+        Ok(TableImage { bytes })
+    }
+
+    /// The table.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, FlashingError> {
+    std::fs::read(path).map_err(|source| FlashingError::File { path: path.into(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn files_of_another_kind_are_named() {
+        let error = Firmware::from_bytes("notes.txt".as_ref(), b"hello".to_vec()).unwrap_err();
+        assert!(error.to_string().starts_with("notes.txt: not firmware for this board: it is not an ELF file"));
+        let error = TableImage::from_bytes("notes.txt".as_ref(), b"hello, world".to_vec()).unwrap_err();
+        assert_eq!(error.to_string(), "notes.txt: not a Palpate table: the first 8 bytes are not PALPLUT");
+        let error = Firmware::read("no such file.elf".as_ref()).unwrap_err();
+        assert!(error.to_string().starts_with("no such file.elf: "));
+    }
+}

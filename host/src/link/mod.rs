@@ -1,0 +1,71 @@
+//! Ways to a board: bytes in, bytes out, with deadlines in the time of the link.
+//!
+//! | board | link | its time |
+//! |---|---|---|
+//! | simulated, in this process | [`InProcess`] | virtual: waiting advances the board tick by tick |
+//! | over the network, real or `palpate board serve` | [`Tcp`] | the wall clock |
+//! | on a serial port (USB CDC-ACM or the ST-LINK's UART) | [`Serial`] | the wall clock |
+//!
+//! [`Disturbed`] puts seeded line noise between any link and its user.
+
+mod address;
+mod disturbed;
+mod error;
+mod in_process;
+mod serial;
+mod tcp;
+
+pub use address::{Address, BadAddress};
+pub use disturbed::{Disturbance, Disturbed};
+pub use error::LinkError;
+pub use in_process::{InProcess, Pace};
+pub use serial::{BAUD, Serial};
+pub use tcp::Tcp;
+
+use crate::plant::Truth;
+
+/// A two-way stream of bytes with a clock of its own.
+pub trait Link {
+    /// Where it leads, for messages: `simulated board`, `tcp:127.0.0.1:4750`.
+    fn name(&self) -> &str;
+
+    /// Time on this link since it was opened, s; never goes back.
+    fn now_s(&self) -> f64;
+
+    /// Sends all of `bytes`.
+    ///
+    /// # Errors
+    /// [`LinkError`] when the other side is gone.
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError>;
+
+    /// Waits until something arrives or [`Link::now_s`] has reached `deadline_s`, and appends what arrived to
+    /// `into`; what is already there is taken even after the deadline. It may return early with nothing, so
+    /// callers loop until their deadline.
+    ///
+    /// # Errors
+    /// [`LinkError`] when the other side is gone.
+    fn receive(&mut self, into: &mut Vec<u8>, deadline_s: f64) -> Result<(), LinkError>;
+
+    /// True physics of the ticks since the last call: only a board simulated in this process knows it.
+    fn take_truth(&mut self) -> Vec<Truth> {
+        Vec::new()
+    }
+}
+
+impl<L: Link + ?Sized> Link for Box<L> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn now_s(&self) -> f64 {
+        (**self).now_s()
+    }
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        (**self).send(bytes)
+    }
+    fn receive(&mut self, into: &mut Vec<u8>, deadline_s: f64) -> Result<(), LinkError> {
+        (**self).receive(into, deadline_s)
+    }
+    fn take_truth(&mut self) -> Vec<Truth> {
+        (**self).take_truth()
+    }
+}

@@ -1,0 +1,66 @@
+//! What a person sees while a board is listened to.
+
+mod plain;
+mod screen;
+
+use std::io::IsTerminal;
+
+use protocol::lut::Table;
+use protocol::message::{Outcome, Recognition, Verdict};
+
+pub use plain::Plain;
+pub use screen::Screen;
+
+use crate::session::{Event, Traffic};
+
+/// A view of a running conversation, on standard error.
+pub trait LiveView {
+    /// Shows something the board said.
+    fn event(&mut self, event: &Event, traffic: &Traffic);
+
+    /// Shows a remark.
+    fn note(&mut self, text: &str);
+
+    /// Redraws if it is time to; true when the person wants to stop.
+    fn refresh(&mut self) -> bool;
+}
+
+/// A [`Screen`] on a terminal, [`Plain`] lines elsewhere.
+pub fn live_view(board: &str, library: Vec<String>) -> Box<dyn LiveView> {
+    if std::io::stderr().is_terminal()
+        && let Ok(screen) = Screen::open(board, library.clone())
+    {
+        return Box::new(screen);
+    }
+    Box::new(Plain::new(library))
+}
+
+/// Names of the materials of a table.
+pub fn library_names(table: &Table<'_>) -> Vec<String> {
+    table.materials().map(|m| m.name.to_owned()).collect()
+}
+
+/// A verdict in one line; the library gives names to indices.
+pub fn verdict_text(verdict: &Verdict, library: &[String]) -> String {
+    let head = format!("palpation {}", verdict.palpation);
+    match verdict.outcome {
+        Outcome::Identified | Outcome::GridEdge => {
+            let material = match library.get(usize::from(verdict.material.index)) {
+                Some(name) => name.clone(),
+                None if verdict.material.index == Recognition::NONE => "not in the library".into(),
+                None => format!("material {}", verdict.material.index),
+            };
+            let edge = if verdict.outcome == Outcome::GridEdge { " (at the edge of the grid)" } else { "" };
+            format!(
+                "{head}: {material}, mu {:.4} MPa, alpha {:.2}{edge}, margin {:.2}, {} samples, height {:.2} mm",
+                verdict.mu_mpa, verdict.alpha, verdict.material.margin, verdict.samples, verdict.height_mm,
+            )
+        }
+        Outcome::NoContact => format!("{head}: no contact before the end of the travel"),
+        Outcome::TooShort => format!("{head}: too few samples ({})", verdict.samples),
+        Outcome::NoSuchHeight => {
+            format!("{head}: no slice of the table is near the specimen's height of {:.2} mm", verdict.height_mm)
+        }
+        Outcome::Aborted => format!("{head}: stopped"),
+    }
+}

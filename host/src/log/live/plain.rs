@@ -1,0 +1,56 @@
+//! Lines for pipes and log files.
+
+use super::{LiveView, verdict_text};
+use crate::session::{Event, Traffic, fault_text};
+use protocol::{TICK_HZ, TICK_S};
+
+/// One line a second of board time, and one for each verdict and fault.
+#[derive(Debug, Default)]
+pub struct Plain {
+    library: Vec<String>,
+    next_tick: u32,
+}
+
+impl Plain {
+    /// A view that names materials as in `library`.
+    pub fn new(library: Vec<String>) -> Self {
+        Plain { library, next_tick: 0 }
+    }
+}
+
+impl LiveView for Plain {
+    fn event(&mut self, event: &Event, traffic: &Traffic) {
+        match event {
+            Event::Telemetry(t) => {
+                if t.tick < self.next_tick && self.next_tick - t.tick <= TICK_HZ {
+                    return;
+                }
+                self.next_tick = t.tick + TICK_HZ;
+                eprintln!(
+                    "{:8.2} s  {:<8} probe {:7.3} mm  depth {:6.3} mm  load cell {:7.4} N  shaft {:6.3} mm  \
+                     coil {:5.3} A  tick {} us  lost {} of {}",
+                    f64::from(t.tick) * f64::from(TICK_S),
+                    format!("{:?}", t.state).to_lowercase(),
+                    t.probe_mm,
+                    t.depth_mm,
+                    t.load_cell_n,
+                    t.shaft_mm,
+                    t.coil_a,
+                    t.tick_us,
+                    traffic.frames_lost,
+                    traffic.frames_received + traffic.frames_lost,
+                );
+            }
+            Event::Verdict(v) => eprintln!("{}", verdict_text(v, &self.library)),
+            Event::Fault(f) => eprintln!("{}", fault_text(f)),
+        }
+    }
+
+    fn note(&mut self, text: &str) {
+        eprintln!("{text}");
+    }
+
+    fn refresh(&mut self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,96 @@
+//! The display's linear actuator.
+
+/// The thesis' plant 86/(s^2 + 23.4 s + 86) (section 5.5), from command in V to shaft in mm (1 mm/V at rest,
+/// DESIGN's reading of the thesis' units), with what real ones add: dry friction and a limit of speed.
+#[derive(Debug, Clone)]
+pub struct Actuator {
+    position_mm: f64,
+    rate_mm_s: f64,
+    rest_mm: f64,
+}
+
+/// Stiffness over mass, 1/s^2.
+const SPRING: f64 = 86.0;
+
+/// Damping over mass, 1/s.
+const DAMPER: f64 = 23.4;
+
+/// Dry friction over mass, mm/s^2: a command of 0.03 V does not move a resting shaft (assumed).
+const FRICTION: f64 = 0.03 * SPRING;
+
+/// Speed limit of the spindle, mm/s (assumed; the thesis names none).
+const RATE_MM_S: f64 = 25.0;
+
+/// Stroke, mm (thesis section 5.1.1: about 2 cm).
+const STROKE_MM: (f64, f64) = (0.0, 20.0);
+
+impl Actuator {
+    /// A shaft at rest at `rest_mm`, where zero command keeps it.
+    pub fn new(rest_mm: f64) -> Self {
+        Actuator { position_mm: rest_mm, rate_mm_s: 0.0, rest_mm }
+    }
+
+    /// Shaft position, mm.
+    pub fn position_mm(&self) -> f64 {
+        self.position_mm
+    }
+
+    /// Shaft speed, mm/s.
+    pub fn rate_mm_s(&self) -> f64 {
+        self.rate_mm_s
+    }
+
+    /// Moves for `dt_s` under a command in V.
+    pub fn step(&mut self, command_v: f64, dt_s: f64) {
+        let drive = SPRING * (self.rest_mm + command_v - self.position_mm) - DAMPER * self.rate_mm_s;
+        let free = self.rate_mm_s + drive * dt_s;
+        // Friction takes speed away but never reverses it, which also holds a resting shaft.
+        let taken = FRICTION * dt_s;
+        self.rate_mm_s =
+            if free.abs() <= taken { 0.0 } else { (free - taken * free.signum()).clamp(-RATE_MM_S, RATE_MM_S) };
+        let moved = self.position_mm + self.rate_mm_s * dt_s;
+        self.position_mm = moved.clamp(STROKE_MM.0, STROKE_MM.1);
+        if self.position_mm != moved {
+            self.rate_mm_s = 0.0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_follows_the_thesis_plant() {
+        let mut actuator = Actuator::new(5.0);
+        // Overdamped pair of poles: s = -11.7 +/- sqrt(11.7^2 - 86).
+        let root = (11.7f64 * 11.7 - 86.0).sqrt();
+        let (p, q) = (11.7 - root, 11.7 + root);
+        for ms in 1..=1000 {
+            actuator.step(2.0, 1e-3);
+            if ms % 100 == 0 {
+                let t = f64::from(ms) * 1e-3;
+                let exact = 5.0 + 2.0 * (1.0 - (q * (-p * t).exp() - p * (-q * t).exp()) / (q - p));
+                // Friction holds back 0.03 mm, the step of 1 ms errs by less than as much again.
+                assert!(
+                    (actuator.position_mm() - exact).abs() < 0.06,
+                    "{} for {exact} at {t} s",
+                    actuator.position_mm()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_small_command_does_not_move_it_and_the_stroke_ends() {
+        let mut actuator = Actuator::new(5.0);
+        for _ in 0..1000 {
+            actuator.step(0.02, 1e-3);
+        }
+        assert_eq!(actuator.position_mm(), 5.0);
+        for _ in 0..5000 {
+            actuator.step(-50.0, 1e-3);
+        }
+        assert_eq!(actuator.position_mm(), 0.0);
+    }
+}

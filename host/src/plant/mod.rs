@@ -1,0 +1,41 @@
+//! The simulated surroundings of a board: what its sensors feel and its outputs move.
+//!
+//! Every file is one thing of the bench. The physics is second order at most and integrated in steps of
+//! [`STEP_S`]; the foams' force comes from finite elements as a [`Curve`] of each foam's own height, never from
+//! the quantised table the board searches. All randomness is seeded, one independent stream a source, so that
+//! switching one noise off leaves the others as they were.
+//!
+//! Assumptions that the thesis leaves open are stated where their number stands.
+
+mod actuator;
+mod arm;
+mod coil;
+mod converter;
+mod curve;
+mod finger;
+mod fluid;
+mod fsr;
+mod load_cell;
+mod noise;
+mod potentiometer;
+mod specimen;
+mod transducer;
+mod truth;
+
+pub use actuator::Actuator;
+pub use arm::Arm;
+pub use coil::Coil;
+pub use converter::Converter;
+pub use curve::Curve;
+pub use finger::{Finger, Touch};
+pub use fluid::Fluid;
+pub use fsr::Fsr;
+pub use load_cell::LoadCell;
+pub use noise::{Noise, Source};
+pub use potentiometer::Potentiometer;
+pub use specimen::{Foam, Jitter, Placed};
+pub use transducer::Transducer;
+pub use truth::Truth;
+
+/// Integration step of the surroundings, s; also the period of the board's fast loop.
+pub const STEP_S: f64 = 1e-3;

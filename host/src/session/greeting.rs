@@ -1,0 +1,78 @@
+//! Who are you? Version and schema are checked before anything else is said.
+
+use protocol::PROTOCOL_VERSION;
+use protocol::frame::{self, LossCounter, MAX_FRAME};
+use protocol::message::{Hello, HelloRequest, Refusal, Report, Request, SCHEMA_HASH};
+use protocol::rescue;
+
+use super::{Incoming, Patience, Session, SessionError};
+use crate::link::Link;
+
+impl<L: Link> Session<L> {
+    /// Greets the board behind `link`.
+    ///
+    /// # Errors
+    /// [`SessionError::Version`] when board and tool do not speak the same version or were built from different
+    /// message tables: the board is then asked once more by the frozen [rescue] message, which every
+    /// version answers. [`SessionError::NoAnswer`] when it is silent to both.
+    pub fn open(link: L, patience: Patience) -> Result<(Self, Hello), SessionError> {
+        let mut session = Session::unopened(link, patience);
+        let greeting = Request::Hello(HelloRequest { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH });
+        // Bytes of an earlier conversation may lie in front of our first frame; a zero ends them.
+        session.link.send(&[0])?;
+        let answer = session.request(&greeting);
+        match answer {
+            Ok(Report::Hello(hello))
+                if hello.protocol_version == PROTOCOL_VERSION && hello.schema_hash == SCHEMA_HASH =>
+            {
+                // What was sent before we listened is not lost to us.
+                let received = session.sequence.received;
+                session.sequence.lost = 0;
+                session.sequence.received = received;
+                Ok((session, hello))
+            }
+            Ok(_)
+            | Err(SessionError::NoAnswer { .. })
+            | Err(SessionError::Refused {
+                reason: Refusal::SchemaMismatch | Refusal::Unknown | Refusal::Malformed,
+                ..
+            }) => match session.rescue()? {
+                Some(answer) => Err(SessionError::Version { board: session.link.name().into(), answer }),
+                None => answer.and_then(|_| Err(session.no_sense("Hello"))),
+            },
+            Err(other) => Err(other),
+        }
+    }
+
+    /// Asks by the frozen message, as often as any request.
+    fn rescue(&mut self) -> Result<Option<rescue::Answer>, SessionError> {
+        for _ in 0..self.patience.attempts.max(1) {
+            let mut buffer = [0u8; MAX_FRAME];
+            let seq = self.seq;
+            self.seq = self.seq.wrapping_add(1);
+            let fill = |body: &mut [u8]| {
+                body.get_mut(..rescue::QUESTION.len())
+                    .map(|b| b.copy_from_slice(&rescue::QUESTION))
+                    .map(|()| rescue::QUESTION.len())
+            };
+            if let Ok(bytes) = frame::encode(rescue::KIND, seq, fill, &mut buffer) {
+                self.link.send(bytes)?;
+            }
+            let deadline_s = self.link.now_s() + self.patience.answer_s;
+            loop {
+                while let Some(incoming) = self.arrived.pop_front() {
+                    if let Incoming::Rescue(answer) = incoming {
+                        return Ok(Some(answer));
+                    }
+                }
+                if self.link.now_s() >= deadline_s {
+                    break;
+                }
+                self.receive(deadline_s)?;
+            }
+        }
+        // A silent board's counters mean nothing.
+        self.sequence = LossCounter::default();
+        Ok(None)
+    }
+}

@@ -1,0 +1,405 @@
+//! The host's side of a conversation with a board, over any [`Link`].
+//!
+//! Every request is repeated until it is answered or the attempts are used up; what the board says unasked
+//! (telemetry, verdicts, faults) is kept in order and handed out by [`Session::poll`], also what arrives while
+//! an answer is awaited. Damaged and lost frames are counted, never hidden.
+
+mod error;
+mod event;
+mod greeting;
+mod upload;
+
+use std::collections::VecDeque;
+
+use protocol::frame::{self, Decoder, LossCounter, MAX_FRAME};
+use protocol::message::{Calibration, Empty, Gains, Mode, Refusal, Report, Request, Status, TelemetryRate};
+use protocol::rescue;
+
+pub use error::SessionError;
+pub use event::{Event, fault_text};
+pub use upload::Progress;
+
+use crate::link::Link;
+
+/// How long and how often to ask.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Patience {
+    /// Wait for an answer, s of link time.
+    pub answer_s: f64,
+    /// Wait for the answer to a request that erases flash, s: 8 sectors of 128 KB at up to 2 s each (STM32F429
+    /// data sheet, table of flash programming times).
+    pub erase_s: f64,
+    /// Attempts before a board counts as silent.
+    pub attempts: u32,
+    /// Silence after which the session sends a status request by itself, so that the board does not
+    /// take the link for lost, s.
+    pub keep_alive_s: f64,
+}
+
+impl Default for Patience {
+    fn default() -> Self {
+        Patience { answer_s: 0.25, erase_s: 20.0, attempts: 4, keep_alive_s: 0.2 }
+    }
+}
+
+/// What went over the link so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+pub struct Traffic {
+    /// Frames received.
+    pub frames_received: u64,
+    /// Frames that never arrived, from the gaps in their sequence numbers.
+    pub frames_lost: u64,
+    /// Frames that arrived damaged (CRC, COBS, length); they are also among the lost ones.
+    pub frames_damaged: u64,
+    /// Intact frames that no message of this version explains.
+    pub frames_unknown: u64,
+    /// Requests that had to be repeated.
+    pub requests_repeated: u64,
+    /// Telemetry records received.
+    pub telemetry_received: u64,
+    /// Telemetry records missing, from the numbers of the control ticks.
+    pub telemetry_lost: u64,
+}
+
+impl Traffic {
+    /// Fraction of frames lost, 0 to 1.
+    pub fn loss(&self) -> f64 {
+        let all = self.frames_received + self.frames_lost;
+        if all == 0 { 0.0 } else { self.frames_lost as f64 / all as f64 }
+    }
+}
+
+/// An open conversation.
+#[derive(Debug)]
+pub struct Session<L> {
+    link: L,
+    patience: Patience,
+    decoder: Decoder,
+    bytes: Vec<u8>,
+    seq: u16,
+    last_sent_s: f64,
+    sequence: LossCounter,
+    traffic: Traffic,
+    /// Tick of the last telemetry record and the ticks between two of them.
+    last_tick: Option<u32>,
+    divider: u32,
+    arrived: VecDeque<Incoming>,
+    events: VecDeque<Event>,
+    latest_status: Option<Status>,
+}
+
+/// An intact frame.
+#[derive(Debug)]
+enum Incoming {
+    Report(Report),
+    Rescue(rescue::Answer),
+}
+
+/// Name of a request in the table of messages.
+fn request_name(request: &Request) -> &'static str {
+    let kind = request.kind();
+    Request::TABLE.iter().find(|(number, _)| *number == kind).map_or("request", |(_, name)| name)
+}
+
+impl<L: Link> Session<L> {
+    /// A conversation over `link` before any word is said; [`Session::open`] also greets.
+    pub fn unopened(link: L, patience: Patience) -> Self {
+        Session {
+            last_sent_s: link.now_s(),
+            link,
+            patience,
+            decoder: Decoder::new(),
+            bytes: Vec::new(),
+            seq: 0,
+            sequence: LossCounter::default(),
+            traffic: Traffic::default(),
+            last_tick: None,
+            divider: 1,
+            arrived: VecDeque::new(),
+            events: VecDeque::new(),
+            latest_status: None,
+        }
+    }
+
+    /// The link.
+    pub fn link(&self) -> &L {
+        &self.link
+    }
+
+    /// The link, to change what it leads to (a simulated specimen, say).
+    pub fn link_mut(&mut self) -> &mut L {
+        &mut self.link
+    }
+
+    /// Counters of this conversation.
+    pub fn traffic(&self) -> Traffic {
+        Traffic { frames_received: self.sequence.received, frames_lost: self.sequence.lost, ..self.traffic }
+    }
+
+    /// The last status the board sent, asked for or not.
+    pub fn latest_status(&self) -> Option<&Status> {
+        self.latest_status.as_ref()
+    }
+
+    /// The next thing the board said by itself, waiting for it until `deadline_s` of link time.
+    ///
+    /// # Errors
+    /// [`SessionError::Link`] when the way to the board fails.
+    pub fn poll(&mut self, deadline_s: f64) -> Result<Option<Event>, SessionError> {
+        loop {
+            self.sort_arrived();
+            if let Some(event) = self.events.pop_front() {
+                return Ok(Some(event));
+            }
+            let now_s = self.link.now_s();
+            if now_s >= deadline_s {
+                return Ok(None);
+            }
+            let quiet_until_s = self.last_sent_s + self.patience.keep_alive_s;
+            if now_s >= quiet_until_s {
+                self.send(&Request::Status(Empty {}))?;
+            }
+            self.receive(deadline_s.min(now_s + self.patience.keep_alive_s))?;
+        }
+    }
+
+    /// Asks and waits for the answer; repeats when none comes.
+    ///
+    /// # Errors
+    /// [`SessionError::NoAnswer`], [`SessionError::Refused`], or [`SessionError::Link`].
+    pub fn request(&mut self, request: &Request) -> Result<Report, SessionError> {
+        let wait_s = match request {
+            Request::TableBegin(_) | Request::TableCommit(_) => self.patience.erase_s,
+            _ => self.patience.answer_s,
+        };
+        let first_seq = self.seq;
+        let damaged_before = self.traffic.frames_damaged;
+        let started_s = self.link.now_s();
+        for attempt in 0..self.patience.attempts.max(1) {
+            self.traffic.requests_repeated += u64::from(attempt > 0);
+            self.send(request)?;
+            let deadline_s = self.link.now_s() + wait_s;
+            if let Some(answer) = self.answer(request, first_seq, attempt, deadline_s)? {
+                return match answer {
+                    Report::Refused(refused) => Err(SessionError::Refused {
+                        board: self.link.name().into(),
+                        request: request_name(request),
+                        reason: refused.reason,
+                    }),
+                    answer => Ok(answer),
+                };
+            }
+        }
+        Err(SessionError::NoAnswer {
+            board: self.link.name().into(),
+            request: request_name(request),
+            waited_ms: ((self.link.now_s() - started_s) * 1e3).round() as u64,
+            attempts: self.patience.attempts.max(1),
+            rejected: self.traffic.frames_damaged - damaged_before,
+        })
+    }
+
+    /// Waits for what answers `request`, whose attempts carry sequence numbers from `first_seq` on.
+    fn answer(
+        &mut self,
+        request: &Request,
+        first_seq: u16,
+        attempt: u32,
+        deadline_s: f64,
+    ) -> Result<Option<Report>, SessionError> {
+        let (of, seqs) = (request.kind(), attempt as u16);
+        let ours = |seq: u16| seq.wrapping_sub(first_seq) <= seqs;
+        loop {
+            while let Some(incoming) = self.arrived.pop_front() {
+                let Incoming::Report(report) = incoming else {
+                    continue;
+                };
+                let answers = match (&report, request) {
+                    (Report::Accepted(a), _) => a.of == of && ours(a.seq),
+                    (Report::Refused(r), _) => r.of == of && ours(r.seq),
+                    (Report::Hello(_), Request::Hello(_))
+                    | (Report::Status(_), Request::Status(_))
+                    | (Report::Calibration(_), Request::GetCalibration(_)) => true,
+                    // A late answer to an earlier chunk says less than this chunk's end.
+                    (Report::TableState(state), Request::TableChunk(chunk)) => {
+                        state.next_offset as usize >= chunk.offset as usize + chunk.data.len()
+                    }
+                    (Report::TableState(_), _) => (0x10..=0x13).contains(&of),
+                    _ => false,
+                };
+                if answers {
+                    if let Report::Status(status) = &report {
+                        self.latest_status = Some(status.clone());
+                    }
+                    return Ok(Some(report));
+                }
+                self.keep(report);
+            }
+            if self.link.now_s() >= deadline_s {
+                return Ok(None);
+            }
+            self.receive(deadline_s)?;
+        }
+    }
+
+    /// Frames and sends one request.
+    fn send(&mut self, request: &Request) -> Result<(), SessionError> {
+        let mut buffer = [0u8; MAX_FRAME];
+        let seq = self.seq;
+        self.seq = self.seq.wrapping_add(1);
+        self.last_sent_s = self.link.now_s();
+        // No message of the table is longer than a frame (golden bytes in `protocol`).
+        if let Ok(bytes) = frame::encode_request(request, seq, &mut buffer) {
+            self.link.send(bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Takes bytes from the link until `deadline_s` and decodes them.
+    fn receive(&mut self, deadline_s: f64) -> Result<(), SessionError> {
+        let mut bytes = std::mem::take(&mut self.bytes);
+        bytes.clear();
+        let received = self.link.receive(&mut bytes, deadline_s);
+        for &byte in &bytes {
+            match self.decoder.push(byte) {
+                None => {}
+                Some(Err(_)) => self.traffic.frames_damaged += 1,
+                Some(Ok(frame)) => {
+                    self.sequence.see(frame.seq);
+                    let incoming = if frame.kind == rescue::KIND {
+                        rescue::Answer::from_bytes(frame.body).map(Incoming::Rescue)
+                    } else {
+                        Report::decode(frame.kind, frame.body).ok().map(Incoming::Report)
+                    };
+                    match incoming {
+                        Some(incoming) => self.arrived.push_back(incoming),
+                        None => self.traffic.frames_unknown += 1,
+                    }
+                }
+            }
+        }
+        self.bytes = bytes;
+        Ok(received?)
+    }
+
+    fn sort_arrived(&mut self) {
+        while let Some(incoming) = self.arrived.pop_front() {
+            if let Incoming::Report(report) = incoming {
+                self.keep(report);
+            }
+        }
+    }
+
+    /// Keeps what was not asked for; late answers to repeated requests say nothing new.
+    fn keep(&mut self, report: Report) {
+        match report {
+            Report::Telemetry(record) => {
+                let step = self.last_tick.map_or(0, |last| record.tick.wrapping_sub(last));
+                self.traffic.telemetry_received += 1;
+                // A step back is a restarted board, not a loss.
+                if step < u32::MAX / 2 {
+                    self.traffic.telemetry_lost += u64::from((step / self.divider).saturating_sub(1));
+                }
+                self.last_tick = Some(record.tick);
+                self.events.push_back(Event::Telemetry(record));
+            }
+            Report::Verdict(verdict) => self.events.push_back(Event::Verdict(verdict)),
+            Report::Fault(fault) => self.events.push_back(Event::Fault(fault)),
+            Report::Status(status) => self.latest_status = Some(status),
+            _ => {}
+        }
+    }
+
+    /// What the board is doing.
+    ///
+    /// # Errors
+    /// As [`Session::request`]; so for all requests below.
+    pub fn status(&mut self) -> Result<Status, SessionError> {
+        match self.request(&Request::Status(Empty {}))? {
+            Report::Status(status) => Ok(status),
+            _ => Err(self.no_sense("Status")),
+        }
+    }
+
+    /// Sets the mode. A repeated request that finds the board busy with just this mode has succeeded: only the
+    /// answer to the first one was lost.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_mode(&mut self, mode: Mode) -> Result<(), SessionError> {
+        let repeated = self.traffic.requests_repeated;
+        match self.request(&Request::SetMode(mode)) {
+            Err(SessionError::Refused { reason: Refusal::Busy, .. })
+                if self.traffic.requests_repeated > repeated && self.status()?.mode == mode =>
+            {
+                Ok(())
+            }
+            other => other.map(|_| ()),
+        }
+    }
+
+    /// Sets the gains of the position loop.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_gains(&mut self, gains: Gains) -> Result<(), SessionError> {
+        self.request(&Request::SetGains(gains)).map(|_| ())
+    }
+
+    /// The calibration in use.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn calibration(&mut self) -> Result<Calibration, SessionError> {
+        match self.request(&Request::GetCalibration(Empty {}))? {
+            Report::Calibration(calibration) => Ok(calibration),
+            _ => Err(self.no_sense("GetCalibration")),
+        }
+    }
+
+    /// Replaces the calibration.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_calibration(&mut self, calibration: Calibration) -> Result<(), SessionError> {
+        self.request(&Request::SetCalibration(calibration)).map(|_| ())
+    }
+
+    /// Takes the load cell's present reading as zero.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn tare(&mut self) -> Result<(), SessionError> {
+        self.request(&Request::Tare(Empty {})).map(|_| ())
+    }
+
+    /// Clears latched faults.
+    ///
+    /// # Errors
+    /// As [`Session::request`]; refused while a cause remains.
+    pub fn clear_faults(&mut self) -> Result<(), SessionError> {
+        self.request(&Request::ClearFaults(Empty {})).map(|_| ())
+    }
+
+    /// Telemetry every `divider`-th control tick, 0 for none.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_telemetry(&mut self, divider: u8) -> Result<(), SessionError> {
+        self.request(&Request::SetTelemetry(TelemetryRate { divider }))?;
+        self.divider = u32::from(divider).max(1);
+        self.last_tick = None;
+        Ok(())
+    }
+
+    /// The answers of a board that the message table does not allow count as none.
+    fn no_sense(&self, request: &'static str) -> SessionError {
+        SessionError::NoAnswer {
+            board: self.link.name().into(),
+            request,
+            waited_ms: 0,
+            attempts: 1,
+            rejected: self.traffic.frames_damaged,
+        }
+    }
+}
