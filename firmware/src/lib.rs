@@ -1,2 +1,44 @@
 //! Identification, control and safety of the display board as pure steps.
+//!
+//! The same library runs in the microcontroller's image (`src/main.rs`) and in the host's simulated
+//! board; both talk to [`board::Board`], which composes everything below. Each concept is a step
+//! `(configuration, state, input) -> output` in a file of its own:
+//!
+//! | walk to | for |
+//! |---|---|
+//! | [`board`] | the composition: one call a control tick, bytes of the link in and out |
+//! | [`fast`] | the 1 kHz loop: oversampling, coil current regulation, over-current trip |
+//! | [`sensor`] | ratios of the reference voltage to N, mm and A, and back |
+//! | [`contact`] | contact detection and the contact point |
+//! | [`search`] | the variance search over the table (Eq. 17) |
+//! | [`recognition`] | the nearest library material |
+//! | [`palpation`] | one palpation: record, search, refinement of the contact point, verdict |
+//! | [`pid`] | position loop of the display |
+//! | [`coil`] | force to current to duty, and how hot the coil is |
+//! | [`mode`] | the mode state machine |
+//! | [`safety`] | limits and latched faults |
+//! | [`flash`] | table slots, upload, power cuts |
+//! | [`link`] | frames in, frames out, bounded queue |
+//! | [`config`] | every number the board owns, in one place |
+//!
+//! Nothing allocates, nothing panics, and outputs are off unless a mode turns them on. Units are mm, N, MPa, s,
+//! A, V and degrees Celsius; every name carries its unit.
 #![cfg_attr(not(test), no_std)]
+
+pub mod board;
+pub mod coil;
+pub mod config;
+pub mod contact;
+pub mod display;
+pub mod fast;
+pub mod flash;
+pub mod link;
+pub mod mode;
+pub mod number;
+pub mod palpation;
+pub mod pid;
+pub mod recognition;
+pub mod safety;
+pub mod search;
+pub mod sensor;
+pub mod telemetry;

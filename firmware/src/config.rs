@@ -1,0 +1,56 @@
+//! Every number the board owns.
+
+use crate::coil::regulator::CoilCircuit;
+use crate::coil::thermal::ThermalConfig;
+use crate::display::DisplayConfig;
+use crate::mode::ModeConfig;
+use crate::palpation::PalpationConfig;
+use crate::pid::{DEFAULT_GAINS, U_MAX_V};
+use crate::safety::SafetyConfig;
+use crate::sensor::{CoilShunt, DEFAULT_CALIBRATION};
+use protocol::message::{Calibration, Gains};
+
+/// Configuration of a board. `Default` is the board of `docs/board.md`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoardConfig {
+    /// Limits and faults.
+    pub safety: SafetyConfig,
+    /// Motion.
+    pub mode: ModeConfig,
+    /// Identification.
+    pub palpation: PalpationConfig,
+    /// Display.
+    pub display: DisplayConfig,
+    /// Coil and supply.
+    pub circuit: CoilCircuit,
+    /// Heating of the coil.
+    pub thermal: ThermalConfig,
+    /// Shunt amplifier.
+    pub shunt: CoilShunt,
+    /// Gains until the host sets others.
+    pub gains: Gains,
+    /// Calibration until one is stored.
+    pub calibration: Calibration,
+    /// Largest actuator command, V.
+    pub u_max_v: f32,
+    /// True for a simulated board, for the greeting.
+    pub simulated: bool,
+}
+
+impl Default for BoardConfig {
+    fn default() -> Self {
+        BoardConfig {
+            safety: SafetyConfig::default(),
+            mode: ModeConfig::default(),
+            palpation: PalpationConfig::default(),
+            display: DisplayConfig::default(),
+            circuit: CoilCircuit::default(),
+            thermal: ThermalConfig::default(),
+            shunt: CoilShunt::default(),
+            gains: DEFAULT_GAINS,
+            calibration: DEFAULT_CALIBRATION,
+            u_max_v: U_MAX_V,
+            simulated: false,
+        }
+    }
+}

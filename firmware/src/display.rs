@@ -1,0 +1,74 @@
+//! The softness display: finger force to shaft position and coil current.
+
+use crate::coil;
+use crate::coil::thermal::{ThermalConfig, allowed_fraction};
+use crate::number::limit;
+use crate::pid::{Pid, PidState};
+use protocol::lut::Material;
+
+/// Limits of the display.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DisplayConfig {
+    /// Farthest shaft target, mm: what the actuator holds with 90 % of its command (1 mm/V).
+    pub target_max_mm: f32,
+    /// Fastest change of the target, mm/s.
+    pub target_rate_mm_s: f32,
+    /// Highest coil current, A (thesis Table 6 ends there).
+    pub coil_max_a: f32,
+}
+
+impl Default for DisplayConfig {
+    fn default() -> Self {
+        DisplayConfig { target_max_mm: 4.5, target_rate_mm_s: 40.0, coil_max_a: 2.5 }
+    }
+}
+
+/// State of the display; `Default` is at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Display {
+    pid: PidState,
+    target_mm: f32,
+}
+
+/// What the display wants.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DisplayOutput {
+    /// Desired shaft position, mm.
+    pub target_mm: f32,
+    /// Actuator command, V.
+    pub actuator_v: f32,
+    /// Desired coil current, A.
+    pub coil_target_a: f32,
+}
+
+/// What the display looks at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DisplayInput {
+    /// Force of the finger, N.
+    pub force_n: f32,
+    /// Shaft position, mm.
+    pub shaft_mm: f32,
+    /// Estimated coil temperature, degrees Celsius.
+    pub coil_c: f32,
+}
+
+impl Display {
+    /// One tick with the material that is displayed.
+    pub fn step(
+        &mut self,
+        config: &DisplayConfig,
+        thermal: &ThermalConfig,
+        pid: &Pid,
+        material: &Material<'_>,
+        input: &DisplayInput,
+    ) -> DisplayOutput {
+        let wanted_mm = limit(material.displacement_mm(input.force_n), 0.0, config.target_max_mm);
+        let step_mm = config.target_rate_mm_s * protocol::TICK_S;
+        self.target_mm = limit(wanted_mm, self.target_mm - step_mm, self.target_mm + step_mm);
+        let actuator_v = pid.step(&mut self.pid, self.target_mm - input.shaft_mm);
+        // Hyperfoam with nu = 0: E = 2 mu.
+        let current_a = coil::control_curve_a(input.force_n, 2.0 * material.mu_mpa);
+        let allowed_a = config.coil_max_a * allowed_fraction(thermal, input.coil_c);
+        DisplayOutput { target_mm: self.target_mm, actuator_v, coil_target_a: limit(current_a, 0.0, allowed_a) }
+    }
+}

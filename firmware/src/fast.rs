@@ -1,0 +1,111 @@
+//! The 1 kHz loop: oversampling for the 50 Hz loop, coil current regulation, over-current trip.
+//!
+//! If a step comes late the coil keeps its duty for that long; its current then moves by at most a few percent a millisecond. If steps
+//! stop altogether the watchdog resets the board, which opens all switches.
+
+use crate::coil::regulator::{CoilCircuit, CoilPi, CoilPiState};
+use crate::sensor::{CoilShunt, RawSamples, coil_a};
+
+/// Steps a second.
+pub const FAST_HZ: u32 = 1000;
+
+/// Steps a control tick.
+pub const FAST_STEPS: u32 = FAST_HZ / protocol::TICK_HZ;
+
+/// Mean readings since the previous tick.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Averaged {
+    /// Mean of the readings; the previous one if there were none.
+    pub raw: RawSamples,
+    /// Number of readings in the mean.
+    pub count: u16,
+    /// The over-current trip has acted since the previous tick.
+    pub coil_tripped: bool,
+    /// Duty of the coil now.
+    pub coil_duty: f32,
+}
+
+/// State of the fast loop.
+#[derive(Debug, Clone)]
+pub struct FastLoop {
+    pi: CoilPi,
+    shunt: CoilShunt,
+    trip_a: f32,
+    state: CoilPiState,
+    target_a: f32,
+    duty: f32,
+    sums: [f32; 5],
+    count: u16,
+    above: u8,
+    tripped: bool,
+    last: RawSamples,
+}
+
+/// Readings in a row above the trip current that trip: one may be a spike.
+const TRIP_READINGS: u8 = 3;
+
+impl FastLoop {
+    /// Coil off, nothing sampled.
+    pub fn new(circuit: &CoilCircuit, shunt: &CoilShunt, trip_a: f32) -> Self {
+        FastLoop {
+            pi: CoilPi::build(circuit, 1.0 / FAST_HZ as f32),
+            shunt: *shunt,
+            trip_a,
+            state: CoilPiState::default(),
+            target_a: 0.0,
+            duty: 0.0,
+            sums: [0.0; 5],
+            count: 0,
+            above: 0,
+            tripped: false,
+            last: RawSamples::default(),
+        }
+    }
+
+    /// Desired coil current until the next call, A; 0 switches the coil off.
+    pub fn set_target_a(&mut self, target_a: f32) {
+        self.target_a = target_a;
+    }
+
+    /// One step; returns the duty of the coil, 0 to 1.
+    pub fn step(&mut self, raw: &RawSamples) -> f32 {
+        for (sum, reading) in self.sums.iter_mut().zip(raw.channels()) {
+            *sum += reading;
+        }
+        self.count = self.count.saturating_add(1);
+        self.last = *raw;
+        let measured_a = coil_a(raw.coil_current, &self.shunt);
+        // `!(<=)` so that a reading that is not a number counts as too much.
+        self.above = if !(measured_a <= self.trip_a) { self.above.saturating_add(1) } else { 0 };
+        if self.above >= TRIP_READINGS {
+            self.tripped = true;
+        }
+        let target_a = if self.tripped { 0.0 } else { self.target_a };
+        self.duty = self.pi.step(&mut self.state, target_a, measured_a);
+        self.duty
+    }
+
+    /// Mean readings for the control tick; starts the next mean. A trip is reported once and then re-armed: the latched fault
+    /// of the control loop keeps the target at 0.
+    pub fn take(&mut self) -> Averaged {
+        let mut channels = self.last.channels();
+        if self.count > 0 {
+            for (channel, sum) in channels.iter_mut().zip(self.sums) {
+                *channel = sum / f32::from(self.count);
+            }
+        }
+        let averaged = Averaged {
+            raw: RawSamples::from_channels(channels),
+            count: self.count,
+            coil_tripped: self.tripped,
+            coil_duty: self.duty,
+        };
+        self.sums = [0.0; 5];
+        self.count = 0;
+        if self.tripped {
+            self.target_a = 0.0;
+            self.tripped = false;
+        }
+        averaged
+    }
+}

@@ -1,0 +1,257 @@
+//! One palpation from approach to verdict.
+//!
+//! *Approach*: [`crate::contact`] watches for contact. *Pressing*: every sample is recorded and, one depth step a tick (a few while the
+//! buffered samples are caught up), added to the variance search at the first estimate of the contact point; that is what
+//! telemetry shows. *Analysis*, while the probe returns, a bounded piece a tick ([`analysis`]): the contact point is refined on the whole
+//! record, the search is run again from the refined point, and the library is compared.
+
+pub mod analysis;
+mod record;
+
+pub use record::{RECORD_LEN, Record};
+
+use crate::contact::{Contact, ContactConfig, ContactPoint, Sample};
+use crate::recognition::NOT_RECOGNISED;
+use crate::search::{Found, Search, Slice};
+use analysis::Analysis;
+use protocol::lut::Table;
+use protocol::message::{Outcome, Recognition, Verdict};
+
+/// How a palpation is judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PalpationConfig {
+    /// Contact detection.
+    pub contact: ContactConfig,
+    /// How far the specimen's height may be from the nearest slice of the table, mm.
+    pub height_tolerance_mm: f32,
+    /// Fewest samples for a verdict.
+    pub samples_min: u16,
+    /// Buffered samples that the search catches up with in one tick.
+    pub catch_up: u8,
+    /// Refinement of the contact point.
+    pub analysis: analysis::AnalysisConfig,
+}
+
+impl Default for PalpationConfig {
+    fn default() -> Self {
+        PalpationConfig {
+            contact: ContactConfig::default(),
+            height_tolerance_mm: 1.0,
+            samples_min: 10,
+            catch_up: 4,
+            analysis: analysis::AnalysisConfig::default(),
+        }
+    }
+}
+
+/// State of one palpation.
+#[derive(Debug, Clone, Default)]
+pub struct Palpation {
+    contact: Contact,
+    point: Option<ContactPoint>,
+    slice: Option<Slice>,
+    record: Record,
+    search: Search,
+    /// Samples of the record that the live search has taken.
+    searched: usize,
+    peak_force_n: f32,
+    analysis: Analysis,
+    recognition: Option<Recognition>,
+    found: Option<Found>,
+}
+
+/// What one sample brought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// No contact yet.
+    Approaching,
+    /// Contact found in this tick, and a slice of the table is near.
+    Contact,
+    /// Contact found in this tick, but no slice of the table is near the specimen's height.
+    NoSuchHeight,
+    /// In contact.
+    Pressing,
+    /// The record is full: as good as at depth.
+    Full,
+}
+
+impl Palpation {
+    /// Before the first palpation.
+    pub const fn new() -> Self {
+        Palpation {
+            contact: Contact::new(),
+            point: None,
+            slice: None,
+            record: Record::new(),
+            search: Search::new(),
+            searched: 0,
+            peak_force_n: 0.0,
+            analysis: Analysis::new(),
+            recognition: None,
+            found: None,
+        }
+    }
+
+    /// Forgets the last palpation.
+    pub fn start(&mut self) {
+        self.contact = Contact::new();
+        self.point = None;
+        self.slice = None;
+        self.record.clear();
+        self.search.reset();
+        self.searched = 0;
+        self.peak_force_n = 0.0;
+        self.analysis = Analysis::new();
+        self.recognition = None;
+        self.found = None;
+    }
+
+    /// True once contact is found.
+    pub const fn has_contact(&self) -> bool {
+        self.point.is_some()
+    }
+
+    /// Depth after contact as believed now, mm, negative above the surface; 0 before contact.
+    pub fn depth_mm(&self, probe_mm: f32) -> f32 {
+        self.point.map_or(0.0, |p| p.height_mm - probe_mm)
+    }
+
+    /// Mean absolute difference of the best column so far, N.
+    pub fn error_n(&self) -> f32 {
+        self.slice.map_or(0.0, |slice| self.search.error_n(&slice))
+    }
+
+    /// Takes a sample while the probe goes down.
+    pub fn step(&mut self, config: &PalpationConfig, table: &Table<'_>, sample: Sample) -> Progress {
+        let Some(point) = self.point else {
+            if !self.contact.step(&config.contact, sample) {
+                return Progress::Approaching;
+            }
+            return self.touch(config, table);
+        };
+        let pushed = self.keep(&point, sample);
+        self.catch_up(config, table);
+        if pushed { Progress::Pressing } else { Progress::Full }
+    }
+
+    fn touch(&mut self, config: &PalpationConfig, table: &Table<'_>) -> Progress {
+        let point = self.contact.locate(&config.contact);
+        self.point = Some(point);
+        let near = Slice::for_height(table, point.height_mm).filter(|slice| {
+            slice.height_mm == 0.0 || (slice.height_mm - point.height_mm).abs() <= config.height_tolerance_mm
+        });
+        self.slice = near;
+        // The record begins a little before contact: the refinement needs to see the flat part.
+        let from_mm = point.height_mm + config.analysis.lead_mm;
+        for i in 0..crate::contact::BUFFER_LEN {
+            let Some(sample) = self.contact.samples().nth(i) else {
+                break;
+            };
+            if sample.probe_mm <= from_mm {
+                self.keep(&point, sample);
+            }
+        }
+        if near.is_some() { Progress::Contact } else { Progress::NoSuchHeight }
+    }
+
+    fn keep(&mut self, point: &ContactPoint, sample: Sample) -> bool {
+        let force_n = sample.force_n - point.zero_n;
+        if force_n > self.peak_force_n {
+            self.peak_force_n = force_n;
+        }
+        self.record.push(Sample { probe_mm: sample.probe_mm, force_n })
+    }
+
+    fn catch_up(&mut self, config: &PalpationConfig, table: &Table<'_>) {
+        let (Some(slice), Some(point)) = (&self.slice, &self.point) else {
+            return;
+        };
+        for _ in 0..config.catch_up {
+            let Some(sample) = self.record.get(self.searched) else {
+                break;
+            };
+            self.searched += 1;
+            self.search.step(table, slice, point.height_mm - sample.probe_mm, sample.force_n);
+        }
+    }
+
+    /// One piece of the analysis; true when the verdict is ready. Without contact or slice it is ready at once.
+    pub fn analyse(&mut self, config: &PalpationConfig, table: &Table<'_>) -> bool {
+        let (Some(slice), Some(point)) = (self.slice, self.point) else {
+            return true;
+        };
+        if self.recognition.is_some() {
+            return true;
+        }
+        let done = self.analysis.step(&config.analysis, table, &slice, &self.record, point.height_mm, &mut self.search);
+        if let Some(finished) = done {
+            self.found = self.search.found(&slice);
+            self.recognition = Some(finished.recognition);
+            self.point = Some(ContactPoint { height_mm: finished.height_mm, ..point });
+        }
+        self.recognition.is_some()
+    }
+
+    /// The verdict. `ended` is how the motion ended ([`Outcome::Identified`] for full depth); an analysis that was not run to its end
+    /// gives no parameters.
+    pub fn verdict(
+        &self,
+        config: &PalpationConfig,
+        table: Option<&Table<'_>>,
+        ended: Outcome,
+        motion: Motion,
+    ) -> Verdict {
+        let mut verdict = Verdict {
+            palpation: motion.number,
+            outcome: ended,
+            rate_mm_s: motion.rate_mm_s,
+            height_mm: self.point.map_or(0.0, |p| p.height_mm),
+            table_height_mm: self.slice.map_or(0.0, |s| s.height_mm),
+            mu_mpa: 0.0,
+            alpha: 0.0,
+            error_n: 0.0,
+            runner_up_error_n: 0.0,
+            margin: 0.0,
+            peak_force_n: self.peak_force_n,
+            samples: self.search.samples(),
+            material: NOT_RECOGNISED,
+            tick_max_us: motion.tick_max_us,
+            tick_mean_us: motion.tick_mean_us,
+        };
+        if ended != Outcome::Identified {
+            return verdict;
+        }
+        let (Some(slice), Some(table), Some(found)) = (&self.slice, table, &self.found) else {
+            verdict.outcome = Outcome::TooShort;
+            return verdict;
+        };
+        if verdict.samples < config.samples_min {
+            verdict.outcome = Outcome::TooShort;
+            return verdict;
+        }
+        if found.at_edge {
+            verdict.outcome = Outcome::GridEdge;
+        }
+        (verdict.mu_mpa, verdict.alpha) = slice.parameters(table, found.index);
+        verdict.error_n = found.error_n;
+        verdict.runner_up_error_n = found.runner_up_error_n;
+        verdict.margin = found.margin;
+        if let Some(recognition) = &self.recognition {
+            verdict.material = recognition.clone();
+        }
+        verdict
+    }
+}
+
+/// What the verdict says about the motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Number of the palpation since start.
+    pub number: u32,
+    /// Commanded rate, mm/s.
+    pub rate_mm_s: f32,
+    /// Longest tick of the palpation, us.
+    pub tick_max_us: u16,
+    /// Mean tick in contact, us.
+    pub tick_mean_us: f32,
+}

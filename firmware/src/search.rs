@@ -1,0 +1,231 @@
+//! Variance search over the table (thesis Eq. 17): the running sum of absolute differences between measured and
+//! tabulated force, over every column of the height slice, one depth step a tick.
+
+use protocol::lut::{Role, Table, axis_name};
+
+/// Most columns of a slice times factors: the thesis' 900 fit.
+pub const MAX_SUMS: usize = 1024;
+
+/// Most values of the factor axis.
+pub const MAX_FACTORS: usize = 64;
+
+/// Which part of a table is searched, worked out once a palpation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slice {
+    /// First stored column.
+    first: usize,
+    /// Stored columns.
+    width: usize,
+    /// Values of the factor axis; a single 1 without such an axis.
+    factors: [f32; MAX_FACTORS],
+    factor_count: usize,
+    /// Length of the axis that runs fastest through the sums.
+    inner: usize,
+    /// Height of the slice, mm; 0 for a table without height axis.
+    pub height_mm: f32,
+}
+
+impl Slice {
+    /// The slice nearest to a specimen's height; `None` if the table is larger than this build searches.
+    pub fn for_height(table: &Table<'_>, specimen_mm: f32) -> Option<Self> {
+        let (index, height_mm) = match table.axis(axis_name::HEIGHT) {
+            Some(axis) if axis.role == Role::Column => {
+                let index = axis.nearest(specimen_mm);
+                (index, axis.value(index))
+            }
+            _ => (0, 0.0),
+        };
+        let columns = table.slice(index);
+        let mut slice = Slice {
+            first: columns.start,
+            width: columns.len(),
+            factors: [1.0; MAX_FACTORS],
+            factor_count: 1,
+            inner: 1,
+            height_mm,
+        };
+        if let Some(axis) = table.factor() {
+            slice.factor_count = axis.len();
+            for (slot, value) in slice.factors.get_mut(..axis.len())?.iter_mut().zip(axis.values()) {
+                *slot = value;
+            }
+            slice.inner = axis.len();
+        } else if let Some(axis) = table.axes().filter(|a| a.role == Role::Column).last() {
+            slice.inner = if axis.name == axis_name::HEIGHT { 1 } else { axis.len() };
+        }
+        (slice.len() <= MAX_SUMS && slice.len() > 0).then_some(slice)
+    }
+
+    /// Number of sums: columns times factors.
+    pub const fn len(&self) -> usize {
+        self.width * self.factor_count
+    }
+
+    /// True if nothing can be searched; never for a slice of [`Slice::for_height`].
+    pub const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Stored columns of the slice.
+    pub const fn columns(&self) -> core::ops::Range<usize> {
+        self.first..self.first + self.width
+    }
+
+    /// Stored columns that differ in shape and not only in amplitude: first, distance, number. With mu as factor these are all columns; with mu
+    /// as a column axis those of the same mu as sum number `index`.
+    pub fn shapes(&self, table: &Table<'_>, index: usize) -> (usize, usize, usize) {
+        if self.factor_count > 1 || table.factor().is_some() {
+            return (self.first, 1, self.width);
+        }
+        let inner_is_mu =
+            table.axes().filter(|a| a.role == Role::Column).last().is_some_and(|a| a.name == axis_name::MU);
+        let outer = self.width / self.inner;
+        if inner_is_mu {
+            (self.first + index % self.inner, self.inner, outer)
+        } else if table.axis(axis_name::MU).is_some() {
+            (self.first + index / self.inner * self.inner, 1, self.inner)
+        } else {
+            (self.first, 1, self.width)
+        }
+    }
+
+    /// mu (MPa) and alpha of sum number `index`; 0 for an axis the table does not have.
+    pub fn parameters(&self, table: &Table<'_>, index: usize) -> (f32, f32) {
+        let column = self.first + index / self.factor_count;
+        let mu_mpa = match table.factor() {
+            Some(axis) => axis.value(index % self.factor_count),
+            None => table.column_value(column, axis_name::MU).unwrap_or(0.0),
+        };
+        (mu_mpa, table.column_value(column, axis_name::ALPHA).unwrap_or(0.0))
+    }
+
+    /// Place in the grid: slow and fast coordinate.
+    const fn place(&self, index: usize) -> (usize, usize) {
+        (index / self.inner, index % self.inner)
+    }
+
+    /// True if `index` lies on the edge of the grid, along axes that have more than one value.
+    fn at_edge(&self, index: usize) -> bool {
+        let (slow, fast) = self.place(index);
+        let (slows, fasts) = (self.len() / self.inner, self.inner);
+        let edge = |at: usize, n: usize| n > 1 && (at == 0 || at + 1 == n);
+        edge(slow, slows) || edge(fast, fasts)
+    }
+}
+
+/// Running sums.
+#[derive(Debug, Clone)]
+pub struct Search {
+    sums_n: [f32; MAX_SUMS],
+    samples: u16,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Where the search stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Number of the best sum.
+    pub index: usize,
+    /// Its mean absolute difference, N.
+    pub error_n: f32,
+    /// Mean absolute difference of the best sum that is no neighbour of the best one in the grid (the eight around it
+    /// differ from it by less than the grid resolves), N; equal to `error_n` if every sum is a neighbour.
+    pub runner_up_error_n: f32,
+    /// `1 - error_n / runner_up_error_n`.
+    pub margin: f32,
+    /// True if the best sum lies on the edge of the grid.
+    pub at_edge: bool,
+}
+
+impl Search {
+    /// Nothing summed.
+    pub const fn new() -> Self {
+        Search { sums_n: [0.0; MAX_SUMS], samples: 0 }
+    }
+
+    /// Forgets everything.
+    pub fn reset(&mut self) {
+        self.sums_n.fill(0.0);
+        self.samples = 0;
+    }
+
+    /// Samples summed.
+    pub const fn samples(&self) -> u16 {
+        self.samples
+    }
+
+    /// Adds one sample; does nothing for a depth the table does not reach or a force that is not a number.
+    pub fn step(&mut self, table: &Table<'_>, slice: &Slice, depth_mm: f32, force_n: f32) {
+        let Some(position) = table.locate(depth_mm) else {
+            return;
+        };
+        if !force_n.is_finite() {
+            return;
+        }
+        let factors = slice.factors.get(..slice.factor_count).unwrap_or(&[]);
+        let forces = table.forces_n(position, slice.columns());
+        if factors.len() <= 1 {
+            for (sum, f) in self.sums_n.iter_mut().zip(forces) {
+                *sum += (f - force_n).abs();
+            }
+        } else {
+            for (sums, f) in self.sums_n.chunks_exact_mut(factors.len()).zip(forces) {
+                for (sum, factor) in sums.iter_mut().zip(factors) {
+                    *sum += (factor * f - force_n).abs();
+                }
+            }
+        }
+        self.samples = self.samples.saturating_add(1);
+    }
+
+    /// Mean absolute difference of the best sum so far, N; 0 before the first sample.
+    pub fn error_n(&self, slice: &Slice) -> f32 {
+        let least =
+            self.sums_n.iter().take(slice.len()).fold(f32::INFINITY, |least, s| if *s < least { *s } else { least });
+        if self.samples == 0 { 0.0 } else { least / f32::from(self.samples) }
+    }
+
+    /// Best, runner-up and margin; `None` before the first sample.
+    pub fn found(&self, slice: &Slice) -> Option<Found> {
+        if self.samples == 0 {
+            return None;
+        }
+        let sums = self.sums_n.get(..slice.len())?;
+        let mut best = (0, f32::INFINITY);
+        for (i, sum) in sums.iter().enumerate() {
+            if *sum < best.1 {
+                best = (i, *sum);
+            }
+        }
+        let (slow, fast) = slice.place(best.0);
+        let mut runner_up = f32::INFINITY;
+        for (i, sum) in sums.iter().enumerate() {
+            let (s, f) = slice.place(i);
+            let neighbour = s.abs_diff(slow) <= 1 && f.abs_diff(fast) <= 1;
+            if !neighbour && *sum < runner_up {
+                runner_up = *sum;
+            }
+        }
+        if !runner_up.is_finite() {
+            runner_up = best.1;
+        }
+        let samples = f32::from(self.samples);
+        Some(Found {
+            index: best.0,
+            error_n: best.1 / samples,
+            runner_up_error_n: runner_up / samples,
+            margin: margin(best.1, runner_up),
+            at_edge: slice.at_edge(best.0),
+        })
+    }
+}
+
+/// `1 - best / runner_up`, 0 if both are zero.
+pub fn margin(best: f32, runner_up: f32) -> f32 {
+    if runner_up > 0.0 { 1.0 - best / runner_up } else { 0.0 }
+}

@@ -1,0 +1,60 @@
+//! Force sensing resistor of the display (Interlink 400 series): conductance is linear in force.
+
+use super::divider::{resistance_kohm, sensor_ratio};
+use protocol::message::ResistiveSensor;
+
+/// Unit of force in Eq. 43: 100 gf (ERRATA, Table 7).
+pub const FSR_UNIT_N: f32 = 0.980_665;
+
+/// Below this conductance nothing presses, mS. The data sheet gives more than 10 MOhm (0.1 uS) unloaded; Eq. 45 would
+/// read 0.2 N there.
+const UNLOADED_MS: f32 = 1e-3;
+
+/// Conductance, mS, from a reading (Eq. 44).
+pub fn fsr_conductance_ms(ratio: f32, law: &ResistiveSensor) -> f32 {
+    1.0 / resistance_kohm(ratio, law.divider_kohm)
+}
+
+/// Force, N (ERRATA row Eq. 45): `F = 1 / ((V+/V_r - 1) R a) - b / a` in units of 100 gf, R in kOhm; 0 when
+/// unloaded.
+pub fn fsr_n(ratio: f32, law: &ResistiveSensor) -> f32 {
+    let conductance_ms = fsr_conductance_ms(ratio, law);
+    if conductance_ms < UNLOADED_MS {
+        return 0.0;
+    }
+    let force_n = (conductance_ms - law.offset) / law.slope * FSR_UNIT_N;
+    if force_n > 0.0 { force_n } else { 0.0 }
+}
+
+/// Reading for a force; the inverse of [`fsr_n`]. Forces below the law's zero give no conductance.
+pub fn fsr_ratio(force_n: f32, law: &ResistiveSensor) -> f32 {
+    let conductance_ms = law.slope * force_n / FSR_UNIT_N + law.offset;
+    if conductance_ms > 0.0 { sensor_ratio(1.0 / conductance_ms, law.divider_kohm) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::DEFAULT_CALIBRATION;
+
+    #[test]
+    fn table_7_end_points() {
+        // Table 7 (ERRATA row Eq. 43): 13.6 kOhm at 100 gf, 1.48 kOhm at 900 gf. The thesis' rounded line leaves
+        // 0.12 units (data sheet: 2 % repeatability, and the fit's own residual of 0.0173 mS is 0.22 units).
+        let law = DEFAULT_CALIBRATION.fsr;
+        for (kohm, gf) in [(13.6, 100.0), (1.48, 900.0)] {
+            let ratio = sensor_ratio(kohm, law.divider_kohm);
+            let n = fsr_n(ratio, &law);
+            assert!((n - gf / 100.0 * FSR_UNIT_N).abs() < 0.22 * FSR_UNIT_N, "{gf} gf: {n} N");
+        }
+    }
+
+    #[test]
+    fn unloaded_reads_zero_not_two_tenths_of_a_newton() {
+        let law = DEFAULT_CALIBRATION.fsr;
+        assert_eq!(fsr_n(0.0, &law), 0.0);
+        // Just above "unloaded" Eq. 45 gives -b/a = 0.2025 units.
+        let n = fsr_n(sensor_ratio(900.0, law.divider_kohm), &law);
+        assert!((n - (0.2025 + 0.014) * FSR_UNIT_N).abs() < 2e-3, "{n}");
+    }
+}

@@ -1,0 +1,180 @@
+//! From fractions of the reference voltage ("ratios", 0 to 1) to N, mm and A, and back.
+//!
+//! Supply of the dividers and reference of the converter are the same 3.3 V, so ratios need no voltage.
+//! The inverse of every law stands beside it: the simulated board and the tests make readings with it.
+
+mod coil_current;
+mod divider;
+mod fsr;
+mod load_cell;
+mod potentiometer;
+mod probe;
+
+pub use coil_current::{CoilShunt, coil_a, coil_ratio};
+pub use divider::{resistance_kohm, sensor_ratio};
+pub use fsr::{FSR_UNIT_N, fsr_conductance_ms, fsr_n, fsr_ratio};
+pub use load_cell::{load_cell_n, load_cell_ratio, tared};
+pub use potentiometer::{potentiometer_ratio, shaft_mm};
+pub use probe::{probe_mm, probe_ratio};
+
+use protocol::message::{Calibration, LoadCell, ProbePosition, ResistiveSensor};
+
+/// One oversampled reading of every channel, as fractions of the reference voltage, 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RawSamples {
+    /// Load cell of the palpation probe.
+    pub load_cell: f32,
+    /// Force sensing resistor of the display.
+    pub fsr: f32,
+    /// Potentiometer of the display's shaft.
+    pub potentiometer: f32,
+    /// Position transducer of the palpation probe.
+    pub probe_position: f32,
+    /// Shunt amplifier of the coil.
+    pub coil_current: f32,
+}
+
+impl RawSamples {
+    /// The channels in the order of their conversion.
+    pub const fn channels(&self) -> [f32; 5] {
+        [self.load_cell, self.fsr, self.potentiometer, self.probe_position, self.coil_current]
+    }
+
+    /// Readings from channels in the order of [`RawSamples::channels`].
+    pub const fn from_channels(channels: [f32; 5]) -> Self {
+        let [load_cell, fsr, potentiometer, probe_position, coil_current] = channels;
+        RawSamples { load_cell, fsr, potentiometer, probe_position, coil_current }
+    }
+}
+
+/// What the board believes about its surroundings in one tick.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Measured {
+    /// Load cell, N, positive when the probe is pressed.
+    pub load_cell_n: f32,
+    /// FSR of the display, N; 0 when nothing presses.
+    pub fsr_n: f32,
+    /// Shaft of the display, mm, 0 at rest and rising when pressed in.
+    pub shaft_mm: f32,
+    /// Height of the ball's lowest point above the base plate, mm.
+    pub probe_mm: f32,
+    /// Coil current, A.
+    pub coil_a: f32,
+}
+
+impl Measured {
+    /// Converts one reading with a calibration.
+    pub fn from_raw(raw: &RawSamples, calibration: &Calibration, shunt: &CoilShunt) -> Self {
+        Measured {
+            load_cell_n: load_cell_n(raw.load_cell, &calibration.load_cell),
+            fsr_n: fsr_n(raw.fsr, &calibration.fsr),
+            shaft_mm: shaft_mm(raw.potentiometer, &calibration.potentiometer),
+            probe_mm: probe_mm(raw.probe_position, &calibration.probe),
+            coil_a: coil_a(raw.coil_current, shunt),
+        }
+    }
+
+    /// True if every quantity is a number.
+    pub fn is_finite(&self) -> bool {
+        [self.load_cell_n, self.fsr_n, self.shaft_mm, self.probe_mm, self.coil_a].iter().all(|x| x.is_finite())
+    }
+}
+
+/// Readings below this, or above 1 minus this, are at a rail: the sensor is open or shorted.
+/// 1 % of the reference (33 mV) is beyond offset and noise of any channel.
+pub const RAIL_RATIO: f32 = 0.01;
+
+/// True if a reading lies at either rail, or is not a number.
+pub fn at_rail(ratio: f32) -> bool {
+    !(ratio > RAIL_RATIO && ratio < 1.0 - RAIL_RATIO)
+}
+
+/// The calibration a board starts with until one is stored.
+///
+/// Load cell (assumed 10 N cell with bridge amplifier): -1 to 9 N. FSR: thesis Eq. 43 (ERRATA: mS and units of 100 gf), 10 kOhm.
+/// Potentiometer: Eq. 46 (ERRATA: linear in resistance) with the 1.6 kOhm divider of the 3.3 V board.
+/// Probe position (assumed 100 mm transducer): -10 to 90 mm.
+pub const DEFAULT_CALIBRATION: Calibration = Calibration {
+    load_cell: LoadCell { zero_ratio: 0.1, n_per_ratio: 10.0 },
+    fsr: ResistiveSensor { slope: 0.079, offset: -0.016, divider_kohm: 10.0 },
+    potentiometer: ResistiveSensor { slope: -0.080_279, offset: 2.5829, divider_kohm: 1.6 },
+    probe: ProbePosition { zero_ratio: 0.1, mm_per_ratio: 100.0 },
+};
+
+/// True if a calibration can be used: all numbers finite, sensitivities not zero, dividers positive.
+pub fn calibration_is_usable(c: &Calibration) -> bool {
+    let numbers = [
+        c.load_cell.zero_ratio,
+        c.load_cell.n_per_ratio,
+        c.fsr.slope,
+        c.fsr.offset,
+        c.fsr.divider_kohm,
+        c.potentiometer.slope,
+        c.potentiometer.offset,
+        c.potentiometer.divider_kohm,
+        c.probe.zero_ratio,
+        c.probe.mm_per_ratio,
+    ];
+    numbers.iter().all(|x| x.is_finite())
+        && c.load_cell.n_per_ratio != 0.0
+        && c.fsr.slope > 0.0
+        && c.potentiometer.slope != 0.0
+        && c.fsr.divider_kohm > 0.0
+        && c.potentiometer.divider_kohm > 0.0
+        && c.probe.mm_per_ratio != 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_default_calibration_is_usable_and_a_zero_slope_is_not() {
+        assert!(calibration_is_usable(&DEFAULT_CALIBRATION));
+        let mut broken = DEFAULT_CALIBRATION;
+        broken.potentiometer.slope = 0.0;
+        assert!(!calibration_is_usable(&broken));
+        broken = DEFAULT_CALIBRATION;
+        broken.probe.mm_per_ratio = f32::NAN;
+        assert!(!calibration_is_usable(&broken));
+    }
+
+    #[test]
+    fn rails_and_nan_are_at_the_rail() {
+        for ratio in [0.0, 0.005, 0.995, 1.0, f32::NAN] {
+            assert!(at_rail(ratio), "{ratio}");
+        }
+        assert!(!at_rail(0.5));
+    }
+
+    proptest! {
+        /// Readings made with the inverse laws convert back: f32 keeps 7 digits, the divider law loses up to two.
+        #[test]
+        fn conversion_round_trips(force in 0.0f32..8.0, pressed in 0.5f32..9.0, shaft in 0.0f32..20.0, probe in 0.0f32..80.0, amps in 0.0f32..3.0) {
+            let c = DEFAULT_CALIBRATION;
+            let shunt = CoilShunt::default();
+            let raw = RawSamples {
+                load_cell: load_cell_ratio(force, &c.load_cell),
+                fsr: fsr_ratio(pressed, &c.fsr),
+                potentiometer: potentiometer_ratio(shaft, &c.potentiometer),
+                probe_position: probe_ratio(probe, &c.probe),
+                coil_current: coil_ratio(amps, &shunt),
+            };
+            prop_assert_eq!(RawSamples::from_channels(raw.channels()), raw);
+            let m = Measured::from_raw(&raw, &c, &shunt);
+            prop_assert!((m.load_cell_n - force).abs() < 1e-5);
+            prop_assert!((m.fsr_n - pressed).abs() < 1e-4);
+            prop_assert!((m.shaft_mm - shaft).abs() < 1e-4);
+            prop_assert!((m.probe_mm - probe).abs() < 1e-4);
+            prop_assert!((m.coil_a - amps).abs() < 1e-5);
+        }
+
+        /// No reading, however absurd, gives a quantity that is not a number.
+        #[test]
+        fn finite_readings_give_finite_quantities(ratios in proptest::array::uniform5(-10.0f32..10.0)) {
+            let m = Measured::from_raw(&RawSamples::from_channels(ratios), &DEFAULT_CALIBRATION, &CoilShunt::default());
+            prop_assert!(m.is_finite());
+        }
+    }
+}
