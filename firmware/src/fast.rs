@@ -25,6 +25,9 @@ pub struct Averaged {
     pub coil_duty: f32,
 }
 
+/// Control ticks that the fast loop keeps the coil on without hearing from the control loop.
+const PATIENCE_TICKS: u32 = 3;
+
 /// State of the fast loop.
 #[derive(Debug, Clone)]
 pub struct FastLoop {
@@ -80,7 +83,9 @@ impl FastLoop {
         if self.above >= TRIP_READINGS {
             self.tripped = true;
         }
-        let target_a = if self.tripped { 0.0 } else { self.target_a };
+        // A control loop that has not come for its readings cannot be trusted to switch the coil off.
+        let deserted = u32::from(self.count) > PATIENCE_TICKS * FAST_STEPS;
+        let target_a = if self.tripped || deserted { 0.0 } else { self.target_a };
         self.duty = self.pi.step(&mut self.state, target_a, measured_a);
         self.duty
     }

@@ -2,7 +2,7 @@
 
 use super::{Board, FIRMWARE_VERSION};
 use crate::display::Display;
-use crate::flash::{CalibrationStore, SLOT_LEN, TableStore, UploadOutcome};
+use crate::flash::{CalibrationStore, SLOT_LEN, TableStore};
 use crate::link::Priority;
 use crate::mode::TableLimits;
 use crate::pid::{Pid, gains_are_usable};
@@ -88,8 +88,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
             }
             Request::TableBegin(begin) => {
                 self.outputs_must_be_off()?;
-                let outcome = self.upload.begin(&mut self.store, &mut self.active, begin)?;
-                debug_assert_eq!(outcome, UploadOutcome::Later);
+                self.upload.begin(&mut self.store, &mut self.active, begin)?;
                 self.begin_seq = Some(seq);
                 Ok(Answer::Later)
             }

@@ -6,11 +6,12 @@
 //! table or the new one. A table above 512 KiB takes the whole bank ([`Slot::Whole`]); there the old table
 //! is gone once the upload begins, and a power cut leaves no table rather than a broken one.
 
+pub mod journal;
 mod ram;
 mod upload;
 
 pub use ram::{PowerCut, RamFlash};
-pub use upload::{Upload, UploadOutcome};
+pub use upload::Upload;
 
 use protocol::lut::{Checked, HEADER_LEN, MAGIC, Table};
 use protocol::message::{Calibration, Slot};

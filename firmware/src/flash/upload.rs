@@ -4,15 +4,6 @@ use super::{ActiveTable, EraseProgress, SLOT_LEN, TableStore, WORD, sector_of, s
 use protocol::lut::{HEADER_LEN, MAGIC, Table, VERSION};
 use protocol::message::{Refusal, Slot, TableBegin, TableChunk};
 
-/// What a step of the upload asks the link to answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum UploadOutcome {
-    /// Answer with the table's state.
-    Answered,
-    /// The answer follows when the erase has ended.
-    Later,
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     None,
@@ -81,7 +72,7 @@ impl Upload {
         store: &mut S,
         active: &mut Option<ActiveTable>,
         begin: &TableBegin,
-    ) -> Result<UploadOutcome, Refusal> {
+    ) -> Result<(), Refusal> {
         if self.is_erasing() {
             return Err(Refusal::Busy);
         }
@@ -103,7 +94,7 @@ impl Upload {
         self.phase = Phase::Erasing { sector, last };
         self.slot = slot;
         self.begin = begin.clone();
-        Ok(UploadOutcome::Later)
+        Ok(())
     }
 
     /// One tick of the erase: `None` while it runs or when there is none; then whether it succeeded.
@@ -134,7 +125,7 @@ impl Upload {
     /// # Errors
     /// [`Refusal::OutOfOrder`] if it does not continue the upload (a repeated piece is fine), [`Refusal::Busy`] during the
     /// erase, [`Refusal::OutOfRange`] beyond the announced length, [`Refusal::FlashFailed`], which ends the upload.
-    pub fn chunk<S: TableStore>(&mut self, store: &mut S, chunk: &TableChunk) -> Result<UploadOutcome, Refusal> {
+    pub fn chunk<S: TableStore>(&mut self, store: &mut S, chunk: &TableChunk) -> Result<(), Refusal> {
         match self.phase {
             Phase::None => return Err(Refusal::OutOfOrder),
             Phase::Erasing { .. } => return Err(Refusal::Busy),
@@ -146,7 +137,7 @@ impl Upload {
             return Err(Refusal::OutOfRange);
         }
         if end <= self.next {
-            return Ok(UploadOutcome::Answered);
+            return Ok(());
         }
         if from != self.next {
             return Err(Refusal::OutOfOrder);
@@ -157,7 +148,7 @@ impl Upload {
                 return Err(Refusal::FlashFailed);
             }
         }
-        Ok(UploadOutcome::Answered)
+        Ok(())
     }
 
     fn put<S: TableStore>(&mut self, store: &mut S, byte: u8) -> Result<(), super::FlashError> {
@@ -184,11 +175,7 @@ impl Upload {
     /// # Errors
     /// [`Refusal::OutOfOrder`] without a complete upload; [`Refusal::TableRejected`] if it does not pass its checks, [`Refusal::FlashFailed`];
     /// after these two the upload is gone and the old table stays.
-    pub fn commit<S: TableStore>(
-        &mut self,
-        store: &mut S,
-        active: &mut Option<ActiveTable>,
-    ) -> Result<UploadOutcome, Refusal> {
+    pub fn commit<S: TableStore>(&mut self, store: &mut S, active: &mut Option<ActiveTable>) -> Result<(), Refusal> {
         if self.phase != Phase::Receiving || self.next != self.begin.length as usize {
             return Err(Refusal::OutOfOrder);
         }
@@ -217,7 +204,7 @@ impl Upload {
             }
             _ => {}
         }
-        Ok(UploadOutcome::Answered)
+        Ok(())
     }
 
     fn header_is_plausible(&self) -> bool {

@@ -1,0 +1,98 @@
+//! Calibrations in flash: a journal of records in an erased region; the last whole record counts.
+//!
+//! A record is written into erased words and never changed, its CRC last, so a power cut leaves the old calibration or the
+//! new one. A region of 128 KiB takes 2,048 records; it is emptied only at start, before any output can be on
+//! (see the image's `flash` module), because erasing in bank 1 halts the processor for 1 to 2 s.
+
+use super::WORD;
+use protocol::frame::CRC32;
+use protocol::message::{Calibration, Report};
+
+/// Bytes of a record: length (u32), body (postcard, as on the link), CRC-32 of length and body in the last word.
+pub const RECORD_LEN: usize = 64;
+
+const CRC_AT: usize = RECORD_LEN - WORD;
+
+/// Kind of the report whose body a record holds (`Calibration` in the table of messages).
+const KIND: u8 = 0x89;
+
+/// The record of a calibration; `None` if it does not fit, which the schema rules out.
+pub fn record(calibration: &Calibration) -> Option<[u8; RECORD_LEN]> {
+    let mut record = [0; RECORD_LEN];
+    let body = record.get_mut(WORD..CRC_AT)?;
+    let len = Report::Calibration(calibration.clone()).encode(body).ok()?.len();
+    record.get_mut(..WORD)?.copy_from_slice(&(len as u32).to_le_bytes());
+    let crc = CRC32.checksum(record.get(..CRC_AT)?);
+    record.get_mut(CRC_AT..)?.copy_from_slice(&crc.to_le_bytes());
+    Some(record)
+}
+
+fn read(record: &[u8]) -> Option<Calibration> {
+    let (content, crc) = record.split_at_checked(CRC_AT)?;
+    if CRC32.checksum(content).to_le_bytes() != *crc {
+        return None;
+    }
+    let (len, body) = content.split_first_chunk::<WORD>()?;
+    let body = body.get(..u32::from_le_bytes(*len) as usize)?;
+    match Report::decode(KIND, body) {
+        Ok(Report::Calibration(calibration)) => Some(calibration),
+        _ => None,
+    }
+}
+
+/// The last whole record of a region.
+pub fn latest(region: &[u8]) -> Option<Calibration> {
+    region.rchunks_exact(RECORD_LEN).find_map(read)
+}
+
+/// Offset of the first record place that is still erased, behind everything written; `None` if the region is full.
+pub fn free_place(region: &[u8]) -> Option<usize> {
+    let used = region
+        .chunks_exact(RECORD_LEN)
+        .rposition(|record| record.iter().any(|b| *b != 0xff))
+        .map_or(0, |last| last + 1);
+    let at = used * RECORD_LEN;
+    (at + RECORD_LEN <= region.len()).then_some(at)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::sensor::DEFAULT_CALIBRATION;
+
+    fn with_zero(zero_ratio: f32) -> Calibration {
+        let mut c = DEFAULT_CALIBRATION;
+        c.load_cell.zero_ratio = zero_ratio;
+        c
+    }
+
+    #[test]
+    fn the_last_record_counts_until_the_region_is_full() {
+        let mut region = vec![0xff; 4 * RECORD_LEN];
+        assert_eq!(latest(&region), None);
+        for i in 0..4 {
+            let at = free_place(&region).unwrap();
+            assert_eq!(at, i * RECORD_LEN);
+            let calibration = with_zero(0.1 + 0.01 * i as f32);
+            region[at..at + RECORD_LEN].copy_from_slice(&record(&calibration).unwrap());
+            assert_eq!(latest(&region), Some(calibration));
+        }
+        assert_eq!(free_place(&region), None);
+    }
+
+    #[test]
+    fn a_power_cut_at_any_word_leaves_the_old_calibration_or_the_new_one() {
+        let (old, new) = (with_zero(0.1), with_zero(0.2));
+        for words in 0..=RECORD_LEN / WORD {
+            let mut region = vec![0xff; 4 * RECORD_LEN];
+            region[..RECORD_LEN].copy_from_slice(&record(&old).unwrap());
+            let written = words * WORD;
+            region[RECORD_LEN..RECORD_LEN + written].copy_from_slice(&record(&new).unwrap()[..written]);
+            let expected = if written == RECORD_LEN { &new } else { &old };
+            assert_eq!(latest(&region).as_ref(), Some(expected), "{words} words");
+            // A place that was begun is not used again: its words cannot be written twice.
+            assert_eq!(free_place(&region), Some(if words == 0 { 1 } else { 2 } * RECORD_LEN));
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! The 50 Hz task: board, outputs, links, watchdog.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use embassy_futures::select::{Either, select};
+use embassy_stm32::peripherals::IWDG;
+use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::pipe::Pipe;
+use embassy_time::{Duration, Instant, Ticker};
+use firmware::board::{Board, Inputs};
+
+use super::flash::BoardFlash;
+use super::outputs::{Actuator, Arm};
+use super::{FAST, Link, PACKET_LEN, RECEIVED, TO_UART, TO_USB, sampling};
+
+/// Time the watchdog waits: 25 ticks, and four times the longest check of a table when an upload is committed.
+pub const WATCHDOG_US: u32 = 500_000;
+
+/// Ticks within which sampling and links must have shown themselves.
+const CHECK_IN_TICKS: u32 = 10;
+
+/// Turns of the link tasks, which also turn when nothing arrives.
+pub static LINK_TURNS: AtomicU32 = AtomicU32::new(0);
+
+/// Sees whether a counter moves.
+struct CheckIn {
+    last: u32,
+    silent: u32,
+}
+
+impl CheckIn {
+    const fn new() -> Self {
+        CheckIn { last: 0, silent: 0 }
+    }
+
+    /// True while the counter has moved within the last ticks.
+    fn alive(&mut self, counter: &AtomicU32) -> bool {
+        let now = counter.load(Ordering::Relaxed);
+        self.silent = if now == self.last { self.silent.saturating_add(1) } else { 0 };
+        self.last = now;
+        self.silent <= CHECK_IN_TICKS
+    }
+}
+
+/// Between ticks bytes of the links are carried out as they come. The watchdog is fed here and nowhere else, and only while
+/// sampling and both link tasks turn: a hang of any of them resets the board within 0.7 s, outputs off.
+#[embassy_executor::task]
+pub async fn run(
+    board: &'static mut Board<BoardFlash>,
+    mut actuator: Actuator,
+    mut arm: Arm,
+    mut watchdog: IndependentWatchdog<'static, IWDG>,
+) -> ! {
+    let mut ticker = Ticker::every(Duration::from_hz(u64::from(protocol::TICK_HZ)));
+    let (mut sampled, mut linked) = (CheckIn::new(), CheckIn::new());
+    let mut link = Link::Usb;
+    let mut tick_us = 0;
+    watchdog.unleash();
+    defmt::info!("board started");
+    loop {
+        match select(ticker.next(), RECEIVED.receive()).await {
+            Either::First(()) => {
+                let begin = Instant::now();
+                let averaged = FAST.lock(|cell| cell.borrow_mut().as_mut().map(|fast| fast.take()));
+                let overrun = sampling::OVERRUN.swap(false, Ordering::Relaxed);
+                let inputs = Inputs::from_fast(&averaged.unwrap_or_default(), overrun, tick_us);
+                let outputs = board.tick(&inputs);
+                FAST.lock(|cell| {
+                    if let Some(fast) = cell.borrow_mut().as_mut() {
+                        fast.set_target_a(outputs.coil_target_a);
+                    }
+                });
+                actuator.set_v(outputs.actuator_v);
+                arm.set(outputs.arm_run, outputs.arm_rate_mm_s);
+                let us = begin.elapsed().as_micros();
+                tick_us = u16::try_from(us).unwrap_or(u16::MAX);
+                if sampled.alive(&sampling::HALVES) && linked.alive(&LINK_TURNS) {
+                    watchdog.pet();
+                }
+            }
+            Either::Second(packet) => {
+                if packet.link != link {
+                    // Ends whatever the other link has left unfinished.
+                    board.receive(&[0]);
+                    link = packet.link;
+                }
+                board.receive(&packet.bytes);
+            }
+        }
+        match link {
+            Link::Usb => pass_on(board, &TO_USB),
+            Link::Uart => pass_on(board, &TO_UART),
+        }
+    }
+}
+
+/// Moves what the pipe has room for; the rest stays in the board's queue.
+fn pass_on<const N: usize>(board: &mut Board<BoardFlash>, pipe: &Pipe<CriticalSectionRawMutex, N>) {
+    let mut bytes = [0; PACKET_LEN];
+    loop {
+        let room = pipe.free_capacity().min(bytes.len());
+        let Some(chunk) = bytes.get_mut(..room).filter(|c| !c.is_empty()) else {
+            return;
+        };
+        let count = board.take_transmit(chunk);
+        let Some(chunk) = chunk.get(..count).filter(|c| !c.is_empty()) else {
+            return;
+        };
+        // There is room, and nobody else writes.
+        if pipe.try_write(chunk) != Ok(count) {
+            return;
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Start of the image: clocks, pins, tasks.
+
+mod control;
+mod flash;
+mod outputs;
+mod reset;
+mod sampling;
+mod serial;
+mod stop;
+mod usb;
+
+use core::cell::RefCell;
+
+use embassy_executor::{InterruptExecutor, Spawner};
+use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::interrupt;
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_stm32::{Config, adc, bind_interrupts, dma, peripherals, rcc, time::Hertz, usart};
+use embassy_sync::blocking_mutex::Mutex;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::channel::Channel;
+use embassy_sync::pipe::Pipe;
+use firmware::board::{Board, Identity};
+use firmware::config::BoardConfig;
+use firmware::fast::FastLoop;
+use static_cell::StaticCell;
+
+use self::flash::BoardFlash;
+
+bind_interrupts!(struct Irqs {
+    DMA2_STREAM0 => dma::InterruptHandler<peripherals::DMA2_CH0>;
+    OTG_FS => embassy_stm32::usb::InterruptHandler<peripherals::USB_OTG_FS>;
+    USART3 => usart::BufferedInterruptHandler<peripherals::USART3>;
+});
+
+/// The fast loop, shared by the sampling task (1 kHz) and the control task (50 Hz). Both hold it for microseconds.
+type SharedFast = Mutex<CriticalSectionRawMutex, RefCell<Option<FastLoop>>>;
+static FAST: SharedFast = Mutex::new(RefCell::new(None));
+
+/// Which link bytes came from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Link {
+    Usb,
+    Uart,
+}
+
+/// Bytes from a link.
+struct Packet {
+    link: Link,
+    bytes: heapless::Vec<u8, PACKET_LEN>,
+}
+
+/// Longest packet of a full-speed bulk endpoint.
+const PACKET_LEN: usize = 64;
+
+static RECEIVED: Channel<CriticalSectionRawMutex, Packet, 16> = Channel::new();
+static TO_USB: Pipe<CriticalSectionRawMutex, 1024> = Pipe::new();
+static TO_UART: Pipe<CriticalSectionRawMutex, 1024> = Pipe::new();
+
+/// Runs the sampling task above everything in thread mode. UART5 is not used as such; its interrupt is the executor's.
+static SAMPLING: InterruptExecutor = InterruptExecutor::new();
+
+#[interrupt]
+#[allow(unsafe_code)]
+fn UART5() {
+    // SAFETY: called from the interrupt the executor was started with, and from nowhere else.
+    unsafe { SAMPLING.on_interrupt() }
+}
+
+/// 168 MHz from the ST-LINK's 8 MHz clock, 48 MHz for USB, 84 MHz for the converters and the PWM timers' bus.
+fn clocks() -> Config {
+    let mut config = Config::default();
+    config.rcc.hse = Some(rcc::Hse { freq: Hertz(8_000_000), mode: rcc::HseMode::Bypass });
+    config.rcc.pll_src = rcc::PllSource::HSE;
+    config.rcc.pll = Some(rcc::Pll {
+        prediv: rcc::PllPreDiv::DIV4,
+        mul: rcc::PllMul::MUL168,
+        divp: Some(rcc::PllPDiv::DIV2),
+        divq: Some(rcc::PllQDiv::DIV7),
+        divr: None,
+    });
+    config.rcc.ahb_pre = rcc::AHBPrescaler::DIV1;
+    config.rcc.apb1_pre = rcc::APBPrescaler::DIV4;
+    config.rcc.apb2_pre = rcc::APBPrescaler::DIV2;
+    config.rcc.sys = rcc::Sysclk::PLL1_P;
+    config.rcc.mux.clk48sel = rcc::mux::Clk48sel::PLL1_Q;
+    config
+}
+
+#[embassy_executor::main]
+async fn main(spawner: Spawner) {
+    let reset_cause = reset::cause();
+    let p = embassy_stm32::init(clocks());
+    // Off before anything else can go wrong.
+    let arm_run = Output::new(p.PD14, Level::Low, Speed::Low);
+    let coil = outputs::Coil::new(p.TIM8, p.PC6);
+    let actuator = outputs::Actuator::new(p.TIM1, p.PE9, p.PE11);
+    let arm = outputs::Arm::new(arm_run, p.TIM4, p.PD15);
+
+    let config = BoardConfig::default();
+    let fast = FastLoop::new(&config.circuit, &config.shunt, config.safety.coil_a);
+    FAST.lock(|cell| cell.replace(Some(fast)));
+
+    static BOARD: StaticCell<Board<BoardFlash>> = StaticCell::new();
+    let identity = Identity { unique_id: embassy_stm32::uid::uid(), reset_cause };
+    let board = BOARD.init_with(|| Board::new(config, BoardFlash::take(p.FLASH), identity));
+
+    interrupt::UART5.set_priority(Priority::P6);
+    let sampling = sampling::Sampling::start(
+        adc::Adc::new(p.ADC1),
+        p.DMA2_CH0,
+        p.TIM3,
+        sampling::Pins {
+            load_cell: p.PA3,
+            fsr: p.PC0,
+            potentiometer: p.PC3,
+            probe_position: p.PC2,
+            coil_current: p.PB1,
+        },
+    );
+    let watchdog = IndependentWatchdog::new(p.IWDG, control::WATCHDOG_US);
+    let usb = usb::start(p.USB_OTG_FS, p.PA12, p.PA11);
+    let uart = serial::start(p.USART3, p.PD9, p.PD8);
+
+    let spawned = (|| {
+        SAMPLING.start(interrupt::UART5).spawn(sampling::run(sampling, coil)?);
+        spawner.spawn(usb::device(usb.device)?);
+        spawner.spawn(usb::receive(usb.receiver)?);
+        spawner.spawn(usb::send(usb.sender)?);
+        // Without a UART (its baud rate cannot be wrong here) USB alone still serves.
+        if let Some((tx, rx)) = uart {
+            spawner.spawn(serial::receive(rx)?);
+            spawner.spawn(serial::send(tx)?);
+        }
+        spawner.spawn(control::run(board, actuator, arm, watchdog)?);
+        Ok::<(), embassy_executor::SpawnError>(())
+    })();
+    if spawned.is_err() {
+        // Each task has one place and is spawned once, so this cannot be; without tasks nothing may run.
+        stop::outputs_off();
+        defmt::error!("a task could not be started");
+    }
+}

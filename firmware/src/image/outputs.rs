@@ -1,0 +1,93 @@
+//! Power outputs: coil, actuator, arm. All start off.
+
+use embassy_stm32::Peri;
+use embassy_stm32::gpio::{Output, OutputType};
+use embassy_stm32::peripherals::{PC6, PD15, PE9, PE11, TIM1, TIM4, TIM8};
+use embassy_stm32::time::Hertz;
+use embassy_stm32::timer::low_level::CountingMode;
+use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm, SimplePwmChannel};
+use embassy_stm32::timer::{Ch1, GeneralInstance4Channel};
+use firmware::number::limit;
+
+/// Above hearing, and far above every electrical time constant that matters here.
+const PWM_HZ: Hertz = Hertz(20_000);
+
+/// Supply of the actuator's H-bridge, V: its full duty.
+const ACTUATOR_SUPPLY_V: f32 = 12.0;
+
+/// Rate of the arm at full duty of its set point, mm/s.
+const ARM_FULL_RATE_MM_S: f32 = 10.0;
+
+fn set<T: GeneralInstance4Channel>(channel: &mut SimplePwmChannel<'_, T>, duty: f32) {
+    let full = channel.max_duty_cycle();
+    channel.set_duty_cycle((limit(duty, 0.0, 1.0) * full as f32) as u32);
+}
+
+/// Low-side switch of the coil on PC6 (TIM8 channel 1).
+pub struct Coil(SimplePwm<'static, TIM8>);
+
+impl Coil {
+    pub fn new(timer: Peri<'static, TIM8>, pin: Peri<'static, PC6>) -> Self {
+        let pin: PwmPin<'_, _, Ch1> = PwmPin::new(pin, OutputType::PushPull);
+        let mut pwm = SimplePwm::new(timer, Some(pin), None, None, None, PWM_HZ, CountingMode::EdgeAlignedUp);
+        pwm.ch1().set_duty_cycle_fully_off();
+        pwm.ch1().enable();
+        Coil(pwm)
+    }
+
+    /// Duty, 0 to 1.
+    pub fn set(&mut self, duty: f32) {
+        set(&mut self.0.ch1(), duty);
+    }
+}
+
+/// H-bridge of the display's actuator: PE9 drives one way, PE11 the other (TIM1 channels 1 and 2).
+pub struct Actuator(SimplePwm<'static, TIM1>);
+
+impl Actuator {
+    pub fn new(timer: Peri<'static, TIM1>, forward: Peri<'static, PE9>, reverse: Peri<'static, PE11>) -> Self {
+        let forward = PwmPin::new(forward, OutputType::PushPull);
+        let reverse = PwmPin::new(reverse, OutputType::PushPull);
+        let mut pwm =
+            SimplePwm::new(timer, Some(forward), Some(reverse), None, None, PWM_HZ, CountingMode::EdgeAlignedUp);
+        pwm.ch1().set_duty_cycle_fully_off();
+        pwm.ch2().set_duty_cycle_fully_off();
+        pwm.ch1().enable();
+        pwm.ch2().enable();
+        Actuator(pwm)
+    }
+
+    /// Mean voltage over the bridge, V. The other side is switched off first, so both never conduct.
+    pub fn set_v(&mut self, volts: f32) {
+        let duty = volts / ACTUATOR_SUPPLY_V;
+        if duty >= 0.0 {
+            self.0.ch2().set_duty_cycle_fully_off();
+            set(&mut self.0.ch1(), duty);
+        } else {
+            self.0.ch1().set_duty_cycle_fully_off();
+            set(&mut self.0.ch2(), -duty);
+        }
+    }
+}
+
+/// Palpation arm: PD14 high lets it press, low brings it home; PD15 (TIM4 channel 4) is the set point of its rate.
+pub struct Arm {
+    run: Output<'static>,
+    rate: SimplePwm<'static, TIM4>,
+}
+
+impl Arm {
+    pub fn new(run: Output<'static>, timer: Peri<'static, TIM4>, rate: Peri<'static, PD15>) -> Self {
+        let rate = PwmPin::new(rate, OutputType::PushPull);
+        let mut pwm = SimplePwm::new(timer, None, None, None, Some(rate), PWM_HZ, CountingMode::EdgeAlignedUp);
+        pwm.ch4().set_duty_cycle_fully_off();
+        pwm.ch4().enable();
+        Arm { run, rate: pwm }
+    }
+
+    /// Presses at a rate, or returns.
+    pub fn set(&mut self, run: bool, rate_mm_s: f32) {
+        set(&mut self.rate.ch4(), rate_mm_s / ARM_FULL_RATE_MM_S);
+        self.run.set_level(run.into());
+    }
+}

@@ -1,0 +1,133 @@
+//! The 1 kHz task: converter readings in, coil duty out.
+//!
+//! TIM3 triggers one scan of the five channels every 62.5 us; DMA fills a ring, and every half of it (16 scans, 1 ms) wakes this task. A
+//! half that is not fetched within another millisecond is overwritten: the ring reports an overrun, which is counted, told to the control
+//! loop, and sampling goes on with the next half.
+
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use embassy_stm32::adc::{Adc, AdcChannel, Exten, RingBufferedAdc, SampleTime};
+use embassy_stm32::peripherals::{ADC1, DMA2_CH0, PA3, PB1, PC0, PC2, PC3, TIM3};
+use embassy_stm32::time::Hertz;
+use embassy_stm32::timer::low_level::{MasterMode, RoundTo, Timer};
+use embassy_stm32::{Peri, pac, triggers};
+use embassy_time::{Duration, with_timeout};
+use firmware::fast::FAST_HZ;
+use firmware::sensor::RawSamples;
+use static_cell::StaticCell;
+
+use super::outputs::Coil;
+use super::{FAST, Irqs};
+
+/// Channels of a scan, and scans of a half ring.
+const CHANNELS: usize = 5;
+const SCANS: usize = 16;
+const HALF: usize = CHANNELS * SCANS;
+
+/// Full scale of the 12-bit converter.
+const FULL_SCALE: f32 = 4096.0;
+
+/// A half ring comes every millisecond; without one for this long the trigger or the converter has stopped.
+const PATIENCE: Duration = Duration::from_millis(5);
+
+/// Half rings taken: the control task sees by it that sampling lives.
+pub static HALVES: AtomicU32 = AtomicU32::new(0);
+
+/// Set when the ring overran or no reading came; the control task takes it.
+pub static OVERRUN: AtomicBool = AtomicBool::new(false);
+
+/// The converter's pins.
+pub struct Pins {
+    pub load_cell: Peri<'static, PA3>,
+    pub fsr: Peri<'static, PC0>,
+    pub potentiometer: Peri<'static, PC3>,
+    pub probe_position: Peri<'static, PC2>,
+    pub coil_current: Peri<'static, PB1>,
+}
+
+/// Converter and its trigger.
+pub struct Sampling {
+    ring: RingBufferedAdc<'static, ADC1>,
+    /// Runs as long as this lives.
+    _trigger: Timer<'static, TIM3>,
+}
+
+impl Sampling {
+    pub fn start(
+        adc: Adc<'static, ADC1>,
+        dma: Peri<'static, DMA2_CH0>,
+        timer: Peri<'static, TIM3>,
+        pins: Pins,
+    ) -> Self {
+        static RING: StaticCell<[u16; 2 * HALF]> = StaticCell::new();
+        // 84 + 12 clocks of 21 MHz a channel: 23 us a scan.
+        let sequence = [
+            pins.load_cell.degrade_adc(),
+            pins.fsr.degrade_adc(),
+            pins.potentiometer.degrade_adc(),
+            pins.probe_position.degrade_adc(),
+            pins.coil_current.degrade_adc(),
+        ]
+        .map(|channel| (channel, SampleTime::CYCLES84));
+        let ring = adc.into_ring_buffered(
+            dma,
+            RING.init([0; 2 * HALF]),
+            Irqs,
+            sequence.into_iter(),
+            triggers::TIM3_TRGO,
+            Exten::RISING_EDGE,
+        );
+        let trigger = Timer::new(timer);
+        trigger.set_frequency(Hertz(FAST_HZ * SCANS as u32), RoundTo::Slower);
+        trigger.set_master_mode(MasterMode::UPDATE);
+        trigger.start();
+        Sampling { ring, _trigger: trigger }
+    }
+
+    /// After a stop of the converter (its overrun flag blocks DMA): clears the flag and starts the ring anew.
+    fn restart(&mut self) {
+        self.ring.stop();
+        pac::ADC1.cr2().modify(|w| w.set_dma(false));
+        pac::ADC1.sr().modify(|w| w.set_ovr(false));
+        pac::ADC1.cr2().modify(|w| w.set_dma(true));
+        self.ring.clear();
+        self.ring.start();
+    }
+}
+
+/// Mean of a half ring, as fractions of the reference.
+fn mean(half: &[u16; HALF]) -> RawSamples {
+    let mut sums = [0u32; CHANNELS];
+    for scan in half.chunks_exact(CHANNELS) {
+        for (sum, reading) in sums.iter_mut().zip(scan) {
+            *sum += u32::from(*reading);
+        }
+    }
+    RawSamples::from_channels(sums.map(|sum| sum as f32 / (SCANS as f32 * FULL_SCALE)))
+}
+
+/// Deadline 1 ms. A late step leaves the duty as it is for that long; without steps the duty goes off after 5 ms.
+#[embassy_executor::task]
+pub async fn run(mut sampling: Sampling, mut coil: Coil) -> ! {
+    let mut half = [0u16; HALF];
+    loop {
+        match with_timeout(PATIENCE, sampling.ring.read(&mut half)).await {
+            Ok(Ok(_)) => {
+                let raw = mean(&half);
+                let duty = FAST.lock(|cell| cell.borrow_mut().as_mut().map_or(0.0, |fast| fast.step(&raw)));
+                coil.set(duty);
+                HALVES.fetch_add(1, Ordering::Relaxed);
+            }
+            Ok(Err(_)) => {
+                OVERRUN.store(true, Ordering::Relaxed);
+                defmt::warn!("converter ring overran");
+            }
+            Err(_) => {
+                coil.set(0.0);
+                OVERRUN.store(true, Ordering::Relaxed);
+                defmt::error!("no readings for 5 ms, converter restarted");
+                sampling.restart();
+            }
+        }
+    }
+}

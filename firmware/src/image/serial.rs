@@ -1,0 +1,56 @@
+//! UART link: USART3 to the ST-LINK's virtual serial port, 115200 8N1.
+
+use core::sync::atomic::Ordering;
+
+use embassy_stm32::Peri;
+use embassy_stm32::peripherals::{PD8, PD9, USART3};
+use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
+use embassy_time::{Duration, with_timeout};
+use embedded_io_async::{Read, Write};
+use static_cell::StaticCell;
+
+use super::control::LINK_TURNS;
+use super::{Irqs, Link, PACKET_LEN, Packet, RECEIVED, TO_UART};
+
+/// Idle wait before the task shows that it lives.
+const TURN: Duration = Duration::from_millis(50);
+
+/// Longest time for 64 bytes at 115200 baud is 6 ms; without progress for this long the line is given up.
+const STUCK: Duration = Duration::from_millis(200);
+
+type Halves = (BufferedUartTx<'static>, BufferedUartRx<'static>);
+
+pub fn start(uart: Peri<'static, USART3>, rx: Peri<'static, PD9>, tx: Peri<'static, PD8>) -> Option<Halves> {
+    static TX: StaticCell<[u8; 256]> = StaticCell::new();
+    static RX: StaticCell<[u8; 256]> = StaticCell::new();
+    let mut config = Config::default();
+    config.baudrate = 115_200;
+    BufferedUart::new(uart, rx, tx, TX.init([0; 256]), RX.init([0; 256]), Irqs, config).ok().map(BufferedUart::split)
+}
+
+#[embassy_executor::task]
+pub async fn receive(mut rx: BufferedUartRx<'static>) -> ! {
+    let mut buffer = [0; PACKET_LEN];
+    loop {
+        // A line error (noise, framing) costs the bytes; the CRC of the frame tells.
+        if let Ok(Ok(count)) = with_timeout(TURN, rx.read(&mut buffer)).await
+            && let Some(bytes) = buffer.get(..count).and_then(|b| heapless::Vec::from_slice(b).ok())
+        {
+            RECEIVED.send(Packet { link: Link::Uart, bytes }).await;
+        }
+        LINK_TURNS.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+#[embassy_executor::task]
+pub async fn send(mut tx: BufferedUartTx<'static>) -> ! {
+    let mut buffer = [0; PACKET_LEN];
+    loop {
+        let count = TO_UART.read(&mut buffer).await;
+        if let Some(bytes) = buffer.get(..count)
+            && with_timeout(STUCK, tx.write_all(bytes)).await.is_err()
+        {
+            defmt::warn!("UART does not send");
+        }
+    }
+}
