@@ -1,0 +1,212 @@
+//! `palpate lut`.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use lut_gen::contact::Ball;
+use lut_gen::model::{Resolution, Specimen};
+use lut_gen::solve::Base;
+use lut_gen::table::{self, ForceGrid, Form, GridSpec};
+use miette::{IntoDiagnostic, WrapErr, miette};
+use protocol::lut::Table;
+use serde_json::{Value, json};
+
+use crate::report::number;
+use crate::report::table::sample_curves;
+
+use super::progress::Progress;
+
+/// What table to make, or which one to explain.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Radius of the ball, mm
+    #[arg(long, value_name = "MM", default_value_t = 4.0)]
+    ball_mm: f64,
+    /// Heights of the specimens, mm; one table section each
+    #[arg(long, value_name = "MM,..", value_delimiter = ',', default_values_t = [12.7, 19.05, 25.4])]
+    height_mm: Vec<f64>,
+    /// How the specimens rest on their table
+    #[arg(long, value_enum, default_value_t = BaseArgument::Bonded)]
+    base: BaseArgument,
+    /// rows: one row an exponent, mu continuous; columns: all pairs, as in the thesis
+    #[arg(long, value_enum, default_value_t = FormArgument::Rows)]
+    form: FormArgument,
+    /// File to write; a picture of sample curves is written beside it
+    #[arg(long, value_name = "FILE", default_value = "out/lut.bin")]
+    out: PathBuf,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+    /// Explain an existing table instead: axes, provenance, error bound
+    #[arg(long, value_name = "FILE")]
+    explain: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum BaseArgument {
+    Bonded,
+    Sliding,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FormArgument {
+    Rows,
+    Columns,
+}
+
+/// Computes and writes a table, or explains one.
+///
+/// # Errors
+/// Values out of range, a failing solve, a file that cannot be written or is no table.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    match &arguments.explain {
+        Some(file) => explain(file, arguments.json),
+        None => make(arguments),
+    }
+}
+
+fn make(arguments: &Arguments) -> miette::Result<()> {
+    let start = Instant::now();
+    let mut heights = arguments.height_mm.clone();
+    check("--ball-mm", arguments.ball_mm)?;
+    for height in &heights {
+        check("--height-mm", *height)?;
+    }
+    heights.sort_by(f64::total_cmp);
+    heights.dedup();
+    let ball = Ball { radius_mm: arguments.ball_mm };
+    let progress = Progress::new();
+    let mut grids = Vec::new();
+    for height_mm in &heights {
+        let base = match arguments.base {
+            BaseArgument::Bonded => Base::Bonded,
+            BaseArgument::Sliding => Base::Sliding,
+        };
+        let spec = GridSpec::thesis(Specimen { base, ..Specimen::of_height(*height_mm) }, ball);
+        let what = format!("height {} mm", number(*height_mm));
+        let grid = ForceGrid::build(&spec, &|done, total| progress.set(&what, done, total))
+            .into_diagnostic()
+            .wrap_err_with(|| format!("no table for a height of {height_mm} mm"))?;
+        grids.push(grid);
+    }
+    let form = match arguments.form {
+        FormArgument::Rows => Form::Factored,
+        FormArgument::Columns => Form::Expanded,
+    };
+    // Only foams the table has a section for can be recognised with it.
+    let mut foams = table::foams();
+    foams.retain(|foam| heights.iter().any(|height| (height - foam.height_mm).abs() < 1e-6));
+    let library = table::library(&foams, ball, &grids[0].spec.depth_mm, Resolution::Standard).into_diagnostic()?;
+    let bytes = table::write(&grids, form, library).into_diagnostic()?;
+    save(&arguments.out, &bytes)?;
+    let picture = arguments.out.with_extension("svg");
+    save(&picture, sample_curves(&grids).as_bytes())?;
+    let table = parsed(&arguments.out, &bytes)?;
+    if arguments.json {
+        let mut answer = described(&table, bytes.len());
+        answer["file"] = json!(arguments.out.display().to_string());
+        answer["picture"] = json!(picture.display().to_string());
+        answer["fe_solves"] = json!(grids.iter().map(|grid| grid.solves).sum::<usize>());
+        answer["seconds"] = json!(start.elapsed().as_secs_f64());
+        println!("{answer}");
+    } else {
+        print(&table, bytes.len());
+        println!("table       {}", arguments.out.display());
+        println!("picture     {}", picture.display());
+        println!("time        {:.1} s", start.elapsed().as_secs_f64());
+    }
+    Ok(())
+}
+
+fn check(argument: &str, value_mm: f64) -> miette::Result<()> {
+    if (0.5..=200.0).contains(&value_mm) {
+        return Ok(());
+    }
+    Err(miette!("{argument} is {value_mm}; expected a length of 0.5 to 200 mm"))
+}
+
+fn save(file: &Path, bytes: &[u8]) -> miette::Result<()> {
+    if let Some(folder) = file.parent() {
+        std::fs::create_dir_all(folder)
+            .into_diagnostic()
+            .wrap_err_with(|| format!("cannot make the folder {}", folder.display()))?;
+    }
+    std::fs::write(file, bytes).into_diagnostic().wrap_err_with(|| format!("cannot write {}", file.display()))
+}
+
+fn parsed<'a>(file: &Path, bytes: &'a [u8]) -> miette::Result<Table<'a>> {
+    Table::parse(bytes).map_err(|cause| miette!("{} is not a usable table: {cause}", file.display()))
+}
+
+fn explain(file: &Path, as_json: bool) -> miette::Result<()> {
+    let bytes =
+        std::fs::read(file).into_diagnostic().wrap_err_with(|| format!("cannot read the table {}", file.display()))?;
+    let table = parsed(file, &bytes)?;
+    if as_json {
+        println!("{}", described(&table, bytes.len()));
+    } else {
+        print(&table, bytes.len());
+    }
+    Ok(())
+}
+
+fn hash(table: &Table<'_>) -> String {
+    table.hash().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn described(table: &Table<'_>, length: usize) -> Value {
+    let axes: Vec<Value> = table
+        .axes()
+        .map(|axis| {
+            json!({
+                "name": axis.name, "unit": axis.unit, "role": format!("{:?}", axis.role).to_lowercase(),
+                "scale": format!("{:?}", axis.scale).to_lowercase(), "values": axis.values().collect::<Vec<f32>>(),
+            })
+        })
+        .collect();
+    let error = table.error_bound();
+    json!({
+        "bytes": length, "hash": hash(table), "version": protocol::lut::VERSION, "axes": axes,
+        "rows": table.rows(), "columns": table.columns(), "provenance": table.provenance(),
+        "error_bound": {"discretisation": error.discretisation, "interpolation": error.interpolation,
+                        "quantisation": error.quantisation, "total": error.total()},
+        "materials": table.materials().map(|m| json!({"name": m.name, "mu_MPa": m.mu_mpa, "alpha": m.alpha, "height_mm": m.height_mm})).collect::<Vec<Value>>(),
+    })
+}
+
+fn print(table: &Table<'_>, length: usize) {
+    println!("form        {} rows x {} stored columns, {length} bytes", table.rows(), table.columns());
+    println!("hash        {}", hash(table));
+    for axis in table.axes() {
+        let values: Vec<f32> = axis.values().collect();
+        let ends = match (values.first(), values.last()) {
+            (Some(low), Some(high)) => format!("{} to {}", number(f64::from(*low)), number(f64::from(*high))),
+            _ => "empty".to_owned(),
+        };
+        let (role, scale) = (format!("{:?}", axis.role).to_lowercase(), format!("{:?}", axis.scale).to_lowercase());
+        println!("axis        {:8} {ends} {} in {} values, {scale}, {role}", axis.name, axis.unit, values.len());
+    }
+    let error = table.error_bound();
+    println!(
+        "error       {} % of a curve's peak: finite elements {} %, between depths {} %, rounding {} %",
+        percent(error.total()),
+        percent(error.discretisation),
+        percent(error.interpolation),
+        percent(error.quantisation)
+    );
+    for material in table.materials() {
+        println!(
+            "material    {:10} mu {} MPa, alpha {}, height {} mm",
+            material.name,
+            number(f64::from(material.mu_mpa)),
+            number(f64::from(material.alpha)),
+            number(f64::from(material.height_mm))
+        );
+    }
+    println!("provenance  {}", table.provenance());
+}
+
+fn percent(share: f32) -> String {
+    number(100.0 * f64::from(share))
+}

@@ -1,0 +1,293 @@
+//! `experiment.toml` itself.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use toml::de::{DeTable, DeValue};
+
+use super::error::{ExperimentError, Problem};
+use super::recording::{self, Need};
+use super::section::{Document, Section};
+use super::{Base, BaseLaw, Experiment, Indenter, Length, Names, Run, Sensor, Specimen, Test};
+
+/// Lengths of specimens and balls that can be meant, mm; outside, a unit was confused.
+const PLAUSIBLE_MM: std::ops::RangeInclusive<f64> = 0.05..=1000.0;
+
+/// Where a wanted column is found in the files.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mapping {
+    /// Name in the header.
+    pub name: String,
+    /// Factor from the file's unit to the wanted one.
+    pub scale: f64,
+    /// +1 or -1: compression and force into the specimen are positive.
+    pub sign: f64,
+}
+
+/// How the data files are written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Format {
+    /// Character between cells.
+    pub delimiter: u8,
+    /// Lines before the header.
+    pub skip_lines: usize,
+    /// Decimal sign.
+    pub decimal: char,
+    /// Label of the text encoding.
+    pub encoding: String,
+}
+
+impl Default for Format {
+    fn default() -> Self {
+        Self { delimiter: b',', skip_lines: 0, decimal: '.', encoding: "utf-8".to_owned() }
+    }
+}
+
+pub(super) fn experiment(file: &Path, text: &str) -> Result<Experiment, ExperimentError> {
+    let document = Document { file, text };
+    let root = DeTable::parse(text).map_err(|cause| {
+        let problem = Problem::Syntax(cause.message().to_owned());
+        document.error(cause.span().unwrap_or(0..0), problem)
+    })?;
+    let root = Section::new(document, "the file".to_owned(), 0..0, root.get_ref());
+    root.only(&["name", "columns", "format", "specimen", "indenter", "sensor", "run"])?;
+    let folder = file.parent().map(Path::to_owned).unwrap_or_default();
+    let name = match root.text("name", "a text in quotes")? {
+        Some(name) => name.to_owned(),
+        None => folder.file_name().map_or("experiment".into(), |n| n.to_string_lossy().into()),
+    };
+    let columns = columns(&root)?;
+    let format = format(&root)?;
+    let specimens = root.named("specimen")?.iter().map(specimen).collect::<Result<Vec<_>, _>>()?;
+    let indenters = root.named("indenter")?.iter().map(indenter).collect::<Result<Vec<_>, _>>()?;
+    let sensor = sensor(&root)?;
+    let places = Places {
+        folder: &folder,
+        specimens: specimens.iter().enumerate().map(|(i, s)| (s.name.clone(), i)).collect(),
+        indenters: indenters.iter().enumerate().map(|(i, s)| (s.name.clone(), i)).collect(),
+    };
+    let sections = root.array("run")?;
+    if sections.is_empty() {
+        return Err(root.missing("run", "at least one [[run]] with the file it was recorded in"));
+    }
+    let runs = sections
+        .iter()
+        .map(|section| run(section, &places, &specimens, &columns, &format))
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(Experiment { name, folder, specimens, indenters, sensor, runs })
+}
+
+fn columns(root: &Section<'_>) -> Result<BTreeMap<String, Mapping>, ExperimentError> {
+    let mut mappings = BTreeMap::new();
+    let Some(section) = root.section("columns", "[columns]".to_owned())? else {
+        return Ok(mappings);
+    };
+    for key in section.keys() {
+        let wanted = key.get_ref().as_ref();
+        let Some(value) = section.value(wanted) else {
+            continue;
+        };
+        let mapping = match value.get_ref() {
+            DeValue::String(name) => Mapping { name: name.to_string(), scale: 1.0, sign: 1.0 },
+            DeValue::Table(table) => {
+                let name = format!("columns.{wanted}");
+                column(&Section::new(section.document, name, value.span(), table))?
+            }
+            _ => {
+                let expected = "a column name, or { name = \"...\", scale = 1.0, sign = 1 }";
+                return Err(section.bad(wanted, value, expected));
+            }
+        };
+        mappings.insert(wanted.to_owned(), mapping);
+    }
+    Ok(mappings)
+}
+
+fn column(section: &Section<'_>) -> Result<Mapping, ExperimentError> {
+    section.only(&["name", "scale", "sign"])?;
+    let expected = "the column's name in the header";
+    let name = section.text("name", expected)?.ok_or_else(|| section.missing("name", expected))?.to_owned();
+    let scale = section
+        .number("scale", f64::MIN_POSITIVE..=1e12, "a number above 0 (turn directions with sign)")?
+        .unwrap_or(1.0);
+    let sign = section.number("sign", -1.0..=1.0, "1 or -1")?.unwrap_or(1.0);
+    if let Some(value) = section.value("sign")
+        && sign.abs() != 1.0
+    {
+        return Err(section.bad("sign", value, "1 or -1"));
+    }
+    Ok(Mapping { name, scale, sign })
+}
+
+fn format(root: &Section<'_>) -> Result<Format, ExperimentError> {
+    let mut format = Format::default();
+    let Some(section) = root.section("format", "[format]".to_owned())? else {
+        return Ok(format);
+    };
+    section.only(&["delimiter", "skip_lines", "decimal", "encoding"])?;
+    if let Some(value) = section.value("delimiter") {
+        format.delimiter = match value.get_ref().as_str().map(str::as_bytes) {
+            Some(&[byte]) if byte.is_ascii() && !byte.is_ascii_alphanumeric() && byte != b'"' => byte,
+            _ => {
+                return Err(section.bad("delimiter", value, "one character such as \",\" or \"\\t\""));
+            }
+        };
+    }
+    if let Some(lines) = section.integer("skip_lines", 0..=100_000, "a whole number from 0")? {
+        format.skip_lines = usize::try_from(lines).unwrap_or(0);
+    }
+    if let Some(sign) = section.word("decimal", &[(".", '.'), (",", ',')])? {
+        format.decimal = sign;
+    }
+    if let Some(label) = section.text("encoding", "a label such as \"utf-8\" or \"latin1\"")? {
+        if encoding_rs::Encoding::for_label(label.as_bytes()).is_none() {
+            let span = section.value("encoding").map_or(0..0, toml::Spanned::span);
+            return Err(section.document.error(span, Problem::UnknownEncoding(label.to_owned())));
+        }
+        format.encoding = label.to_owned();
+    }
+    if format.decimal == ',' && format.delimiter == b',' {
+        let span = section.span.clone();
+        let problem = Problem::BadValue {
+            key: "decimal".to_owned(),
+            found: "\",\", as is the delimiter".to_owned(),
+            expected: "two different characters, such as delimiter = \";\"".to_owned(),
+        };
+        return Err(section.document.error(span, problem));
+    }
+    Ok(format)
+}
+
+fn length(section: &Section<'_>, key: &str, expected: &str) -> Result<Length, ExperimentError> {
+    if let Some(value) = section.value(key)
+        && value.get_ref().as_str() == Some("unknown")
+    {
+        return Ok(Length::Unknown);
+    }
+    section.number(key, PLAUSIBLE_MM, expected)?.map(Length::Known).ok_or_else(|| section.missing(key, expected))
+}
+
+fn specimen((name, section): &(String, Section<'_>)) -> Result<Specimen, ExperimentError> {
+    section.only(&["base_law", "terms", "height_mm", "radius_mm", "base", "material"])?;
+    let expected = "a length of 0.05 to 1000 mm, or \"unknown\"";
+    let laws = [("hyperfoam", BaseLaw::Hyperfoam), ("ogden", BaseLaw::Ogden), ("rigid", BaseLaw::Rigid)];
+    let bases = [("bonded", Base::Bonded), ("sliding", Base::Sliding)];
+    let terms = section.integer("terms", 1..=6, "a whole number from 1 to 6")?.unwrap_or(1);
+    Ok(Specimen {
+        name: name.clone(),
+        material: section.text("material", "a text in quotes")?.unwrap_or("specimen").to_owned(),
+        base_law: section.word("base_law", &laws)?.unwrap_or(BaseLaw::Hyperfoam),
+        terms: usize::try_from(terms).unwrap_or(1),
+        height_mm: length(section, "height_mm", expected)?,
+        radius_mm: length(section, "radius_mm", expected)?,
+        base: section.word("base", &bases)?.unwrap_or(Base::Bonded),
+    })
+}
+
+fn indenter((name, section): &(String, Section<'_>)) -> Result<Indenter, ExperimentError> {
+    section.only(&["radius_mm"])?;
+    let expected = "the ball's radius, 0.05 to 1000 mm, or \"unknown\"";
+    Ok(Indenter { name: name.clone(), radius_mm: length(section, "radius_mm", expected)? })
+}
+
+fn sensor(root: &Section<'_>) -> Result<Sensor, ExperimentError> {
+    let Some(section) = root.section("sensor", "[sensor]".to_owned())? else {
+        return Ok(Sensor::default());
+    };
+    section.only(&["noise_N"])?;
+    let expected = "a standard deviation above 0 N";
+    Ok(Sensor { noise_n: section.number("noise_N", f64::MIN_POSITIVE..=1e6, expected)? })
+}
+
+/// What the runs refer to.
+struct Places<'a> {
+    folder: &'a Path,
+    specimens: Names,
+    indenters: Names,
+}
+
+const TESTS: [(&str, Test); 9] = [
+    ("indentation", Test::Indentation),
+    ("uniaxial", Test::Uniaxial),
+    ("confined", Test::Confined),
+    ("tension", Test::Tension),
+    ("shear", Test::Shear),
+    ("air", Test::Air),
+    ("mass", Test::Mass),
+    ("display", Test::Display),
+    ("table", Test::Table),
+];
+
+fn run(
+    section: &Section<'_>,
+    places: &Places<'_>,
+    specimens: &[Specimen],
+    columns: &BTreeMap<String, Mapping>,
+    format: &Format,
+) -> Result<Run, ExperimentError> {
+    section.only(&["file", "specimen", "indenter", "spot", "cycle", "order", "start_s", "hold_out", "test"])?;
+    let test = section.word("test", &TESTS)?.unwrap_or(Test::Indentation);
+    let expected = "the name of a data file";
+    let file = section.text("file", expected)?.ok_or_else(|| section.missing("file", expected))?;
+    let path = located(places.folder, file);
+    if !path.is_file() {
+        let span = section.value("file").map_or(0..0, toml::Spanned::span);
+        return Err(section.document.error(span, Problem::MissingFile(path.display().to_string())));
+    }
+    let whole = "a whole number";
+    let specimen = reference(section, "specimen", &places.specimens, touches_specimen(test))?;
+    let indenter = reference(section, "indenter", &places.indenters, test == Test::Indentation)?;
+    let recording = recording::read(&path, &Need::of(test), columns, format)?;
+    if let Some(height_mm) = specimen.and_then(|at| specimens.get(at)?.height_mm.known()) {
+        recording.check_depth(&path, height_mm)?;
+    }
+    Ok(Run {
+        file: file.to_owned(),
+        specimen,
+        indenter,
+        test,
+        spot: section.integer("spot", i64::MIN..=i64::MAX, whole)?,
+        cycle: section.integer("cycle", 0..=i64::MAX, "a whole number from 0")?,
+        order: section.integer("order", i64::MIN..=i64::MAX, whole)?,
+        start_s: section.number("start_s", -1e12..=1e12, "a time in s")?,
+        hold_out: section.flag("hold_out")?.unwrap_or(false),
+        path,
+        recording,
+    })
+}
+
+fn touches_specimen(test: Test) -> bool {
+    matches!(test, Test::Indentation | Test::Uniaxial | Test::Confined | Test::Tension | Test::Shear)
+}
+
+fn reference(
+    section: &Section<'_>,
+    key: &str,
+    names: &Names,
+    required: bool,
+) -> Result<Option<usize>, ExperimentError> {
+    let expected = "a name in quotes";
+    let Some(name) = section.text(key, expected)? else {
+        return if required { Err(section.missing(key, expected)) } else { Ok(None) };
+    };
+    names.get(name).copied().map(Some).ok_or_else(|| {
+        let span = section.value(key).map_or(0..0, toml::Spanned::span);
+        let problem =
+            Problem::UnknownName { key: key.to_owned(), name: name.to_owned(), known: names.keys().cloned().collect() };
+        section.document.error(span, problem)
+    })
+}
+
+/// Where a data file is: beside `experiment.toml`, or, with the prefix `shared:`, in the folder
+/// of shared recordings, which is the nearest folder `shared` on the way up from the experiment,
+/// or what the environment variable `PALPATE_SHARED` names.
+fn located(folder: &Path, file: &str) -> PathBuf {
+    let Some(inside) = file.strip_prefix("shared:") else {
+        return folder.join(file);
+    };
+    let root = std::env::var_os("PALPATE_SHARED").map(PathBuf::from).or_else(|| {
+        let absolute = std::path::absolute(folder).ok()?;
+        absolute.ancestors().map(|up| up.join("shared")).find(|shared| shared.join(inside).exists())
+    });
+    root.unwrap_or_else(|| PathBuf::from("shared")).join(inside)
+}

@@ -1,0 +1,304 @@
+//! What the indenter did, read from the data: first loading branch, hold, unloading, rate.
+//!
+//! Nothing of this is declared in the files, because declarations are wrong more often than data
+//! (a speed in a machine's summary may well be that of the retraction).
+
+use std::ops::Range;
+
+use super::Recording;
+
+/// Below this share of the typical speed the indenter counts as standing.
+const STANDING: f64 = 0.3;
+/// A stretch that moves less than this share of the whole range is jitter or a controller's
+/// undershoot and belongs to its neighbour.
+const JITTER: f64 = 0.02;
+/// A rise by less than this share of the whole range is not a loading branch.
+const BRANCH: f64 = 0.25;
+/// A fall of force within one sample above this share of its range, while the indenter goes on
+/// down, is a slip or a fault. It must also exceed [`JUMP_SIGMA`] times the noise.
+const JUMP: f64 = 0.04;
+const JUMP_SIGMA: f64 = 8.0;
+
+/// Something unusual on the way down.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Event {
+    /// The indenter stood still and then went on.
+    Restarted {
+        /// Depth where it stood, mm.
+        depth_mm: f64,
+        /// How long it stood, s.
+        pause_s: f64,
+    },
+    /// Force fell within one sample although the indenter went on down.
+    ForceDrop {
+        /// Depth, mm.
+        depth_mm: f64,
+        /// Time, s.
+        time_s: f64,
+        /// By how much, N.
+        drop_n: f64,
+    },
+}
+
+impl std::fmt::Display for Event {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Event::Restarted { depth_mm, pause_s } => write!(
+                f,
+                "the ball stood for {pause_s:.1} s at {depth_mm:.2} mm and went on; loading is used up to there"
+            ),
+            Event::ForceDrop { depth_mm, time_s, drop_n } => write!(
+                f,
+                "force falls by {drop_n:.3} N within one sample at {depth_mm:.2} mm ({time_s:.1} s) while the ball goes on down: a slip or a fault; loading is used up to there"
+            ),
+        }
+    }
+}
+
+/// The branches of a run as ranges of samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// First loading branch.
+    pub loading: Range<usize>,
+    /// Speed of it, mm/s.
+    pub rate_mm_per_s: f64,
+    /// Standing at the deepest point right after it, if it stood.
+    pub hold: Option<Range<usize>>,
+    /// First way back after it, if there was one.
+    pub unloading: Option<Range<usize>>,
+    /// Number of loading branches in the run.
+    pub cycles: usize,
+    /// Unusual things within the first loading branch.
+    pub events: Vec<Event>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Down,
+    Still,
+    Up,
+}
+
+#[derive(Debug, Clone)]
+struct Stretch {
+    way: Way,
+    samples: Range<usize>,
+}
+
+/// Noise of a smooth signal: standard deviation from the median absolute second difference, so
+/// that neither a trend nor a few jumps count.
+pub fn noise_of(signal: &[f64]) -> f64 {
+    let mut bends: Vec<f64> = signal.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
+    if bends.is_empty() {
+        return 0.0;
+    }
+    let middle = bends.len() / 2;
+    let (_, median, _) = bends.select_nth_unstable_by(middle, f64::total_cmp);
+    // 0.6745 is the median of |x| for unit normal x; a second difference has variance 6.
+    *median / 0.6745 / 6.0_f64.sqrt()
+}
+
+/// Reads the branches of a run; `None` if the indenter never went down measurably.
+pub fn of(recording: &Recording) -> Option<Motion> {
+    let (time, depth) = (&recording.time_s, &recording.depth_mm);
+    if depth.len() < 5 || depth.len() != time.len() {
+        return None;
+    }
+    let lowest = depth.iter().copied().fold(f64::INFINITY, f64::min);
+    let range = depth.iter().copied().fold(f64::NEG_INFINITY, f64::max) - lowest;
+    let noise = noise_of(depth);
+    if range <= 10.0 * noise || range <= 0.0 {
+        return None;
+    }
+    let speed = typical_speed(time, depth, lowest, range)?;
+    let stretches = stretches(time, depth, speed, noise, range);
+    let travel = |s: &Stretch| depth[s.samples.end - 1] - depth[s.samples.start];
+    let is_branch = |s: &&Stretch| s.way == Way::Down && travel(s) >= BRANCH * range;
+    let cycles = stretches.iter().filter(is_branch).count();
+    let first = stretches.iter().position(|s| is_branch(&s)).or_else(|| {
+        (0..stretches.len())
+            .filter(|&at| stretches[at].way == Way::Down)
+            .max_by(|&a, &b| travel(&stretches[a]).total_cmp(&travel(&stretches[b])))
+    })?;
+    let mut loading = stretches[first].samples.clone();
+    let mut events = Vec::new();
+    let next = stretches.get(first + 1);
+    let after = stretches.get(first + 2);
+    let hold = next.filter(|s| s.way == Way::Still).map(|s| s.samples.clone());
+    if let (Some(hold), Some(after)) = (&hold, after)
+        && after.way == Way::Down
+    {
+        let pause_s = time[hold.end - 1] - time[hold.start];
+        events.push(Event::Restarted { depth_mm: depth[hold.start], pause_s });
+    }
+    let unloading = stretches[first + 1..].iter().take(2).find(|s| s.way == Way::Up).map(|s| s.samples.clone());
+    if let Some((at, event)) = force_drop(recording, &loading) {
+        loading.end = at;
+        events.push(event);
+    }
+    let rate_mm_per_s = slope(&time[loading.clone()], &depth[loading.clone()])?;
+    Some(Motion { loading, rate_mm_per_s, hold, unloading, cycles: cycles.max(1), events })
+}
+
+/// Mean speed of the first way from a tenth to nine tenths of the range.
+fn typical_speed(time: &[f64], depth: &[f64], lowest: f64, range: f64) -> Option<f64> {
+    let end = depth.iter().position(|&d| d >= lowest + 0.9 * range)?;
+    let start = (0..end).rev().find(|&i| depth[i] <= lowest + 0.1 * range).unwrap_or(0);
+    let speed = (depth[end] - depth[start]) / (time[end] - time[start]);
+    (speed.is_finite() && speed > 0.0).then_some(speed)
+}
+
+fn stretches(time: &[f64], depth: &[f64], speed: f64, noise: f64, range: f64) -> Vec<Stretch> {
+    let count = depth.len();
+    let step_s = (time[count - 1] - time[0]) / (count - 1) as f64;
+    // Wide enough that noise cannot look like a third of the speed.
+    let reach = (4.0 * noise / (STANDING * speed * step_s)).ceil();
+    let reach = if reach.is_finite() { (reach as usize).clamp(1, (count / 20).max(1)) } else { 1 };
+    let ways = (0..count).map(|i| {
+        let (a, b) = (i.saturating_sub(reach), (i + reach).min(count - 1));
+        let velocity = (depth[b] - depth[a]) / (time[b] - time[a]);
+        if velocity > STANDING * speed {
+            Way::Down
+        } else if velocity < -STANDING * speed {
+            Way::Up
+        } else {
+            Way::Still
+        }
+    });
+    let mut stretches: Vec<Stretch> = Vec::new();
+    for (i, way) in ways.enumerate() {
+        append(&mut stretches, Stretch { way, samples: i..i + 1 });
+    }
+    without_jitter(stretches, depth, JITTER * range, 2 * reach + 1)
+}
+
+fn append(stretches: &mut Vec<Stretch>, next: Stretch) {
+    match stretches.last_mut() {
+        Some(last) if last.way == next.way => last.samples.end = next.samples.end,
+        _ => stretches.push(next),
+    }
+}
+
+/// Gives stretches that hardly move and hardly last to the one before them.
+fn without_jitter(stretches: Vec<Stretch>, depth: &[f64], least_mm: f64, least_samples: usize) -> Vec<Stretch> {
+    let mut kept: Vec<Stretch> = Vec::new();
+    for mut stretch in stretches {
+        let samples = &stretch.samples;
+        let moved = (depth[samples.end - 1] - depth[samples.start]).abs();
+        let short = match stretch.way {
+            Way::Still => samples.len() < least_samples,
+            Way::Down | Way::Up => moved < least_mm,
+        };
+        if short && let Some(last) = kept.last() {
+            stretch.way = last.way;
+        }
+        append(&mut kept, stretch);
+    }
+    kept
+}
+
+fn force_drop(recording: &Recording, loading: &Range<usize>) -> Option<(usize, Event)> {
+    let force = recording.force_n.get(loading.clone())?;
+    let highest = force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let lowest = force.iter().copied().fold(f64::INFINITY, f64::min);
+    let least = (JUMP * (highest - lowest)).max(JUMP_SIGMA * noise_of(force));
+    // Two samples on either side agree, so that one outlier is not a fall.
+    let at = force.windows(4).position(|w| w[1] - w[2] > least && w[0].min(w[1]) - w[2].max(w[3]) > 0.5 * least)?;
+    let sample = loading.start + at + 1;
+    let event = Event::ForceDrop {
+        depth_mm: recording.depth_mm[sample],
+        time_s: recording.time_s[sample],
+        drop_n: force[at + 1] - force[at + 2],
+    };
+    Some((sample + 1, event))
+}
+
+fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
+    let count = x.len() as f64;
+    let (mean_x, mean_y) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
+    let sxx: f64 = x.iter().map(|x| (x - mean_x).powi(2)).sum();
+    let sxy: f64 = x.iter().zip(y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
+    let slope = sxy / sxx;
+    slope.is_finite().then_some(slope)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+
+    /// Piecewise linear depth through the given (time, depth) corners, sampled every 0.1 s.
+    fn ramps(corners: &[(f64, f64)]) -> Recording {
+        let mut time = Vec::new();
+        let mut depth = Vec::new();
+        for pair in corners.windows(2) {
+            let ((t0, d0), (t1, d1)) = (pair[0], pair[1]);
+            let steps = ((t1 - t0) / 0.1).round() as usize;
+            for i in 0..steps {
+                let t = t0 + i as f64 * 0.1;
+                time.push(t);
+                depth.push(d0 + (d1 - d0) * (t - t0) / (t1 - t0));
+            }
+        }
+        let force = depth.iter().map(|d: &f64| d.max(0.0).powf(1.5)).collect();
+        Recording::from_samples(time, depth, force)
+    }
+
+    #[test]
+    fn ramp_hold_unload() {
+        let run = ramps(&[(0.0, 0.0), (1.0, 0.0), (5.0, 4.0), (15.0, 4.0), (17.0, 0.0)]);
+        let motion = of(&run).unwrap();
+        assert!((motion.rate_mm_per_s - 1.0).abs() < 0.02, "{motion:?}");
+        assert!(motion.loading.start.abs_diff(10) <= 1, "{motion:?}");
+        assert!(motion.loading.end.abs_diff(50) <= 2, "{motion:?}");
+        let hold = motion.hold.unwrap();
+        assert!(hold.end.abs_diff(150) <= 2, "{hold:?}");
+        assert!(motion.unloading.unwrap().end.abs_diff(170) <= 2);
+        assert_eq!(motion.cycles, 1);
+        assert!(motion.events.is_empty());
+    }
+
+    #[test]
+    fn a_stop_on_the_way_is_told_and_ends_the_branch() {
+        let run = ramps(&[(0.0, 0.0), (3.0, 3.0), (5.0, 3.0), (8.0, 6.0)]);
+        let motion = of(&run).unwrap();
+        assert!(motion.loading.end.abs_diff(30) <= 2, "{motion:?}");
+        let [Event::Restarted { pause_s, .. }] = motion.events[..] else { panic!("{:?}", motion.events) };
+        assert!((pause_s - 2.0).abs() < 0.3);
+    }
+
+    #[test]
+    fn a_fall_of_force_ends_the_branch_and_an_outlier_does_not() {
+        let mut run = ramps(&[(0.0, 0.0), (10.0, 5.0), (12.0, 5.0)]);
+        run.force_n[40] += 1.0;
+        assert!(of(&run).unwrap().events.is_empty());
+        for force in &mut run.force_n[80..] {
+            *force -= 2.0;
+        }
+        let motion = of(&run).unwrap();
+        assert_eq!(motion.loading.end, 80);
+        assert!(matches!(motion.events[..], [Event::ForceDrop { .. }]));
+    }
+
+    #[test]
+    fn noise_of_depth_does_not_break_the_ramp() {
+        let mut run = ramps(&[(0.0, 0.0), (20.0, 4.0), (25.0, 4.0), (27.0, 0.0)]);
+        // A fixed irregular sequence of about 0.02 mm; a step is 0.02 mm.
+        let mut state = 1_u64;
+        for depth in &mut run.depth_mm {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            *depth += 0.02 * ((state >> 33) as f64 / (1_u64 << 30) as f64 - 1.0);
+        }
+        let motion = of(&run).unwrap();
+        assert!((motion.rate_mm_per_s - 0.2).abs() < 0.01, "{motion:?}");
+        assert!(motion.loading.end.abs_diff(200) < 15, "{motion:?}");
+        assert_eq!(motion.cycles, 1);
+    }
+
+    #[test]
+    fn two_cycles_and_no_motion() {
+        let run = ramps(&[(0.0, 0.0), (2.0, 2.0), (4.0, 0.0), (6.0, 2.0), (8.0, 0.0)]);
+        assert_eq!(of(&run).unwrap().cycles, 2);
+        assert_eq!(of(&ramps(&[(0.0, 1.0), (9.0, 1.0)])), None);
+    }
+}

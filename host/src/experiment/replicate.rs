@@ -1,0 +1,38 @@
+//! Which runs repeat each other.
+
+use super::motion::Motion;
+use super::{Experiment, Test};
+
+/// Rates that differ by less than this share are one rate.
+const SAME_RATE: f64 = 0.05;
+
+/// Groups the indentation runs that agree in specimen, indenter, rate, motion (hold, unloading)
+/// and cycle; each group holds indices into [`Experiment::runs`]. Runs that repeat nothing form
+/// groups of one. `motions` has one entry a run.
+pub fn groups(experiment: &Experiment, motions: &[Option<Motion>]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (at, run) in experiment.runs.iter().enumerate() {
+        let Some(Some(motion)) = motions.get(at) else {
+            continue;
+        };
+        if run.test != Test::Indentation {
+            continue;
+        }
+        let same = groups.iter_mut().find(|group| {
+            let other = &experiment.runs[group[0]];
+            let Some(Some(its)) = motions.get(group[0]) else {
+                return false;
+            };
+            let rates = (motion.rate_mm_per_s / its.rate_mm_per_s - 1.0).abs();
+            (run.specimen, run.indenter, run.cycle) == (other.specimen, other.indenter, other.cycle)
+                && rates < SAME_RATE
+                && motion.hold.is_some() == its.hold.is_some()
+                && motion.unloading.is_some() == its.unloading.is_some()
+        });
+        match same {
+            Some(group) => group.push(at),
+            None => groups.push(vec![at]),
+        }
+    }
+    groups
+}

@@ -1,0 +1,228 @@
+//! From runs to loading curves: what is fitted, what is left out, and why.
+
+use crate::experiment::motion::Motion;
+use crate::experiment::{Experiment, Length, Test};
+
+use super::contact::{self, ContactGuess};
+
+/// Deepest share of a specimen's height the model is trusted at.
+pub const DEEPEST_OF_HEIGHT: f64 = 0.8;
+/// Share of the height the model itself is built for: data end at [`DEEPEST_OF_HEIGHT`] past the
+/// guessed contact, and the fitted contact may lie before it.
+pub const MODEL_OF_HEIGHT: f64 = 0.9;
+/// A curve with fewer samples past contact says nothing.
+pub const LEAST_SAMPLES: usize = 8;
+/// Bounds of a height written `"unknown"`, mm; the lower one also exceeds the depth reached.
+pub const UNKNOWN_HEIGHT_MM: (f64, f64) = (5.0, 40.0);
+
+/// Height of a specimen in the fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Height {
+    /// Measured, mm.
+    Known(f64),
+    /// The n-th free height.
+    Free(usize),
+}
+
+/// A specimen under a ball: one forward model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pairing {
+    /// Index into [`Experiment::specimens`].
+    pub specimen: usize,
+    /// Index into [`Experiment::indenters`].
+    pub indenter: usize,
+    /// Radius of the ball, mm.
+    pub ball_mm: f64,
+    /// Height of the specimen.
+    pub height: Height,
+    /// Deepest indentation its runs reach, mm, with the whole search range of contact points.
+    pub depth_mm: f64,
+}
+
+/// The first loading branch of a run, cut to what the model covers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadingCurve {
+    /// Index into [`Experiment::runs`].
+    pub run: usize,
+    /// Index into [`Selection::pairings`].
+    pub pairing: usize,
+    /// Depth readings, mm.
+    pub depth_mm: Vec<f64>,
+    /// Forces, N.
+    pub force_n: Vec<f64>,
+    /// Contact point to start from.
+    pub contact: ContactGuess,
+    /// Speed, mm/s.
+    pub rate_mm_per_s: f64,
+    /// Only predicted.
+    pub hold_out: bool,
+}
+
+/// A free height and its bounds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FreeHeight {
+    /// Index into [`Experiment::specimens`].
+    pub specimen: usize,
+    /// Lower bound, mm.
+    pub low_mm: f64,
+    /// Upper bound, mm.
+    pub high_mm: f64,
+}
+
+/// Why a run is not fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeftOut {
+    /// The ball never went down, or too few samples were taken on the way.
+    TooFewPoints,
+    /// Force never rose above its noise.
+    NoContact,
+    /// What is left above the model's deepest point is too little.
+    TooDeep,
+}
+
+/// Everything a material's fit works on.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Selection {
+    /// Distinct forward models.
+    pub pairings: Vec<Pairing>,
+    /// Curves of the runs that are used.
+    pub curves: Vec<LoadingCurve>,
+    /// Heights to be found.
+    pub heights: Vec<FreeHeight>,
+    /// Runs that are not used.
+    pub left_out: Vec<(usize, LeftOut)>,
+    /// What the reader should know about the data.
+    pub messages: Vec<String>,
+}
+
+/// Selects the first loading branches of all indentation runs into specimens of `material`.
+pub fn select(experiment: &Experiment, motions: &[Option<Motion>], material: &str) -> Selection {
+    let mut selection = Selection::default();
+    for (at, run) in experiment.runs.iter().enumerate() {
+        let (Some(specimen), Some(indenter)) = (run.specimen, run.indenter) else { continue };
+        let belongs = experiment.specimens[specimen].material == material
+            && experiment.specimens[specimen].base_law != crate::experiment::BaseLaw::Rigid;
+        if run.test != Test::Indentation || !belongs {
+            continue;
+        }
+        if let Err(why) = selection.add(experiment, motions, at, specimen, indenter) {
+            let text = match why {
+                LeftOut::TooFewPoints => "too few samples on the way down",
+                LeftOut::NoContact => "force never rises above its noise: no contact",
+                LeftOut::TooDeep => "too few samples above the deepest point of the model",
+            };
+            selection.messages.push(format!("{}: not used, {text}", run.file));
+            selection.left_out.push((at, why));
+        }
+    }
+    selection.bound_heights();
+    selection.compare_lengths(experiment);
+    selection
+}
+
+impl Selection {
+    fn add(
+        &mut self,
+        experiment: &Experiment,
+        motions: &[Option<Motion>],
+        at: usize,
+        specimen: usize,
+        indenter: usize,
+    ) -> Result<(), LeftOut> {
+        let run = &experiment.runs[at];
+        let motion = motions.get(at).and_then(Option::as_ref).ok_or(LeftOut::TooFewPoints)?;
+        for event in &motion.events {
+            self.messages.push(format!("{}: {event}", run.file));
+        }
+        let mut depth_mm = run.recording.depth_mm[motion.loading.clone()].to_vec();
+        let mut force_n = run.recording.force_n[motion.loading.clone()].to_vec();
+        if depth_mm.len() < LEAST_SAMPLES {
+            return Err(LeftOut::TooFewPoints);
+        }
+        let ball_mm = experiment.indenters[indenter].radius_mm.known().ok_or(LeftOut::NoContact)?;
+        let contact = contact::guess(&depth_mm, &force_n, ball_mm).ok_or(LeftOut::NoContact)?;
+        let height = experiment.specimens[specimen].height_mm;
+        let deepest = deepest(ball_mm, height);
+        // Past the guessed contact, not past the reading's zero, so that the cut does not depend on
+        // the fit.
+        let kept = depth_mm.iter().filter(|d| **d - contact.contact_mm <= deepest).count();
+        if kept < depth_mm.len() {
+            let reason = if deepest < ball_mm { "0.8 of the specimen's height" } else { "the ball's equator" };
+            self.messages.push(format!(
+                "{}: goes {:.2} mm past contact, deeper than {reason} ({deepest:.2} mm); cut there, {kept} of {} samples are used",
+                run.file,
+                depth_mm[depth_mm.len() - 1] - contact.contact_mm,
+                depth_mm.len(),
+            ));
+            let keep: Vec<bool> = depth_mm.iter().map(|d| d - contact.contact_mm <= deepest).collect();
+            let mut flags = keep.iter();
+            depth_mm.retain(|_| flags.next().copied().unwrap_or(false));
+            let mut flags = keep.iter();
+            force_n.retain(|_| flags.next().copied().unwrap_or(false));
+        }
+        let touching = depth_mm.iter().filter(|d| **d > contact.contact_mm).count();
+        if touching < LEAST_SAMPLES {
+            return Err(if kept < LEAST_SAMPLES { LeftOut::TooDeep } else { LeftOut::TooFewPoints });
+        }
+        let reach = depth_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max) - contact.low_mm;
+        // The model also has to reach where an earlier contact puts the last sample, but not the
+        // specimen's base.
+        let reach = height.known().map_or(reach, |mm| reach.min(MODEL_OF_HEIGHT * mm));
+        let pairing = self.pairing(specimen, indenter, ball_mm, height, reach);
+        let (rate_mm_per_s, hold_out) = (motion.rate_mm_per_s, run.hold_out);
+        self.curves.push(LoadingCurve { run: at, pairing, depth_mm, force_n, contact, rate_mm_per_s, hold_out });
+        Ok(())
+    }
+
+    fn pairing(&mut self, specimen: usize, indenter: usize, ball_mm: f64, height: Length, depth_mm: f64) -> usize {
+        let known = self.pairings.iter().position(|p| p.specimen == specimen && p.indenter == indenter);
+        if let Some(at) = known {
+            self.pairings[at].depth_mm = self.pairings[at].depth_mm.max(depth_mm);
+            return at;
+        }
+        let height = match height {
+            Length::Known(mm) => Height::Known(mm),
+            Length::Unknown => Height::Free(self.free_height(specimen)),
+        };
+        self.pairings.push(Pairing { specimen, indenter, ball_mm, height, depth_mm });
+        self.pairings.len() - 1
+    }
+
+    fn free_height(&mut self, specimen: usize) -> usize {
+        self.heights.iter().position(|h| h.specimen == specimen).unwrap_or_else(|| {
+            let (low_mm, high_mm) = UNKNOWN_HEIGHT_MM;
+            self.heights.push(FreeHeight { specimen, low_mm, high_mm });
+            self.heights.len() - 1
+        })
+    }
+
+    /// A block is higher than the ball went into it.
+    fn bound_heights(&mut self) {
+        for pairing in &self.pairings {
+            if let Height::Free(at) = pairing.height {
+                let least = pairing.depth_mm / MODEL_OF_HEIGHT;
+                self.heights[at].low_mm = self.heights[at].low_mm.max(least);
+                self.heights[at].high_mm = self.heights[at].high_mm.max(2.0 * least);
+            }
+        }
+    }
+
+    /// Eq. 14 adds up samples, so a long run weighs more than a short one.
+    fn compare_lengths(&mut self, experiment: &Experiment) {
+        let fitted = self.curves.iter().filter(|c| !c.hold_out);
+        let Some(longest) = fitted.clone().max_by_key(|c| c.depth_mm.len()) else { return };
+        let Some(shortest) = fitted.min_by_key(|c| c.depth_mm.len()) else { return };
+        let (most, least) = (longest.depth_mm.len(), shortest.depth_mm.len());
+        if most as f64 > 1.1 * least as f64 {
+            self.messages.push(format!(
+                "runs differ in length: {} has {most} samples, {} has {least}; the sum of Eq. 14 weighs them accordingly",
+                experiment.runs[longest.run].file, experiment.runs[shortest.run].file,
+            ));
+        }
+    }
+}
+
+/// Deepest indentation that a ball's model covers, mm: its equator, or a share of the height.
+pub fn deepest(ball_mm: f64, height: Length) -> f64 {
+    height.known().map_or(ball_mm, |height_mm| ball_mm.min(DEEPEST_OF_HEIGHT * height_mm))
+}

@@ -1,0 +1,189 @@
+//! The report of `palpate identify`.
+
+use crate::experiment::Experiment;
+use crate::identify::fit::{Fit, Parameter, RunFit};
+use crate::identify::{Identification, Outcome};
+
+use super::figure::{Axis, Figure, Series, Stroke};
+use super::{Page, map, number};
+
+/// Most measured samples drawn per run; more only make the file large.
+const DRAWN_SAMPLES: usize = 90;
+
+/// Builds the page for all materials of an experiment.
+pub fn page(experiment: &Experiment, found: &[Identification]) -> Page {
+    let mut page = Page::new(
+        &format!("Identification: {}", experiment.name),
+        "Finite elements fitted to the first loading branch of every indentation run. Units: mm, N, MPa, s.",
+    );
+    if found.is_empty() {
+        page.warning("The experiment holds no indentation run into a soft specimen.");
+    }
+    for one in found {
+        if found.len() > 1 {
+            page.section(&format!("Material: {}", one.material));
+        }
+        material(&mut page, experiment, one);
+    }
+    page
+}
+
+fn outcome_sentence(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Fitted => "Parameters were found.",
+        Outcome::TooFewPoints => "Nothing was fitted: no run has enough samples on its way down.",
+        Outcome::NoContact => "Nothing was fitted: force never rises above its noise.",
+        Outcome::OutsideGrid => {
+            "The best alpha lies at the edge of what the model covers: the parameters below are not to be trusted."
+        }
+        Outcome::DeeperThanTable => "Nothing was fitted: all samples lie deeper than the model reaches.",
+    }
+}
+
+fn material(page: &mut Page, experiment: &Experiment, found: &Identification) {
+    page.section("Result");
+    match found.outcome {
+        Outcome::Fitted => page.paragraph(outcome_sentence(found.outcome)),
+        _ => page.warning(outcome_sentence(found.outcome)),
+    }
+    if let Some(fit) = &found.fit {
+        let rows: Vec<Vec<String>> = fit.parameters.iter().map(parameter_row).collect();
+        page.table(&["parameter", "value", "95 % interval", "bounds", ""], &rows);
+        page.table(&["figure", "value"], &figures_of_fit(found, fit));
+    }
+    for message in &found.messages {
+        let grave = ["systematically", "bound", "not used", "fault"];
+        if grave.iter().any(|word| message.contains(word)) {
+            page.warning(message);
+        } else {
+            page.paragraph(message);
+        }
+    }
+    page.section("Assumptions");
+    page.list(&found.assumptions);
+    if let Some(fit) = &found.fit {
+        page.section("Data and fit");
+        overview(page, experiment, found, fit);
+        page.section("Runs");
+        for run in &fit.runs {
+            one_run(page, experiment, found, run);
+        }
+        page.section("Objective");
+        page.figure(
+            &map::svg("Objective over alpha and mu", &fit.search),
+            "Sum of absolute force differences (Eq. 14) on the first grid of MultiStart, contact points and free heights at their best; lines: simplex paths.",
+        );
+    }
+}
+
+/// Name, value, interval, bounds and a word of warning.
+fn parameter_row(parameter: &Parameter) -> Vec<String> {
+    let range = |(low, high): (f64, f64)| format!("{} to {}", number(low), number(high));
+    vec![
+        parameter.name.clone(),
+        number(parameter.value),
+        range((parameter.interval95.low, parameter.interval95.high)),
+        range(parameter.bounds),
+        if parameter.at_bound { "on a bound".to_owned() } else { String::new() },
+    ]
+}
+
+fn figures_of_fit(found: &Identification, fit: &Fit) -> Vec<Vec<String>> {
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let mut rows = vec![
+        row("residual, rms (N)", number(fit.rmse_n)),
+        row("noise of a sample behind the intervals (N)", number(fit.noise.sigma_n)),
+        row("neighbouring samples that count as one", number(fit.noise.correlated_samples)),
+        row("error bound of the model, of the largest force (%)", number(100.0 * fit.model_error)),
+    ];
+    if let Some(check) = found.direct_check {
+        rows.push(row("direct solve at the optimum differs from it by (%)", number(100.0 * check)));
+    }
+    rows.push(row("finite element solves", found.fe_solves.to_string()));
+    rows.push(row("time (s)", number(found.seconds)));
+    rows
+}
+
+/// Every `n`-th sample of a run, drawn over depth past its contact point.
+fn measured(found: &Identification, run: &RunFit) -> Vec<(f64, f64)> {
+    let data = &found.selection.curves[run.curve];
+    let every = data.depth_mm.len().div_ceil(DRAWN_SAMPLES).max(1);
+    let samples = data.depth_mm.iter().zip(&data.force_n).step_by(every);
+    samples.map(|(depth, force)| (depth - run.contact_mm, *force)).collect()
+}
+
+fn modelled(found: &Identification, run: &RunFit) -> Vec<(f64, f64)> {
+    let data = &found.selection.curves[run.curve];
+    let samples = data.depth_mm.iter().zip(&run.model_n);
+    samples.map(|(depth, force)| (depth - run.contact_mm, *force)).collect()
+}
+
+fn residual(found: &Identification, run: &RunFit) -> Vec<(f64, f64)> {
+    let data = &found.selection.curves[run.curve];
+    let samples = data.depth_mm.iter().zip(data.force_n.iter().zip(&run.model_n));
+    samples.map(|(depth, (force, model))| (depth - run.contact_mm, force - model)).collect()
+}
+
+fn short_name(experiment: &Experiment, found: &Identification, run: &RunFit) -> String {
+    let file = &experiment.runs[found.selection.curves[run.curve].run].file;
+    let name = file.rsplit(['/', '\\', ':']).next().unwrap_or(file);
+    name.trim_end_matches(".csv").to_owned()
+}
+
+/// All runs in two figures: forces, residuals.
+fn overview(page: &mut Page, experiment: &Experiment, found: &Identification, fit: &Fit) {
+    let depth = || Axis::new("depth past contact (mm)");
+    let mut forces = Figure::new("Measured (circles) and fitted (lines)", depth(), Axis::new("force (N)"));
+    let mut residuals = Figure::new("Measured minus fitted", depth(), Axis::new("force (N)"));
+    residuals.size.1 = 280.0;
+    for (at, run) in fit.runs.iter().enumerate() {
+        let name = short_name(experiment, found, run);
+        let line = Stroke::LINES[at % Stroke::LINES.len()];
+        forces = forces.with(Series::new("", measured(found, run), Stroke::Circles, at)).with(Series::new(
+            &name,
+            modelled(found, run),
+            line,
+            at,
+        ));
+        residuals = residuals.with(Series::new(&name, residual(found, run), line, at));
+    }
+    page.figure(&forces.svg(), "Every run shifted to its own fitted contact point.");
+    page.figure(
+        &residuals.svg(),
+        "What the model leaves over. A residual that waves instead of scattering is misfit, not noise.",
+    );
+}
+
+fn one_run(page: &mut Page, experiment: &Experiment, found: &Identification, run: &RunFit) {
+    let data = &found.selection.curves[run.curve];
+    let name = short_name(experiment, found, run);
+    let held = if data.hold_out { ", held out: predicted, not fitted" } else { "" };
+    let readings =
+        |values: &[f64]| -> Vec<(f64, f64)> { data.depth_mm.iter().copied().zip(values.iter().copied()).collect() };
+    let every = data.depth_mm.len().div_ceil(DRAWN_SAMPLES).max(1);
+    let samples: Vec<(f64, f64)> = readings(&data.force_n).into_iter().step_by(every).collect();
+    let highest = data.force_n.iter().copied().fold(0.0, f64::max);
+    let contact = vec![(run.contact_mm, 0.0), (run.contact_mm, highest)];
+    let depth = || Axis::new("depth reading (mm)");
+    let mut forces = Figure::new(&name, depth(), Axis::new("force (N)"))
+        .with(Series::new("", contact, Stroke::Faint, 5))
+        .with(Series::new("measured", samples, Stroke::Circles, 1))
+        .with(Series::new("fit", readings(&run.model_n), Stroke::Solid, 0));
+    forces.size.1 = 260.0;
+    let difference: Vec<f64> = data.force_n.iter().zip(&run.model_n).map(|(force, model)| force - model).collect();
+    let mut left = Figure::new("", depth(), Axis::new("residual (N)")).with(Series::new(
+        "residual",
+        readings(&difference),
+        Stroke::Solid,
+        1,
+    ));
+    left.size.1 = 170.0;
+    let caption = format!(
+        "{name}{held}: contact at {:.3} mm (thin upright line), {:.3} mm/s, {} samples, residual {} N rms.",
+        run.contact_mm,
+        data.rate_mm_per_s,
+        data.depth_mm.len(),
+        number(run.rmse_n),
+    );
+    page.figure(&format!("{}{}", forces.svg(), left.svg()), &caption);
+}

@@ -1,0 +1,128 @@
+//! The objective over (alpha, mu) with the paths of all simplex searches (as thesis Fig. 9).
+
+use std::fmt::Write;
+
+use crate::identify::multistart::Search;
+use crate::identify::objective::{ALPHA, LN_MU};
+
+use super::figure::{Axis, frame, open};
+use super::scale::{Scale, number};
+
+/// Cells of the drawing between two grid points.
+const FINER: usize = 5;
+/// Lightness of the worst and of the best cell: black lines stay readable on both.
+const LIGHT: (f64, f64, f64) = (252.0, 252.0, 250.0);
+const DEEP: (f64, f64, f64) = (110.0, 158.0, 193.0);
+
+/// Draws the map as an `<svg>` element. Deep cells are good; the scale is logarithmic.
+pub fn svg(title: &str, search: &Search) -> String {
+    let map = &search.map;
+    let (Some(alpha_low), Some(alpha_high)) = (map.alpha.first(), map.alpha.last()) else {
+        return String::new();
+    };
+    let (Some(mu_low), Some(mu_high)) = (map.mu_mpa.first(), map.mu_mpa.last()) else {
+        return String::new();
+    };
+    let (width, height) = (640.0, 430.0);
+    let none = || std::iter::empty();
+    let x_axis = Axis::new("alpha").over(*alpha_low, *alpha_high);
+    let y_axis = Axis::new("mu (MPa)").over(*mu_low, *mu_high).logarithmic();
+    let x = Scale::fitting(&x_axis, none(), (62.0, width - 150.0));
+    let y = Scale::fitting(&y_axis, none(), (height - 46.0, 34.0));
+    let mut svg = open(width, height, title);
+    cells(&mut svg, search, &x, &y);
+    frame(&mut svg, &x, &y, &x_axis.label, &y_axis.label);
+    for (at, descent) in search.descents.iter().enumerate().rev() {
+        path(&mut svg, &descent.path, at == 0, &x, &y);
+    }
+    if let Some(best) = search.descents.first() {
+        let (px, py) = (x.px(best.point[ALPHA]), y.px(best.point[LN_MU].exp()));
+        let _ = write!(
+            svg,
+            "<path d=\"M{px:.1} {:.1}L{:.1} {py:.1}L{px:.1} {:.1}L{:.1} {py:.1}Z\" fill=\"#fff\" stroke=\"#000\" stroke-width=\"1.6\"/>",
+            py - 6.0,
+            px + 6.0,
+            py + 6.0,
+            px - 6.0
+        );
+    }
+    legend(&mut svg, search, width - 138.0);
+    svg.push_str("</svg>\n");
+    svg
+}
+
+fn extent(value: &[Vec<f64>]) -> (f64, f64) {
+    let finite = value.iter().flatten().copied().filter(|v| v.is_finite() && *v > 0.0);
+    finite.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// Bilinear shades of ln(objective), drawn cell by cell.
+fn cells(svg: &mut String, search: &Search, x: &Scale, y: &Scale) {
+    let map = &search.map;
+    let (low, high) = extent(&map.value);
+    let span = (high / low).ln().max(1e-9);
+    let shade = |value: f64| ((value / low).ln() / span).clamp(0.0, 1.0);
+    let (columns, rows) = (map.alpha.len() - 1, map.mu_mpa.len() - 1);
+    let cell_w = (x.high_px - x.low_px) / (columns * FINER) as f64;
+    let cell_h = (y.low_px - y.high_px) / (rows * FINER) as f64;
+    for r in 0..rows * FINER {
+        for c in 0..columns * FINER {
+            let (i, j) = (c / FINER, r / FINER);
+            let u = ((c % FINER) as f64 + 0.5) / FINER as f64;
+            let v = ((r % FINER) as f64 + 0.5) / FINER as f64;
+            let at = |dj: usize, di: usize| shade(map.value[j + dj][i + di]);
+            let s = (1.0 - v) * ((1.0 - u) * at(0, 0) + u * at(0, 1)) + v * ((1.0 - u) * at(1, 0) + u * at(1, 1));
+            let mix = |light: f64, deep: f64| (deep + s * (light - deep)).round() as u8;
+            let _ = write!(
+                svg,
+                "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#{:02x}{:02x}{:02x}\"/>",
+                x.low_px + c as f64 * cell_w,
+                y.low_px - (r + 1) as f64 * cell_h,
+                cell_w + 0.4,
+                cell_h + 0.4,
+                mix(LIGHT.0, DEEP.0),
+                mix(LIGHT.1, DEEP.1),
+                mix(LIGHT.2, DEEP.2)
+            );
+        }
+    }
+}
+
+fn path(svg: &mut String, points: &[Vec<f64>], best: bool, x: &Scale, y: &Scale) {
+    let at = |point: &[f64]| (x.px(point[ALPHA]), y.px(point[LN_MU].exp()));
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
+    let mut line = String::new();
+    for (i, point) in points.iter().enumerate() {
+        let (px, py) = at(point);
+        let _ = write!(line, "{}{px:.1} {py:.1}", if i == 0 { 'M' } else { 'L' });
+    }
+    let (dashes, width) = if best { ("", 1.6) } else { (" stroke-dasharray=\"4 3\"", 1.0) };
+    let ((sx, sy), (ex, ey)) = (at(first), at(last));
+    let _ = write!(
+        svg,
+        "<path d=\"{line}\" fill=\"none\" stroke=\"#111\" stroke-width=\"{width}\"{dashes}/><circle cx=\"{sx:.1}\" cy=\"{sy:.1}\" r=\"3.6\" fill=\"#fff\" stroke=\"#111\"/><path d=\"M{:.1} {:.1}l8 8m0 -8l-8 8\" stroke=\"#111\" stroke-width=\"1.4\"/>",
+        ex - 4.0,
+        ey - 4.0
+    );
+}
+
+fn legend(svg: &mut String, search: &Search, x: f64) {
+    let (low, high) = extent(&search.map.value);
+    let rgb = |c: (f64, f64, f64)| format!("rgb({},{},{})", c.0, c.1, c.2);
+    let _ = write!(
+        svg,
+        "<g font-size=\"11\"><circle cx=\"{x:.1}\" cy=\"50\" r=\"3.6\" fill=\"#fff\" stroke=\"#111\"/><text x=\"{t:.1}\" y=\"54\">start</text>\
+         <path d=\"M{e:.1} 64l8 8m0 -8l-8 8\" stroke=\"#111\" stroke-width=\"1.4\"/><text x=\"{t:.1}\" y=\"72\">end</text>\
+         <path d=\"M{x:.1} 81l6 6l-6 6l-6 -6Z\" fill=\"#fff\" stroke=\"#000\" stroke-width=\"1.6\"/><text x=\"{t:.1}\" y=\"91\">best end</text>\
+         <rect x=\"{e:.1}\" y=\"112\" width=\"12\" height=\"12\" fill=\"{deep}\"/><text x=\"{t:.1}\" y=\"122\">{low} N</text>\
+         <rect x=\"{e:.1}\" y=\"130\" width=\"12\" height=\"12\" fill=\"{light}\" stroke=\"#bbb\"/><text x=\"{t:.1}\" y=\"140\">{high} N</text>\
+         <text x=\"{e:.1}\" y=\"160\">objective, Eq. 14</text><text x=\"{e:.1}\" y=\"174\">starts below {th} N</text></g>",
+        t = x + 14.0,
+        e = x - 4.0,
+        deep = rgb(DEEP),
+        light = rgb(LIGHT),
+        low = number(low),
+        high = number(high),
+        th = number(search.map.threshold)
+    );
+}

@@ -1,0 +1,27 @@
+//! Reports and figures: self-contained HTML with inline SVG, readable without scripts, network
+//! or colour.
+
+pub mod figure;
+pub mod identification;
+pub mod map;
+mod page;
+mod scale;
+pub mod table;
+
+pub use page::Page;
+pub use scale::number;
+
+/// Text with the characters that mean something in HTML and SVG replaced.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            other => out.push(other),
+        }
+    }
+    out
+}
