@@ -42,3 +42,5 @@ pub mod safety;
 pub mod search;
 pub mod sensor;
 pub mod telemetry;
+#[cfg(test)]
+mod testbed;

@@ -82,3 +82,6 @@ impl Pid {
         limit(others_v + state.integral_v, -self.u_max_v, self.u_max_v)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -71,21 +71,20 @@ impl Slice {
         self.first..self.first + self.width
     }
 
-    /// Stored columns that differ in shape and not only in amplitude: first, distance, number. With mu as factor these are all columns; with mu
-    /// as a column axis those of the same mu as sum number `index`.
-    pub fn shapes(&self, table: &Table<'_>, index: usize) -> (usize, usize, usize) {
-        if self.factor_count > 1 || table.factor().is_some() {
-            return (self.first, 1, self.width);
+    /// Stored columns that differ in shape and not only in amplitude. With mu as factor these are all columns; with mu as a column
+    /// axis those of the same mu as sum number `index`.
+    pub fn shapes(&self, table: &Table<'_>, index: usize) -> Shapes {
+        let all = Shapes { first: self.first, stride: 1, count: self.width };
+        if table.factor().is_some() || table.axis(axis_name::MU).is_none() {
+            return all;
         }
-        let inner_is_mu =
-            table.axes().filter(|a| a.role == Role::Column).last().is_some_and(|a| a.name == axis_name::MU);
-        let outer = self.width / self.inner;
-        if inner_is_mu {
-            (self.first + index % self.inner, self.inner, outer)
-        } else if table.axis(axis_name::MU).is_some() {
-            (self.first + index / self.inner * self.inner, 1, self.inner)
+        let fastest = table.axes().filter(|a| a.role == Role::Column).last();
+        if fastest.is_some_and(|a| a.name == axis_name::MU) {
+            let first = self.first + index % self.inner;
+            Shapes { first, stride: self.inner, count: self.width / self.inner }
         } else {
-            (self.first, 1, self.width)
+            let first = self.first + index / self.inner * self.inner;
+            Shapes { first, stride: 1, count: self.inner }
         }
     }
 
@@ -110,6 +109,24 @@ impl Slice {
         let (slows, fasts) = (self.len() / self.inner, self.inner);
         let edge = |at: usize, n: usize| n > 1 && (at == 0 || at + 1 == n);
         edge(slow, slows) || edge(fast, fasts)
+    }
+}
+
+/// Stored columns that differ in shape: `first`, `first + stride`, ...
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shapes {
+    /// First column.
+    pub first: usize,
+    /// Distance between columns.
+    pub stride: usize,
+    /// Number of columns.
+    pub count: usize,
+}
+
+impl Shapes {
+    /// From the first to the last column, with those between that are left out by the stride.
+    pub const fn columns(&self) -> core::ops::Range<usize> {
+        self.first..self.first + self.count.saturating_sub(1) * self.stride + 1
     }
 }
 
@@ -228,4 +245,82 @@ impl Search {
 /// `1 - best / runner_up`, 0 if both are zero.
 pub fn margin(best: f32, runner_up: f32) -> f32 {
     if runner_up > 0.0 { 1.0 - best / runner_up } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use crate::testbed::{LIBRARY, alphas, expanded_table, factored_table, mus, shape_mm2};
+
+    fn searched(table: &Table<'_>, slice: &Slice, force: impl Fn(f64) -> f64) -> Search {
+        let mut search = Search::new();
+        for i in 1..=50 {
+            let depth = 0.08 * f64::from(i);
+            search.step(table, slice, depth as f32, force(depth) as f32);
+        }
+        search
+    }
+
+    #[test]
+    fn a_column_of_the_grid_finds_itself_in_both_forms() {
+        let (i, j, height) = (12, 20, 12.7);
+        let force = |d: f64| mus()[j] * shape_mm2(alphas()[i], height, d);
+        for bytes in [factored_table(), expanded_table(height)] {
+            let table = Table::parse(&bytes).unwrap();
+            let slice = Slice::for_height(&table, height as f32).unwrap();
+            assert_eq!(slice.len(), 900);
+            let search = searched(&table, &slice, force);
+            let found = search.found(&slice).unwrap();
+            assert_eq!(found.index, i * 30 + j);
+            let (mu, alpha) = slice.parameters(&table, found.index);
+            assert!((f64::from(mu) - mus()[j]).abs() < 1e-6 && (f64::from(alpha) - alphas()[i]).abs() < 1e-5);
+            // Interpolation between rows of 0.02 mm and rounding to 1/65535 of the peak.
+            assert!(found.error_n < 1e-4 * force(4.0) as f32, "{}", found.error_n);
+            assert_eq!(found.error_n, search.error_n(&slice));
+            assert!(found.margin > 0.5 && !found.at_edge);
+        }
+    }
+
+    #[test]
+    fn sums_are_equation_17_over_all_columns() {
+        let bytes = factored_table();
+        let table = Table::parse(&bytes).unwrap();
+        let slice = Slice::for_height(&table, 19.05).unwrap();
+        let search = searched(&table, &slice, |d| LIBRARY[1].force_n(d));
+        for (index, sum) in search.sums_n.iter().enumerate().take(900).step_by(37) {
+            let direct: f64 = (1..=50)
+                .map(|k| 0.08 * f64::from(k))
+                .map(|d| (mus()[index % 30] * shape_mm2(alphas()[index / 30], 19.05, d) - LIBRARY[1].force_n(d)).abs())
+                .sum();
+            // Quantisation of the table, 8e-6 of a column's peak a row, and f32 sums over 50 samples.
+            let peak = mus()[index % 30] * shape_mm2(alphas()[index / 30], 19.05, 4.0);
+            assert!((f64::from(*sum) - direct).abs() < 50.0 * 5e-5 * (peak + 5.0), "{index}: {sum} {direct}");
+        }
+    }
+
+    #[test]
+    fn runner_up_is_no_neighbour_and_the_edge_is_seen() {
+        let bytes = factored_table();
+        let table = Table::parse(&bytes).unwrap();
+        let slice = Slice::for_height(&table, 25.0).unwrap();
+        assert!((slice.height_mm - 25.4).abs() < 1e-5);
+        let search = searched(&table, &slice, |d| mus()[29] * shape_mm2(alphas()[0], 25.4, d));
+        let found = search.found(&slice).unwrap();
+        assert_eq!(found.index, 29);
+        assert!(found.at_edge && found.runner_up_error_n > found.error_n);
+    }
+
+    #[test]
+    fn depths_outside_the_table_and_strange_forces_add_nothing() {
+        let bytes = factored_table();
+        let table = Table::parse(&bytes).unwrap();
+        let slice = Slice::for_height(&table, 12.7).unwrap();
+        let mut search = Search::new();
+        for (depth, force) in [(0.0, 1.0), (-1.0, 1.0), (4.5, 1.0), (f32::NAN, 1.0), (1.0, f32::NAN), (1.0, f32::INFINITY)] {
+            search.step(&table, &slice, depth, force);
+        }
+        assert_eq!(search.samples(), 0);
+        assert_eq!(search.found(&slice), None);
+    }
 }

@@ -1,4 +1,4 @@
-//! Current regulation of the coil: PI at 1 kHz on a resistance and an inductance.
+//! Current regulation of the coil: 1 kHz, on a resistance and an inductance.
 
 use crate::number::limit;
 
@@ -31,8 +31,8 @@ pub struct CoilPi {
     kp: f32,
     /// Duty an A of error a step.
     ki: f32,
-    /// Duty an A of target: the resistance over the supply.
-    forward: f32,
+    /// Duty an A in steady state: the cold resistance over the supply.
+    steady: f32,
     duty_max: f32,
 }
 
@@ -43,36 +43,32 @@ pub struct CoilPiState {
 }
 
 impl CoilPi {
-    /// Builds the coefficients. With the electrical time constant `L/R` = 0.23 ms far below the 1 ms step the coil is
-    /// a gain `V/R` at the sampling rate, so an integrator of `bandwidth R/V` alone closes the loop; the small
-    /// proportional part is `bandwidth L/V`.
+    /// Builds the coefficients by pole-zero cancellation: `kp = bandwidth L / V`, `ki = bandwidth R / V`, so the loop is of first
+    /// order with that bandwidth and does not overshoot.
     pub fn build(circuit: &CoilCircuit, period_s: f32) -> Self {
         CoilPi {
             kp: circuit.bandwidth_rad_s * circuit.inductance_mh * 1e-3 / circuit.supply_v,
             ki: circuit.bandwidth_rad_s * circuit.resistance_ohm / circuit.supply_v * period_s,
-            forward: circuit.resistance_ohm / circuit.supply_v,
+            steady: circuit.resistance_ohm / circuit.supply_v,
             duty_max: circuit.duty_max,
         }
     }
 
     /// Duty that holds a current in a cold coil, 0 to the highest duty: what a board without fast loop would apply.
     pub fn steady_duty(&self, target_a: f32) -> f32 {
-        limit(self.forward * target_a, 0.0, self.duty_max)
+        limit(self.steady * target_a, 0.0, self.duty_max)
     }
 
-    /// One step: duty, 0 to the highest duty. A target of 0 (or NaN) switches off and forgets the integral.
+    /// One step: duty, 0 to the highest duty. A target of 0 (or NaN) switches off and forgets the integral, which is held between
+    /// the duty's limits and so cannot wind up.
     pub fn step(&self, state: &mut CoilPiState, target_a: f32, measured_a: f32) -> f32 {
         if !(target_a > 0.0) {
             *state = CoilPiState::default();
             return 0.0;
         }
         let error_a = target_a - measured_a;
-        // The integral holds only what the cold coil's duty does not explain (heating, supply), so the
-        // start from zero has no overshoot; it may take the duty to either limit and no further.
-        let forward = self.forward * target_a;
-        let integral = limit(state.integral + self.ki * error_a, -forward, self.duty_max - forward);
-        state.integral = integral;
-        limit(forward + integral + self.kp * error_a, 0.0, self.duty_max)
+        state.integral = limit(state.integral + self.ki * error_a, 0.0, self.duty_max);
+        limit(state.integral + self.kp * error_a, 0.0, self.duty_max)
     }
 }
 
@@ -111,7 +107,8 @@ mod tests {
         assert_eq!(pi.step(&mut state, 0.0, 1.0), 0.0);
         assert_eq!(state, CoilPiState::default());
         assert_eq!(pi.step(&mut state, f32::NAN, 1.0), 0.0);
-        assert_eq!(pi.step(&mut state, 1.0, f32::NAN).clamp(0.0, 0.98), pi.step(&mut state, 1.0, f32::NAN));
+        // A reading that is not a number gives no duty.
+        assert_eq!(pi.step(&mut state, 1.0, f32::NAN), 0.0);
     }
 
     #[test]

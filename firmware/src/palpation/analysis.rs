@@ -11,7 +11,7 @@
 use super::record::Record;
 use crate::contact::{LeastOnLine, Sample};
 use crate::recognition::Comparison;
-use crate::search::{Search, Slice};
+use crate::search::{Search, Shapes, Slice};
 use protocol::lut::Table;
 use protocol::message::Recognition;
 
@@ -26,7 +26,8 @@ pub struct AnalysisConfig {
     pub fine: u8,
     /// Samples that the search takes in one tick.
     pub search_samples: u8,
-    /// Contact offsets at which the library is compared.
+    /// Contact offsets at which the library is compared, one a tick. They span three deviations of the refined contact point at 4 mm/s
+    /// and 1 % noise (0.08 mm); more would let an offset pass for another material.
     pub library_offsets: u8,
     /// Distance between these offsets, mm.
     pub library_step_mm: f32,
@@ -35,11 +36,11 @@ pub struct AnalysisConfig {
 impl Default for AnalysisConfig {
     fn default() -> Self {
         AnalysisConfig {
-            lead_mm: 0.4,
-            coarse: 17,
+            lead_mm: 0.8,
+            coarse: 33,
             fine: 9,
             search_samples: 16,
-            library_offsets: 9,
+            library_offsets: 25,
             library_step_mm: 0.02,
         }
     }
@@ -48,17 +49,49 @@ impl Default for AnalysisConfig {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
     Start,
-    Coarse(LeastOnLine),
-    Fine(LeastOnLine),
+    Coarse(Line),
+    Fine(Line),
     Searching { height_mm: f32, next: usize },
     Comparing { height_mm: f32, next: u8 },
+}
+
+/// Contact heights that are tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Line {
+    least: LeastOnLine,
+    places: u8,
+    step_mm: f32,
+    /// The highest one.
+    top_mm: f32,
+}
+
+impl Line {
+    /// `places` heights, evenly over `[middle - half, middle + half]`.
+    fn around(middle_mm: f32, half_mm: f32, places: u8) -> Self {
+        let step_mm = 2.0 * half_mm / f32::from(places.max(3) - 1);
+        Line {
+            least: LeastOnLine::new(middle_mm - half_mm, step_mm),
+            places: places.max(3),
+            step_mm,
+            top_mm: middle_mm + half_mm,
+        }
+    }
+
+    /// Tries the next height; true after the last one.
+    fn step(&mut self, table: &Table<'_>, shapes: Shapes, record: &Record) -> bool {
+        // Samples that lie in the table at every height tried, so that all heights are judged on the same samples.
+        let lowest_mm = self.top_mm - table.depth_max_mm();
+        let misfit = shape_misfit(table, shapes, record, lowest_mm, self.least.next_x());
+        self.least.put(misfit);
+        self.least.taken() >= u16::from(self.places)
+    }
 }
 
 /// State of the analysis.
 #[derive(Debug, Clone)]
 pub struct Analysis {
     phase: Phase,
-    shapes: (usize, usize, usize),
+    shapes: Shapes,
     comparison: Comparison,
 }
 
@@ -80,7 +113,11 @@ pub struct Finished {
 impl Analysis {
     /// Not begun.
     pub const fn new() -> Self {
-        Analysis { phase: Phase::Start, shapes: (0, 1, 0), comparison: Comparison::new() }
+        Analysis {
+            phase: Phase::Start,
+            shapes: Shapes { first: 0, stride: 1, count: 0 },
+            comparison: Comparison::new(),
+        }
     }
 
     /// One piece; the result after the last one. `first_mm` is the first estimate of the contact height.
@@ -93,25 +130,20 @@ impl Analysis {
         first_mm: f32,
         search: &mut Search,
     ) -> Option<Finished> {
-        let coarse_mm = 2.0 * config.lead_mm / f32::from(config.coarse.max(2) - 1);
         match &mut self.phase {
             Phase::Start => {
                 let best = search.found(slice).map_or(0, |f| f.index);
                 self.shapes = slice.shapes(table, best);
-                self.phase = Phase::Coarse(LeastOnLine::new(first_mm - config.lead_mm, coarse_mm));
+                self.phase = Phase::Coarse(Line::around(first_mm, config.lead_mm, config.coarse));
             }
             Phase::Coarse(line) => {
-                line.put(shape_misfit(config, table, self.shapes, record, first_mm, line.next_x()));
-                if line.taken() >= u16::from(config.coarse) {
-                    let fine_mm = 2.0 * coarse_mm / f32::from(config.fine.max(2) - 1);
-                    let from_mm = line.result().0 - coarse_mm;
-                    self.phase = Phase::Fine(LeastOnLine::new(from_mm, fine_mm));
+                if line.step(table, self.shapes, record) {
+                    self.phase = Phase::Fine(Line::around(line.least.result().0, line.step_mm, config.fine));
                 }
             }
             Phase::Fine(line) => {
-                line.put(shape_misfit(config, table, self.shapes, record, first_mm, line.next_x()));
-                if line.taken() >= u16::from(config.fine) {
-                    let height_mm = line.result().0;
+                if line.step(table, self.shapes, record) {
+                    let height_mm = line.least.result().0;
                     search.reset();
                     self.phase = Phase::Searching { height_mm, next: 0 };
                 }
@@ -128,19 +160,13 @@ impl Analysis {
                 }
             }
             Phase::Comparing { height_mm, next } => {
-                let offset = f32::from(*next) - 0.5 * (f32::from(config.library_offsets) - 1.0);
-                let at_mm = *height_mm + offset * config.library_step_mm;
-                let deepest = table.depth_max_mm() - 0.5 * f32::from(config.library_offsets) * config.library_step_mm;
-                let pairs = record
-                    .samples()
-                    .iter()
-                    // The same samples at every offset, or offsets could not be compared.
-                    .filter(|s| *height_mm - s.probe_mm > 0.0 && *height_mm - s.probe_mm <= deepest)
-                    .map(|s| (at_mm - s.probe_mm, s.force_n));
-                self.comparison.step(table, pairs);
+                compare(config, table, record, *height_mm, *next, &mut self.comparison);
                 *next += 1;
                 if *next >= config.library_offsets {
-                    return Some(Finished { height_mm: *height_mm, recognition: self.comparison.result(table) });
+                    return Some(Finished {
+                        height_mm: *height_mm,
+                        recognition: self.comparison.result(table),
+                    });
                 }
             }
         }
@@ -148,26 +174,25 @@ impl Analysis {
     }
 }
 
-/// Least misfit over all shapes for one contact height, N^2.
-fn shape_misfit(
-    config: &AnalysisConfig,
-    table: &Table<'_>,
-    shapes: (usize, usize, usize),
-    record: &Record,
-    first_mm: f32,
-    height_mm: f32,
-) -> f32 {
-    // Samples that lie in the table at every height tried, so that all heights are judged on the same samples.
-    let deepest_mm = table.depth_max_mm() - 1.1 * config.lead_mm;
-    let used = |s: &&Sample| first_mm - s.probe_mm <= deepest_mm;
+/// Compares the record with the library at contact offset number `offset`.
+fn compare(config: &AnalysisConfig, table: &Table<'_>, record: &Record, height_mm: f32, offset: u8, comparison: &mut Comparison) {
+    let reach_mm = 0.5 * (f32::from(config.library_offsets) - 1.0) * config.library_step_mm;
+    let at_mm = height_mm - reach_mm + f32::from(offset) * config.library_step_mm;
+    let lowest_mm = height_mm + reach_mm - table.depth_max_mm();
+    let samples = record.samples().iter().filter(|s| s.probe_mm >= lowest_mm);
+    comparison.step(table, samples.map(|s| (at_mm - s.probe_mm, s.force_n)));
+}
+
+/// Least misfit over all shapes for one contact height, N^2, over the samples at or above `lowest_mm`.
+fn shape_misfit(table: &Table<'_>, shapes: Shapes, record: &Record, lowest_mm: f32, height_mm: f32) -> f32 {
+    let used = |s: &&Sample| s.probe_mm >= lowest_mm;
     let total: f32 = record.samples().iter().filter(used).map(|s| s.force_n * s.force_n).sum();
-    let (first, stride, count) = shapes;
     let mut products = [(0.0f32, 0.0f32); crate::search::MAX_FACTORS];
     for sample in record.samples().iter().filter(used) {
         let Some(position) = table.locate(height_mm - sample.probe_mm) else {
             continue;
         };
-        let forces = table.forces_n(position, first..first + (count.saturating_sub(1)) * stride + 1).step_by(stride);
+        let forces = table.forces_n(position, shapes.columns()).step_by(shapes.stride);
         for ((ff, fm), f) in products.iter_mut().zip(forces) {
             *ff += f * f;
             *fm += f * sample.force_n;
@@ -175,7 +200,7 @@ fn shape_misfit(
     }
     products
         .iter()
-        .take(count)
+        .take(shapes.count)
         .filter(|(ff, fm)| *ff > 0.0 && *fm > 0.0)
         .map(|(ff, fm)| total - fm * fm / ff)
         .fold(total, f32::min)

@@ -49,6 +49,8 @@ impl Default for PalpationConfig {
 pub struct Palpation {
     contact: Contact,
     point: Option<ContactPoint>,
+    #[cfg(test)]
+    first_mm: f32,
     slice: Option<Slice>,
     record: Record,
     search: Search,
@@ -81,6 +83,8 @@ impl Palpation {
         Palpation {
             contact: Contact::new(),
             point: None,
+            #[cfg(test)]
+            first_mm: 0.0,
             slice: None,
             record: Record::new(),
             search: Search::new(),
@@ -137,6 +141,10 @@ impl Palpation {
     fn touch(&mut self, config: &PalpationConfig, table: &Table<'_>) -> Progress {
         let point = self.contact.locate(&config.contact);
         self.point = Some(point);
+        #[cfg(test)]
+        {
+            self.first_mm = point.height_mm;
+        }
         let near = Slice::for_height(table, point.height_mm).filter(|slice| {
             slice.height_mm == 0.0 || (slice.height_mm - point.height_mm).abs() <= config.height_tolerance_mm
         });
@@ -255,3 +263,6 @@ pub struct Motion {
     /// Mean tick in contact, us.
     pub tick_mean_us: f32,
 }
+
+#[cfg(test)]
+mod tests;

@@ -39,13 +39,13 @@ mod tests {
 
     #[test]
     fn table_7_end_points() {
-        // Table 7 (ERRATA row Eq. 43): 13.6 kOhm at 100 gf, 1.48 kOhm at 900 gf. The thesis' rounded line leaves
-        // 0.12 units (data sheet: 2 % repeatability, and the fit's own residual of 0.0173 mS is 0.22 units).
+        // Table 7 (ERRATA row Eq. 43): 13.6 kOhm at 100 gf, 1.48 kOhm at 900 gf. The fit's residual deviation of 0.0173 mS is
+        // 0.22 units; the thesis' rounded line (0.079 for 0.07766) lies another 0.14 units off at 900 gf.
         let law = DEFAULT_CALIBRATION.fsr;
         for (kohm, gf) in [(13.6, 100.0), (1.48, 900.0)] {
             let ratio = sensor_ratio(kohm, law.divider_kohm);
             let n = fsr_n(ratio, &law);
-            assert!((n - gf / 100.0 * FSR_UNIT_N).abs() < 0.22 * FSR_UNIT_N, "{gf} gf: {n} N");
+            assert!((n - gf / 100.0 * FSR_UNIT_N).abs() < 0.36 * FSR_UNIT_N, "{gf} gf: {n} N");
         }
     }
 

@@ -1,0 +1,106 @@
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+use super::*;
+use crate::testbed::{Chance, LIBRARY, Press, expanded_table, factored_table};
+
+fn palpate(table: &Table<'_>, samples: &[Sample], depth_mm: f32) -> (Verdict, Palpation) {
+    let config = PalpationConfig::default();
+    let mut palpation = Palpation::new();
+    palpation.start();
+    let mut ended = Outcome::NoContact;
+    for sample in samples {
+        let progress = palpation.step(&config, table, *sample);
+        if progress == Progress::NoSuchHeight {
+            ended = Outcome::NoSuchHeight;
+            break;
+        }
+        if palpation.has_contact() && palpation.depth_mm(sample.probe_mm) >= depth_mm {
+            ended = Outcome::Identified;
+            break;
+        }
+    }
+    for _ in 0..200 {
+        if palpation.analyse(&config, table) {
+            break;
+        }
+    }
+    let motion = Motion { number: 1, rate_mm_s: 1.0, tick_max_us: 0, tick_mean_us: 0.0 };
+    (palpation.verdict(&config, Some(table), ended, motion), palpation)
+}
+
+/// Deviation and bias that white noise of 1 %, gain jitter and the free contact point leave; see `docs/board.md`.
+#[test]
+fn noisy_foams_are_recognised_at_every_rate() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    let mut chance = Chance(7);
+    let (mut right, mut all) = (0u32, 0u32);
+    for rate in [1.0, 2.0, 4.0] {
+        for (i, foam) in LIBRARY.iter().enumerate() {
+            let mut squares = 0.0;
+            for _ in 0..12 {
+                let press = Press::noisy(*foam, rate, &mut chance);
+                let (verdict, _) = palpate(&table, &press.samples(&mut chance), 4.0);
+                right += u32::from(usize::from(verdict.material.index) == i);
+                all += 1;
+                squares += (f64::from(verdict.height_mm) - press.surface_mm()).powi(2);
+            }
+            let rms_mm = (squares / 12.0).sqrt();
+            // Measured 0.04 to 0.09 mm over 60 presses each; 0.15 leaves room for 12.
+            assert!(rms_mm < 0.15, "{} at {rate} mm/s: surface off by {rms_mm} mm", foam.name);
+        }
+    }
+    // Issue A asks for 98 %.
+    assert!(f64::from(right) >= 0.98 * f64::from(all), "{right} of {all}");
+}
+
+#[test]
+fn clean_presses_give_the_parameters_in_both_forms_of_the_table() {
+    let factored = factored_table();
+    for foam in &LIBRARY[..4] {
+        let expanded = expanded_table(foam.height_mm);
+        for bytes in [&factored, &expanded] {
+            let table = Table::parse(bytes).unwrap();
+            let press = Press::clean(*foam, 1.0);
+            let (v, _) = palpate(&table, &press.samples(&mut Chance(1)), 4.0);
+            println!("{v:?}");
+            assert_eq!(v.outcome, Outcome::Identified, "{}", foam.name);
+            assert!((f64::from(v.height_mm) - foam.height_mm).abs() < 0.01, "{}: {}", foam.name, v.height_mm);
+            // The grid's steps: a factor 1.247 in mu and 0.79 in alpha; mu and alpha make up for each other by about as much.
+            assert!((f64::from(v.mu_mpa) / foam.mu_mpa).ln().abs() < 0.25, "{}: mu {}", foam.name, v.mu_mpa);
+            assert!((f64::from(v.alpha) - foam.alpha).abs() < 2.4, "{}: alpha {}", foam.name, v.alpha);
+            assert!(v.error_n < 0.02 * v.peak_force_n && v.margin > 0.0);
+            assert_eq!(LIBRARY[usize::from(v.material.index)].name, foam.name);
+        }
+    }
+}
+
+#[test]
+fn a_height_far_from_every_slice_is_refused_and_a_foam_that_is_not_in_the_library_is_not_named() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    let mut odd = LIBRARY[0];
+    odd.height_mm = 15.9;
+    let (v, _) = palpate(&table, &Press::clean(odd, 2.0).samples(&mut Chance(1)), 4.0);
+    assert_eq!((v.outcome, v.material.index), (Outcome::NoSuchHeight, Recognition::NONE));
+    let stranger = crate::testbed::Foam { name: "stranger", mu_mpa: 0.083, alpha: 10.0, height_mm: 19.05 };
+    let (v, _) = palpate(&table, &Press::clean(stranger, 2.0).samples(&mut Chance(1)), 4.0);
+    assert_eq!((v.outcome, v.material.index), (Outcome::Identified, Recognition::NONE));
+}
+
+#[test]
+fn a_foam_outside_the_grid_is_said_to_be_on_its_edge() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    let hard = crate::testbed::Foam { name: "hard", mu_mpa: 0.9, alpha: 10.0, height_mm: 12.7 };
+    let (v, _) = palpate(&table, &Press::clean(hard, 2.0).samples(&mut Chance(1)), 4.0);
+    assert_eq!(v.outcome, Outcome::GridEdge);
+}
+
+#[test]
+fn a_few_samples_are_too_short() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    let (v, _) = palpate(&table, &Press::clean(LIBRARY[0], 4.0).samples(&mut Chance(1)), 0.3);
+    assert_eq!(v.outcome, Outcome::TooShort);
+    assert_eq!((v.mu_mpa, v.material.index), (0.0, Recognition::NONE));
+}
