@@ -32,6 +32,11 @@ impl<L: Link> Disturbed<L> {
     }
 
     /// The link behind the noise.
+    pub fn inner(&self) -> &L {
+        &self.inner
+    }
+
+    /// The link behind the noise, to change it.
     pub fn inner_mut(&mut self) -> &mut L {
         &mut self.inner
     }

@@ -9,6 +9,7 @@
 
 mod actuator;
 mod arm;
+mod bench;
 mod coil;
 mod converter;
 mod curve;
@@ -24,6 +25,7 @@ mod truth;
 
 pub use actuator::Actuator;
 pub use arm::Arm;
+pub use bench::Bench;
 pub use coil::Coil;
 pub use converter::Converter;
 pub use curve::Curve;

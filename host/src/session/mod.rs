@@ -224,7 +224,12 @@ impl<L: Link> Session<L> {
                     (Report::TableState(state), Request::TableChunk(chunk)) => {
                         state.next_offset as usize >= chunk.offset as usize + chunk.data.len()
                     }
-                    (Report::TableState(_), _) => (0x10..=0x13).contains(&of),
+                    (Report::TableState(state), Request::TableBegin(begin)) => {
+                        state.length == begin.length && state.next_offset == 0
+                    }
+                    // A finished upload leaves none behind.
+                    (Report::TableState(state), Request::TableCommit(_)) => state.length == 0,
+                    (Report::TableState(_), Request::TableQuery(_)) => true,
                     _ => false,
                 };
                 if answers {

@@ -101,7 +101,16 @@ impl<L: Link> Session<L> {
             }
         }
         progress(Progress { sent: length, length });
-        self.table_state(&Request::TableCommit(Empty {}))
+        let repeated = self.traffic.requests_repeated;
+        match self.table_state(&Request::TableCommit(Empty {})) {
+            // A repeated commit finds no upload if only the answer to the first one was lost; the hash tells.
+            Err(SessionError::Refused { reason: Refusal::OutOfOrder, .. })
+                if self.traffic.requests_repeated > repeated =>
+            {
+                self.table_state(&Request::TableQuery(Empty {}))
+            }
+            other => other,
+        }
     }
 
     fn table_state(&mut self, request: &Request) -> Result<TableState, SessionError> {

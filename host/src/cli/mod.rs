@@ -1,0 +1,50 @@
+//! The commands of `palpate`.
+
+pub mod demo;
+pub mod identify;
+pub mod lut;
+pub mod progress;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Identify soft materials by touch, and display their softness to a finger.
+#[derive(Debug, Parser)]
+#[command(version, about, propagate_version = true, max_term_width = 100)]
+#[command(after_help = "Results go to standard output, progress and messages to standard error.\n\
+Exit status: 0 also for \"nothing found\", 2 for bad input.")]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run the whole chain on the simulated board: table, upload, palpations, report
+    Demo(demo::Arguments),
+    /// Find a material's parameters in indentation recordings
+    Identify(identify::Arguments),
+    /// Compute a look-up table by finite elements, or explain one
+    Lut(lut::Arguments),
+}
+
+/// Exit status for bad input.
+pub const BAD_INPUT: u8 = 2;
+
+/// Parses the command line, runs the command and prints its error, if any, to standard error.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match cli.command {
+        Command::Demo(arguments) => demo::run(&arguments),
+        Command::Identify(arguments) => identify::run(&arguments),
+        Command::Lut(arguments) => lut::run(&arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error:?}");
+            ExitCode::from(BAD_INPUT)
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! The last palpated material, displayed to a finger.
+
+use protocol::lut::Table;
+use protocol::message::Mode;
+
+use super::listening::Listening;
+use super::{DemoError, Palpated};
+use crate::plant::Touch;
+use crate::session::Event;
+
+/// How long the finger presses, s.
+const DURATION_S: f64 = 6.0;
+
+/// What the hand does: two presses of 3 N in that time.
+const TOUCH: Touch = Touch { peak_n: 3.0, period_s: 3.0 };
+
+/// One control tick of the display.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DisplayTrace {
+    /// Time since the display began, s.
+    pub time_s: f64,
+    /// True force of the finger, N.
+    pub true_force_n: f64,
+    /// FSR as read, N.
+    pub sensor_force_n: f64,
+    /// Where the controller wants the shaft, mm.
+    pub target_mm: f64,
+    /// Shaft as read, mm.
+    pub sensor_shaft_mm: f64,
+    /// True shaft, mm.
+    pub true_shaft_mm: f64,
+    /// Current the controller wants, A.
+    pub target_a: f64,
+    /// Coil current as read, A.
+    pub sensor_a: f64,
+    /// True coil current, A.
+    pub true_a: f64,
+    /// True flux density in the fluid, T.
+    pub true_flux_t: f64,
+    /// Displacement of the material's own curve under the true force, mm.
+    pub material_mm: f64,
+}
+
+/// A displayed material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Displayed {
+    /// Its name.
+    pub material: String,
+    /// Tick by tick.
+    pub trace: Vec<DisplayTrace>,
+}
+
+impl Displayed {
+    /// Root mean square of target minus true shaft, mm.
+    pub fn tracking_rms_mm(&self) -> f64 {
+        let squares: f64 = self.trace.iter().map(|p| (p.target_mm - p.true_shaft_mm).powi(2)).sum();
+        (squares / self.trace.len().max(1) as f64).sqrt()
+    }
+}
+
+/// Displays the material that was recognised last (the first of the library if none was).
+pub(super) fn display(
+    listening: &mut Listening,
+    table: &Table<'_>,
+    palpated: &[Palpated],
+) -> Result<Displayed, DemoError> {
+    let last = palpated.iter().rev().find(|p| p.recognised());
+    let index = last.map_or(0, |p| p.verdict.material.index);
+    let material = table.material(usize::from(index)).ok_or(DemoError::NoLibrary)?;
+    listening.session().set_mode(Mode::Display { material: index })?;
+    listening.board().touch(Some(TOUCH));
+    let began_s = listening.now_s();
+    let mut trace = Vec::new();
+    while let Some((event, truth)) = listening.next(began_s + DURATION_S)? {
+        let (Event::Telemetry(t), Some(truth)) = (event, truth) else {
+            continue;
+        };
+        if truth.time_s < began_s {
+            continue;
+        }
+        trace.push(DisplayTrace {
+            time_s: truth.time_s - began_s,
+            true_force_n: truth.finger_n,
+            sensor_force_n: f64::from(t.fsr_n),
+            target_mm: f64::from(t.shaft_target_mm),
+            sensor_shaft_mm: f64::from(t.shaft_mm),
+            true_shaft_mm: truth.shaft_mm,
+            target_a: f64::from(t.coil_target_a),
+            sensor_a: f64::from(t.coil_a),
+            true_a: truth.coil_a,
+            true_flux_t: truth.flux_t,
+            material_mm: f64::from(material.displacement_mm(truth.finger_n as f32)),
+        });
+    }
+    listening.board().touch(None);
+    listening.session().set_mode(Mode::Idle)?;
+    Ok(Displayed { material: material.name.to_owned(), trace })
+}

@@ -1,0 +1,185 @@
+//! The whole chain on the simulated board: a table by finite elements, uploaded over the framed link, four foams palpated in random order,
+//! identified at 50 Hz, logged, displayed to a finger, reported.
+//!
+//! The foams under the probe have curves of their own ([`bench_foams`]), solved on finer meshes than the table's, so the board never
+//! meets the numbers it searches.
+
+mod display;
+mod error;
+mod figures;
+mod foams;
+mod listening;
+mod palpation;
+mod report;
+mod summary;
+mod table;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use protocol::lut::Table;
+
+pub use display::{Displayed, DisplayTrace};
+pub use error::DemoError;
+pub use foams::bench_foams;
+pub use palpation::{Palpated, TracePoint};
+pub use report::overview_svg;
+pub use summary::{Confusion, Summary};
+pub use table::{BALL_RADIUS_MM, demo_table};
+
+use crate::link::{Disturbance, Disturbed, InProcess, Pace};
+use crate::log::{Recorder, library_names};
+use crate::plant::{Jitter, Noise, Source};
+use crate::session::{Patience, Session};
+use crate::simulated_board::SimulatedBoard;
+use listening::Listening;
+
+/// What the demo does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Number of palpations.
+    pub palpations: usize,
+    /// Rate of the probe, 1 to 4 mm/s.
+    pub rate_mm_s: f64,
+    /// Depth, mm; at most the table's 4 mm.
+    pub depth_mm: f64,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Randomness of the bench.
+    pub jitter: Jitter,
+    /// What the line does to bytes.
+    pub line: Disturbance,
+    /// Folder for report, logs, table and figures.
+    pub out: PathBuf,
+    /// A table to use instead of computing one.
+    pub table: Option<PathBuf>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            palpations: 20,
+            rate_mm_s: 2.0,
+            depth_mm: 4.0,
+            seed: 1,
+            jitter: Jitter::default(),
+            line: Disturbance::default(),
+            out: "out/demo".into(),
+            table: None,
+        }
+    }
+}
+
+/// What is going on, for a progress bar.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Stage<'a> {
+    /// Finite elements.
+    Solving {
+        /// Of what.
+        what: &'a str,
+        /// Solves done.
+        done: usize,
+        /// Solves of this task.
+        total: usize,
+    },
+    /// The table goes over the link.
+    Uploading {
+        /// Bytes the board has.
+        done: usize,
+        /// Bytes of the table.
+        total: usize,
+    },
+    /// A palpation has ended.
+    Palpated {
+        /// Palpations done.
+        done: usize,
+        /// Palpations of the demo.
+        total: usize,
+        /// The verdict in words.
+        verdict: &'a str,
+    },
+    /// Something a person should know.
+    Note(&'a str),
+}
+
+/// Listens to [`Stage`]s, from several threads.
+pub type Watcher<'a> = &'a (dyn Fn(Stage<'_>) + Send + Sync);
+
+/// Runs the demo and writes its files.
+///
+/// # Errors
+/// [`DemoError`].
+pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> {
+    let started = Instant::now();
+    make_folder(&options.out)?;
+    let table_bytes = match &options.table {
+        Some(path) => std::fs::read(path).map_err(|source| DemoError::File { path: path.clone(), source })?,
+        None => {
+            let bytes = demo_table(watch)?;
+            let path = options.out.join("table.lut");
+            std::fs::write(&path, &bytes).map_err(|source| DemoError::File { path, source })?;
+            bytes
+        }
+    };
+    let table = Table::parse(&table_bytes).map_err(crate::session::SessionError::from)?;
+    let foams = bench_foams(&table, watch)?;
+    let solved_s = started.elapsed().as_secs_f64();
+
+    let board = SimulatedBoard::new(options.seed, options.jitter);
+    let line = Disturbed::new(InProcess::new(board, Pace::Free), options.line, options.seed);
+    let (mut session, hello) = Session::open(line, Patience::default())?;
+    let uploaded = Instant::now();
+    let state = session.upload(&table_bytes, |p| {
+        watch(Stage::Uploading { done: p.sent as usize, total: p.length as usize });
+    })?;
+    let upload_s = uploaded.elapsed().as_secs_f64();
+    // The bench's load cell has an offset of its own until it is tared; a mean needs a tick first.
+    session.poll(0.0)?;
+    let settled_s = session.link().inner().board().time_s() + 0.1;
+    while session.poll(settled_s)?.is_some() {}
+    session.tare()?;
+
+    let (csv, mcap) = (options.out.join("telemetry.csv"), options.out.join("log.mcap"));
+    let mut listening = Listening::new(session, Recorder::create(Some(&csv), Some(&mcap))?);
+    let library = library_names(&table);
+    let order = random_order(foams.len(), options.palpations, options.seed);
+    let mut palpated = Vec::with_capacity(order.len());
+    for (number, &foam) in order.iter().enumerate() {
+        let one = palpation::palpate(&mut listening, &foams[foam], &library, options, number + 1, watch)?;
+        watch(Stage::Palpated { done: number + 1, total: order.len(), verdict: &one.sentence() });
+        palpated.push(one);
+    }
+    let displayed = display::display(&mut listening, &table, &palpated)?;
+    let (session, recorder) = listening.into_parts();
+    recorder.finish()?;
+
+    let summary = Summary {
+        hello,
+        slot: state.active,
+        table_bytes: table_bytes.len(),
+        error_bound: f64::from(table.error_bound().total()),
+        library,
+        palpated,
+        displayed,
+        traffic: session.traffic(),
+        virtual_s: session.link().inner().board().time_s(),
+        solved_s,
+        upload_s,
+        seconds: started.elapsed().as_secs_f64(),
+        options: options.clone(),
+        foams: foams.iter().map(|f| f.name.clone()).collect(),
+    };
+    report::write(&summary, &foams, &table)?;
+    Ok(summary)
+}
+
+fn make_folder(path: &Path) -> Result<(), DemoError> {
+    std::fs::create_dir_all(path).map_err(|source| DemoError::File { path: path.into(), source })
+}
+
+/// Random order in which every foam comes equally often, up to one.
+fn random_order(foams: usize, palpations: usize, seed: u64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..palpations).map(|i| i % foams.max(1)).collect();
+    Noise::new(seed, Source::Choice).shuffle(&mut order);
+    order
+}

@@ -1,0 +1,170 @@
+//! The demo's report.
+
+use std::fmt::Write;
+
+use protocol::lut::Table;
+
+use super::figures::{
+    display_over_time, felt_softness, force_over_depth, palpation_over_time, parameter_plane, search_over_depth,
+};
+use super::summary::{HEAD, HOST_TIME};
+use super::{DemoError, Summary};
+use crate::plant::Foam;
+use crate::report::Page;
+
+/// Writes `report.html` and `overview.svg` into the demo's folder.
+pub(super) fn write(summary: &Summary, foams: &[Foam], table: &Table<'_>) -> Result<(), DemoError> {
+    let path = summary.options.out.join("overview.svg");
+    std::fs::write(&path, overview_svg(summary, foams, table)).map_err(|source| DemoError::File { path, source })?;
+    let path = summary.options.out.join("report.html");
+    page(summary, foams, table).write(&path).map_err(|source| DemoError::File { path, source })
+}
+
+/// The picture of the README: palpations on the left, the plane of the parameters on the right.
+pub fn overview_svg(summary: &Summary, foams: &[Foam], table: &Table<'_>) -> String {
+    let (width, height) = (600.0, 360.0);
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {height}\" width=\"{0}\" height=\"{height}\">",
+        2.0 * width
+    );
+    let figures = [force_over_depth(summary, foams, table), parameter_plane(summary, foams, table)];
+    for (i, mut figure) in figures.into_iter().enumerate() {
+        figure.size = (width, height);
+        let _ = write!(out, "<g transform=\"translate({} 0)\">{}</g>", i as f64 * width, figure.svg());
+    }
+    out.push_str("</svg>\n");
+    out
+}
+
+fn page(summary: &Summary, foams: &[Foam], table: &Table<'_>) -> Page {
+    let right = summary.palpated.iter().filter(|p| p.recognised()).count();
+    let mut page = Page::new(
+        "Palpate: the whole chain",
+        &format!(
+            "{} palpations of {} foams at {} mm/s: {right} recognised ({:.1} %). Seed {}, simulated board, virtual time.",
+            summary.palpated.len(),
+            foams.len(),
+            summary.options.rate_mm_s,
+            100.0 * summary.recognised(),
+            summary.options.seed,
+        ),
+    );
+    if right < summary.palpated.len() {
+        page.warning(&format!(
+            "{} of {} palpations were not recognised; the confusion table below shows which.",
+            summary.palpated.len() - right,
+            summary.palpated.len()
+        ));
+    }
+    page.figure(
+        &force_over_depth(summary, foams, table).svg(),
+        "Circles: load cell over the depth the board believes, 50 a second. Lines: the library curve it chose. The force on the ball \
+         comes from finer solves than the table's.",
+    );
+    identification(&mut page, summary, foams, table);
+    display(&mut page, summary);
+    conditions(&mut page, summary, foams, table);
+    page
+}
+
+fn identification(page: &mut Page, summary: &Summary, foams: &[Foam], table: &Table<'_>) {
+    page.section("Identification");
+    page.figure(
+        &parameter_plane(summary, foams, table).svg(),
+        "Crosses: true parameters. Circles: best column of the 30 x 30 grid. mu and alpha trade against each other along a curve, which is why \
+         a material is recognised by its own curve and not by its parameters.",
+    );
+    page.figure(
+        &search_over_depth(summary, foams).svg(),
+        "Mean absolute difference (Eq. 17) of the best column, at the first estimate of the contact point; it is refined after the \
+         palpation.",
+    );
+    let rows = summary.rows();
+    page.table(&HEAD, &rows);
+    page.paragraph(HOST_TIME);
+    page.section("Confusion");
+    let confusion = summary.confusion();
+    let mut head = vec!["true \\ identified"];
+    head.extend(confusion.answers.iter().map(String::as_str));
+    let rows: Vec<Vec<String>> = confusion
+        .truths
+        .iter()
+        .zip(&confusion.counts)
+        .map(|(truth, counts)| std::iter::once(truth.clone()).chain(counts.iter().map(usize::to_string)).collect())
+        .collect();
+    page.table(&head, &rows);
+    if let Some(palpated) = summary.palpated.last() {
+        page.section("One palpation over time");
+        for figure in palpation_over_time(palpated) {
+            page.figure(&figure.svg(), "Truth, sensor and belief are separate signals, here and in the logs.");
+        }
+    }
+}
+
+fn display(page: &mut Page, summary: &Summary) {
+    page.section("Display");
+    page.paragraph(&format!(
+        "{} displayed to a simulated finger. The shaft follows its target within {:.2} mm rms.",
+        summary.displayed.material,
+        summary.displayed.tracking_rms_mm()
+    ));
+    let captions = [
+        "Force of a hand with tremor, and what the FSR makes of it (hysteresis, creep, and a calibration rounded as in the thesis).",
+        "Material: the displacement the material's curve asks for under the true force. Target: what the controller asks for under the \
+         force it reads.",
+        "First-order chain: force to contact area to stress to yield stress to flux to current.",
+    ];
+    for (figure, caption) in display_over_time(summary).iter().zip(captions) {
+        page.figure(&figure.svg(), caption);
+    }
+    page.figure(&felt_softness(summary).svg(), "Force over position, both true: display against material.");
+}
+
+fn conditions(page: &mut Page, summary: &Summary, foams: &[Foam], table: &Table<'_>) {
+    page.section("Conditions");
+    let jitter = summary.options.jitter;
+    let t = &summary.traffic;
+    page.list(&[
+        format!(
+            "Bench: force noise {} % of each foam's peak (white, 50 Hz), gain jitter {} %, contact jitter {} mm, ball of {} mm radius.",
+            100.0 * jitter.force,
+            100.0 * jitter.gain,
+            jitter.surface_mm,
+            super::BALL_RADIUS_MM
+        ),
+        format!(
+            "Table: {} bytes in slot {:?}, error bound {:.2} % of a curve's peak. {}",
+            summary.table_bytes,
+            summary.slot,
+            100.0 * summary.error_bound,
+            table.provenance()
+        ),
+        format!(
+            "Link: {} of {} telemetry records lost, {} of {} frames lost, {} damaged, {} requests repeated.",
+            t.telemetry_lost,
+            t.telemetry_received + t.telemetry_lost,
+            t.frames_lost,
+            t.frames_received + t.frames_lost,
+            t.frames_damaged,
+            t.requests_repeated
+        ),
+        format!(
+            "Time: {:.1} s, of which finite elements {:.1} s; {:.0} s of board time.",
+            summary.seconds, summary.solved_s, summary.virtual_s
+        ),
+        "Logs: telemetry.csv and log.mcap in the same folder.".into(),
+    ]);
+    let rows: Vec<Vec<String>> = foams
+        .iter()
+        .map(|f| {
+            vec![
+                f.name.clone(),
+                format!("{}", f.mu_mpa),
+                format!("{}", f.alpha),
+                format!("{}", f.height_mm),
+                format!("{:.3}", f.curve.peak_n()),
+            ]
+        })
+        .collect();
+    page.table(&["foam", "mu (MPa)", "alpha", "height (mm)", "peak force (N)"], &rows);
+}

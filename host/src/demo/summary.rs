@@ -1,0 +1,244 @@
+//! What a demo found, as a table for people and as JSON for programs.
+
+use std::fmt;
+
+use protocol::message::{Hello, Outcome, Slot};
+use serde_json::{Value, json};
+
+use super::{Displayed, Options, Palpated};
+use crate::session::Traffic;
+
+/// How often each foam was taken for each material.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Confusion {
+    /// Foams that were there.
+    pub truths: Vec<String>,
+    /// Materials of the library, and last "none".
+    pub answers: Vec<String>,
+    /// `counts[truth][answer]`.
+    pub counts: Vec<Vec<usize>>,
+}
+
+/// The result of a demo.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// The board's greeting.
+    pub hello: Hello,
+    /// Where the table lies.
+    pub slot: Slot,
+    /// Length of the table, bytes.
+    pub table_bytes: usize,
+    /// Its error bound, fraction of a curve's peak.
+    pub error_bound: f64,
+    /// Names of the library's materials.
+    pub library: Vec<String>,
+    /// Every palpation.
+    pub palpated: Vec<Palpated>,
+    /// The display.
+    pub displayed: Displayed,
+    /// What went over the link.
+    pub traffic: Traffic,
+    /// Board time, s.
+    pub virtual_s: f64,
+    /// Wall time of all finite elements, s.
+    pub solved_s: f64,
+    /// Wall time of the upload, s.
+    pub upload_s: f64,
+    /// Wall time of everything but the report, s.
+    pub seconds: f64,
+    /// What was asked for.
+    pub options: Options,
+    /// Names of the foams on the bench.
+    pub foams: Vec<String>,
+}
+
+/// Head of the table of palpations.
+pub(super) const HEAD: [&str; 10] =
+    ["no", "true", "identified", "mu, MPa", "mu found", "alpha", "alpha found", "margin", "tick, us*", "tick max*"];
+
+/// What the asterisk says.
+pub(super) const HOST_TIME: &str =
+    "* duration of the firmware's control tick on this computer (host time), not on the board";
+
+impl Summary {
+    /// Fraction of palpations whose foam was named, 0 to 1.
+    pub fn recognised(&self) -> f64 {
+        let right = self.palpated.iter().filter(|p| p.recognised()).count();
+        right as f64 / self.palpated.len().max(1) as f64
+    }
+
+    /// How often each foam was taken for each material.
+    pub fn confusion(&self) -> Confusion {
+        let mut answers = self.library.clone();
+        answers.push("none".into());
+        let mut counts = vec![vec![0; answers.len()]; self.foams.len()];
+        for p in &self.palpated {
+            let truth = self.foams.iter().position(|f| *f == p.truth);
+            let answer = answers.iter().position(|a| *a == p.identified).unwrap_or(answers.len() - 1);
+            if let Some(row) = truth.and_then(|t| counts.get_mut(t)) {
+                row[answer] += 1;
+            }
+        }
+        Confusion { truths: self.foams.clone(), answers, counts }
+    }
+
+    /// Cells of the table of palpations.
+    pub(super) fn rows(&self) -> Vec<Vec<String>> {
+        self.palpated.iter().map(row).collect()
+    }
+
+    /// One JSON object.
+    pub fn json(&self) -> Value {
+        let confusion = self.confusion();
+        let file = |name: &str| self.options.out.join(name).display().to_string();
+        json!({
+            "palpations": self.palpated.iter().map(palpation_json).collect::<Vec<_>>(),
+            "recognised": self.recognised(),
+            "confusion": { "truths": confusion.truths, "answers": confusion.answers, "counts": confusion.counts },
+            "display": { "material": self.displayed.material, "tracking_rms_mm": self.displayed.tracking_rms_mm() },
+            "telemetry": self.traffic,
+            "telemetry_loss": self.traffic.loss(),
+            "table": { "bytes": self.table_bytes, "error_bound": self.error_bound, "slot": format!("{:?}", self.slot) },
+            "board": {
+                "simulated": self.hello.simulated,
+                "firmware": self.hello.firmware_version,
+                "time_s": self.virtual_s,
+            },
+            "seconds": { "finite_elements": self.solved_s, "upload": self.upload_s, "all": self.seconds },
+            "files": {
+                "report": file("report.html"), "csv": file("telemetry.csv"), "mcap": file("log.mcap"),
+            },
+        })
+    }
+}
+
+fn row(p: &Palpated) -> Vec<String> {
+    let v = &p.verdict;
+    let identified = match v.outcome {
+        Outcome::Identified | Outcome::GridEdge if !p.identified.is_empty() => p.identified.clone(),
+        Outcome::Identified | Outcome::GridEdge => "none".into(),
+        other => format!("({other:?})"),
+    };
+    vec![
+        p.number.to_string(),
+        p.truth.clone(),
+        identified,
+        format!("{:.4}", p.true_mu_mpa),
+        format!("{:.4}", v.mu_mpa),
+        format!("{:.2}", p.true_alpha),
+        format!("{:.2}", v.alpha),
+        format!("{:.3}", v.material.margin),
+        format!("{:.1}", v.tick_mean_us),
+        v.tick_max_us.to_string(),
+    ]
+}
+
+fn palpation_json(p: &Palpated) -> Value {
+    let v = &p.verdict;
+    json!({
+        "number": p.number,
+        "true_material": p.truth,
+        "material": if p.identified.is_empty() { Value::Null } else { json!(p.identified) },
+        "recognised": p.recognised(),
+        "outcome": format!("{:?}", v.outcome),
+        "true_mu_MPa": p.true_mu_mpa,
+        "mu_MPa": v.mu_mpa,
+        "true_alpha": p.true_alpha,
+        "alpha": v.alpha,
+        "margin": v.material.margin,
+        "grid_margin": v.margin,
+        "material_error_N": v.material.error_n,
+        "error_N": v.error_n,
+        "height_mm": v.height_mm,
+        "samples": v.samples,
+        "tick_mean_us_host": v.tick_mean_us,
+        "tick_max_us_host": v.tick_max_us,
+    })
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rows = self.rows();
+        write_table(f, &HEAD.map(String::from), &rows)?;
+        writeln!(f, "{HOST_TIME}\n")?;
+
+        let confusion = self.confusion();
+        let mut head = vec!["true \\ identified".to_owned()];
+        head.extend(confusion.answers.iter().cloned());
+        let rows: Vec<Vec<String>> = confusion
+            .truths
+            .iter()
+            .zip(&confusion.counts)
+            .map(|(truth, counts)| {
+                let cells = counts.iter().map(|c| if *c == 0 { "·".into() } else { c.to_string() });
+                std::iter::once(truth.clone()).chain(cells).collect()
+            })
+            .collect();
+        write_table(f, &head, &rows)?;
+        let right = self.palpated.iter().filter(|p| p.recognised()).count();
+        writeln!(
+            f,
+            "recognised {right} of {} palpations ({:.1} %) at {} mm/s",
+            self.palpated.len(),
+            100.0 * self.recognised(),
+            self.options.rate_mm_s
+        )?;
+        let t = &self.traffic;
+        writeln!(
+            f,
+            "telemetry  {} of {} records lost, {} of {} frames lost, {} damaged, {} requests repeated",
+            t.telemetry_lost,
+            t.telemetry_received + t.telemetry_lost,
+            t.frames_lost,
+            t.frames_received + t.frames_lost,
+            t.frames_damaged,
+            t.requests_repeated
+        )?;
+        writeln!(
+            f,
+            "display    {} to a finger, shaft follows its target within {:.2} mm rms",
+            self.displayed.material,
+            self.displayed.tracking_rms_mm()
+        )?;
+        writeln!(
+            f,
+            "time       {:.1} s ({:.1} s finite elements, {:.1} s upload of {} kB) for {:.0} s of board time",
+            self.seconds,
+            self.solved_s,
+            self.upload_s,
+            self.table_bytes / 1000,
+            self.virtual_s
+        )?;
+        write!(f, "report     {}", self.options.out.join("report.html").display())
+    }
+}
+
+/// Columns as wide as their widest cell; text to the left, numbers to the right.
+fn write_table(f: &mut fmt::Formatter<'_>, head: &[String], rows: &[Vec<String>]) -> fmt::Result {
+    let widths: Vec<usize> = head
+        .iter()
+        .enumerate()
+        .map(|(i, h)| {
+            let cells = rows.iter().filter_map(|r| r.get(i)).map(|c| c.chars().count());
+            cells.chain([h.chars().count()]).max().unwrap_or(0)
+        })
+        .collect();
+    let line = |f: &mut fmt::Formatter<'_>, cells: &[String]| {
+        for (i, (cell, width)) in cells.iter().zip(&widths).enumerate() {
+            let text = rows.iter().filter_map(|r| r.get(i)).any(|c| c.parse::<f64>().is_err() && c != "·");
+            let gap = if i == 0 { "" } else { "  " };
+            if text {
+                write!(f, "{gap}{cell:<width$}")?;
+            } else {
+                write!(f, "{gap}{cell:>width$}")?;
+            }
+        }
+        writeln!(f)
+    };
+    line(f, head)?;
+    writeln!(f, "{}", "─".repeat(widths.iter().sum::<usize>() + 2 * widths.len().saturating_sub(1)))?;
+    for row in rows {
+        line(f, row)?;
+    }
+    Ok(())
+}

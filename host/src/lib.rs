@@ -1,0 +1,13 @@
+//! Host side of Palpate.
+
+pub mod cli;
+pub mod demo;
+pub mod experiment;
+pub mod flash;
+pub mod identify;
+pub mod link;
+pub mod log;
+pub mod plant;
+pub mod report;
+pub mod session;
+pub mod simulated_board;

@@ -1,0 +1,151 @@
+//! The whole bench: palpation arm with load cell over a foam, and display under a finger.
+
+use firmware::board::Outputs;
+use firmware::sensor::RawSamples;
+
+use super::{
+    Actuator, Arm, Coil, Converter, Finger, Fluid, Foam, Fsr, Jitter, LoadCell, Noise, Placed, Potentiometer, STEP_S,
+    Source, Touch, Transducer, Truth,
+};
+
+/// Height of the arm's home above the specimen, mm: the approach in which the board learns the force's zero.
+const HOME_MM: f64 = 4.0;
+
+/// Home without a specimen, mm.
+const EMPTY_HOME_MM: f64 = 30.0;
+
+/// Rate of the arm on its way home, mm/s.
+const RETURN_MM_S: f64 = 10.0;
+
+/// Supply of the coil's half bridge, V.
+const COIL_SUPPLY_V: f64 = 36.0;
+
+/// Shunt amplifier of the coil: reading without current, and A for the full reference.
+const SHUNT: (f64, f64) = (0.05, 3.3);
+
+/// Everything around the board.
+#[derive(Debug, Clone)]
+pub struct Bench {
+    seed: u64,
+    jitter: Jitter,
+    gain: Noise,
+    surface: Noise,
+    placements: u64,
+    arm: Arm,
+    home_mm: f64,
+    placed: Option<Placed>,
+    load_cell: LoadCell,
+    transducer: Transducer,
+    finger: Finger,
+    fsr: Fsr,
+    actuator: Actuator,
+    potentiometer: Potentiometer,
+    coil: Coil,
+    fluid: Fluid,
+    converter: Converter,
+}
+
+impl Bench {
+    /// An empty bench at rest. The sensors follow the laws that the board is calibrated for, but not exactly: the load cell's zero
+    /// lies 0.03 N off until it is tared, and the FSR follows the least-squares line of thesis Table 7, not the rounded one.
+    pub fn new(seed: u64, jitter: Jitter) -> Self {
+        Bench {
+            seed,
+            jitter,
+            gain: Noise::new(seed, Source::Gain),
+            surface: Noise::new(seed, Source::Surface),
+            placements: 0,
+            arm: Arm::new(EMPTY_HOME_MM),
+            home_mm: EMPTY_HOME_MM,
+            placed: None,
+            load_cell: LoadCell { zero_ratio: 0.103, n_per_ratio: 10.0 },
+            transducer: Transducer { zero_ratio: 0.1, mm_per_ratio: 100.0 },
+            finger: Finger::new(seed),
+            fsr: Fsr::new(0.07766, -0.01596, 10.0, seed),
+            actuator: Actuator::new(0.0),
+            potentiometer: Potentiometer { slope_kohm_mm: -0.080_279, offset_kohm: 2.5829, divider_kohm: 1.6 },
+            coil: Coil::default(),
+            fluid: Fluid::default(),
+            converter: Converter::new(seed),
+        }
+    }
+
+    /// Lays a foam under the probe and sets the arm's home above it, as an operator does between palpations.
+    pub fn place(&mut self, foam: Foam) {
+        self.placements += 1;
+        self.home_mm = foam.height_mm + HOME_MM;
+        self.arm = Arm::new(self.home_mm);
+        // A stream of force noise of its own for every palpation.
+        let seed = self.seed.wrapping_add(self.placements << 32);
+        self.placed = Some(Placed::new(foam, self.jitter, &mut self.gain, &mut self.surface, seed));
+    }
+
+    /// Clears the bench.
+    pub fn clear(&mut self) {
+        self.placed = None;
+    }
+
+    /// The foam under the probe.
+    pub fn placed(&self) -> Option<&Placed> {
+        self.placed.as_ref()
+    }
+
+    /// Starts pressing the display, or lifts the finger.
+    pub fn touch(&mut self, touch: Option<Touch>) {
+        self.finger.set(touch);
+    }
+
+    /// Draws what is new with every 50 Hz sample.
+    pub fn next_sample(&mut self) {
+        self.fsr.next_sample();
+        if let Some(placed) = &mut self.placed {
+            placed.next_sample();
+        }
+    }
+
+    /// Lets [`STEP_S`] pass under the board's outputs and the fast loop's duty; returns what the converter then reads.
+    pub fn step(&mut self, outputs: &Outputs, coil_duty: f32) -> RawSamples {
+        let rate_mm_s = if outputs.arm_run {
+            -f64::from(outputs.arm_rate_mm_s)
+        } else {
+            // Slows down on the last stretch so as not to overshoot its home.
+            (20.0 * (self.home_mm - self.arm.position_mm())).clamp(-RETURN_MM_S, RETURN_MM_S)
+        };
+        self.arm.step(rate_mm_s, STEP_S);
+        self.finger.step(self.actuator.rate_mm_s(), STEP_S);
+        self.fsr.step(self.finger.force_n(), STEP_S);
+        self.actuator.step(f64::from(outputs.actuator_v), STEP_S);
+        self.coil.step(f64::from(coil_duty) * COIL_SUPPLY_V, STEP_S);
+        self.fluid.step(self.coil.current_a(), STEP_S);
+        let probe_mm = self.arm.position_mm();
+        let felt_n = self.placed.as_ref().map_or(0.0, |p| p.felt_n(probe_mm));
+        let mut read = |true_ratio| self.converter.ratio(true_ratio);
+        RawSamples {
+            load_cell: read(self.load_cell.ratio(felt_n)),
+            fsr: read(self.fsr.ratio()),
+            potentiometer: read(self.potentiometer.ratio(self.actuator.position_mm())),
+            probe_position: read(self.transducer.ratio(probe_mm)),
+            coil_current: read(SHUNT.0 + self.coil.current_a() / SHUNT.1),
+        }
+    }
+
+    /// What no sensor says, for the board's tick number `tick` at `time_s`.
+    pub fn truth(&self, tick: u32, time_s: f64) -> Truth {
+        let probe_mm = self.arm.position_mm();
+        let placed = self.placed.as_ref();
+        Truth {
+            tick,
+            time_s,
+            specimen: placed.map_or_else(String::new, |p| p.foam().name.clone()),
+            probe_mm,
+            depth_mm: placed.map_or(0.0, |p| p.depth_mm(probe_mm).max(0.0)),
+            force_n: placed.map_or(0.0, |p| p.force_n(probe_mm)),
+            finger_n: self.finger.force_n(),
+            shaft_mm: self.actuator.position_mm(),
+            coil_a: self.coil.current_a(),
+            coil_c: self.coil.celsius(),
+            flux_t: self.fluid.flux_t(),
+            yield_kpa: self.fluid.yield_kpa(),
+        }
+    }
+}
