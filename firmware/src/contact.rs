@@ -244,13 +244,16 @@ impl LeastOnLine {
         self.taken = self.taken.saturating_add(1);
     }
 
-    /// Place and value of the least.
+    /// Place and value of the least, by the parabola through it and its neighbours.
     pub fn result(&self) -> (f32, f32) {
         let x = self.from + self.step * f32::from(self.best);
         let curvature = self.before - 2.0 * self.value + self.after;
-        let shift =
-            if curvature > 0.0 && curvature.is_finite() { 0.5 * (self.before - self.after) / curvature } else { 0.0 };
-        (x + shift * self.step, self.value)
+        if !(curvature > 0.0 && curvature.is_finite()) {
+            return (x, self.value);
+        }
+        let slope = self.before - self.after;
+        let shift = 0.5 * slope / curvature;
+        (x + shift * self.step, self.value - 0.25 * slope * shift)
     }
 }
 

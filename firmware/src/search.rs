@@ -317,7 +317,9 @@ mod tests {
         let table = Table::parse(&bytes).unwrap();
         let slice = Slice::for_height(&table, 12.7).unwrap();
         let mut search = Search::new();
-        for (depth, force) in [(0.0, 1.0), (-1.0, 1.0), (4.5, 1.0), (f32::NAN, 1.0), (1.0, f32::NAN), (1.0, f32::INFINITY)] {
+        for (depth, force) in
+            [(0.0, 1.0), (-1.0, 1.0), (4.5, 1.0), (f32::NAN, 1.0), (1.0, f32::NAN), (1.0, f32::INFINITY)]
+        {
             search.step(&table, &slice, depth, force);
         }
         assert_eq!(search.samples(), 0);

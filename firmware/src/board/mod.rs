@@ -374,3 +374,6 @@ impl<S: TableStore + CalibrationStore> Board<S> {
 fn outputs_are_finite(outputs: &Outputs) -> bool {
     [outputs.actuator_v, outputs.coil_target_a, outputs.coil_duty, outputs.arm_rate_mm_s].iter().all(|x| x.is_finite())
 }
+
+#[cfg(test)]
+mod tests;

@@ -230,3 +230,6 @@ impl Upload {
 fn retire<S: TableStore>(store: &mut S, base: usize) -> Result<(), Refusal> {
     store.write(base, &[0; MAGIC.len()]).map_err(|_| Refusal::FlashFailed)
 }
+
+#[cfg(test)]
+mod tests;

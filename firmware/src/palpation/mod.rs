@@ -13,7 +13,7 @@ pub use record::{RECORD_LEN, Record};
 use crate::contact::{Contact, ContactConfig, ContactPoint, Sample};
 use crate::recognition::NOT_RECOGNISED;
 use crate::search::{Found, Search, Slice};
-use analysis::Analysis;
+use analysis::{Analysis, Fitted};
 use protocol::lut::Table;
 use protocol::message::{Outcome, Recognition, Verdict};
 
@@ -60,6 +60,7 @@ pub struct Palpation {
     analysis: Analysis,
     recognition: Option<Recognition>,
     found: Option<Found>,
+    fitted: Option<Fitted>,
 }
 
 /// What one sample brought.
@@ -93,6 +94,7 @@ impl Palpation {
             analysis: Analysis::new(),
             recognition: None,
             found: None,
+            fitted: None,
         }
     }
 
@@ -108,6 +110,7 @@ impl Palpation {
         self.analysis = Analysis::new();
         self.recognition = None;
         self.found = None;
+        self.fitted = None;
     }
 
     /// True once contact is found.
@@ -194,6 +197,7 @@ impl Palpation {
         let done = self.analysis.step(&config.analysis, table, &slice, &self.record, point.height_mm, &mut self.search);
         if let Some(finished) = done {
             self.found = self.search.found(&slice);
+            self.fitted = finished.fitted;
             self.recognition = Some(finished.recognition);
             self.point = Some(ContactPoint { height_mm: finished.height_mm, ..point });
         }
@@ -237,10 +241,19 @@ impl Palpation {
             verdict.outcome = Outcome::TooShort;
             return verdict;
         }
-        if found.at_edge {
+        let at_edge = match &self.fitted {
+            Some(fitted) => {
+                (verdict.mu_mpa, verdict.alpha) = (fitted.mu_mpa, fitted.alpha);
+                fitted.at_edge
+            }
+            None => {
+                (verdict.mu_mpa, verdict.alpha) = slice.parameters(table, found.index);
+                found.at_edge
+            }
+        };
+        if at_edge {
             verdict.outcome = Outcome::GridEdge;
         }
-        (verdict.mu_mpa, verdict.alpha) = slice.parameters(table, found.index);
         verdict.error_n = found.error_n;
         verdict.runner_up_error_n = found.runner_up_error_n;
         verdict.margin = found.margin;

@@ -62,12 +62,12 @@ fn clean_presses_give_the_parameters_in_both_forms_of_the_table() {
             let table = Table::parse(bytes).unwrap();
             let press = Press::clean(*foam, 1.0);
             let (v, _) = palpate(&table, &press.samples(&mut Chance(1)), 4.0);
-            println!("{v:?}");
             assert_eq!(v.outcome, Outcome::Identified, "{}", foam.name);
-            assert!((f64::from(v.height_mm) - foam.height_mm).abs() < 0.01, "{}: {}", foam.name, v.height_mm);
-            // The grid's steps: a factor 1.247 in mu and 0.79 in alpha; mu and alpha make up for each other by about as much.
-            assert!((f64::from(v.mu_mpa) / foam.mu_mpa).ln().abs() < 0.25, "{}: mu {}", foam.name, v.mu_mpa);
-            assert!((f64::from(v.alpha) - foam.alpha).abs() < 2.4, "{}: alpha {}", foam.name, v.alpha);
+            // Misfits are differences of f32 sums, so 1e-7 of the sum of squares cannot be seen; after mu and alpha have made up for it,
+            // 0.015 mm, 8 % and 2 are as much (measured: 0.010 mm, 7 %, 1.5). 1 % of noise costs far more.
+            assert!((f64::from(v.height_mm) - foam.height_mm).abs() < 0.015, "{}: {}", foam.name, v.height_mm);
+            assert!((f64::from(v.mu_mpa) / foam.mu_mpa - 1.0).abs() < 0.08, "{}: mu {}", foam.name, v.mu_mpa);
+            assert!((f64::from(v.alpha) - foam.alpha).abs() < 2.0, "{}: alpha {}", foam.name, v.alpha);
             assert!(v.error_n < 0.02 * v.peak_force_n && v.margin > 0.0);
             assert_eq!(LIBRARY[usize::from(v.material.index)].name, foam.name);
         }

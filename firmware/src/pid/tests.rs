@@ -95,7 +95,10 @@ const THESIS: Gains = Gains { kp: 3.661, ki: 14.1596, kd: 0.1787, n: 7.4936 };
 fn margins_of_the_default_gains_on_the_sampled_loop() {
     let (phase, peak) = margins(&DEFAULT_GAINS);
     let (overshoot, command, end) = unit_step(&DEFAULT_GAINS);
-    println!("default gains: phase margin {phase:.1} degrees, peak sensitivity {peak:.3}, overshoot {:.1} %, command {command:.2} V", 100.0 * overshoot);
+    println!(
+        "default gains: phase margin {phase:.1} degrees, peak sensitivity {peak:.3}, overshoot {:.1} %, command {command:.2} V",
+        100.0 * overshoot
+    );
     assert!(phase >= 55.0 && peak <= 1.6, "{phase} {peak}");
     assert!(overshoot <= 0.05 && command < f64::from(U_MAX_V), "{overshoot} {command}");
     // Settled after 6 s: integral action leaves no error beyond f32.

@@ -15,9 +15,9 @@ wire! {
         pub height_mm: f32,
         /// Height of the table's slice that was searched, mm.
         pub table_height_mm: f32,
-        /// Shear modulus of the best column, MPa.
+        /// Shear modulus, MPa: between the columns of the grid, by least squares at the refined contact point.
         pub mu_mpa: f32,
-        /// Exponent of the best column.
+        /// Exponent, likewise.
         pub alpha: f32,
         /// Mean absolute difference of the best column (Eq. 17 over the number of samples), N.
         pub error_n: f32,

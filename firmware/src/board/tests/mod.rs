@@ -1,0 +1,163 @@
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod hazards;
+mod link;
+mod palpation;
+
+use super::*;
+use crate::flash::{BANK_LEN, RamFlash};
+use crate::sensor::{coil_ratio, fsr_ratio, load_cell_ratio, potentiometer_ratio, probe_ratio};
+use crate::testbed::{Foam, factored_table};
+use protocol::frame::{Decoder, MAX_FRAME, encode_request};
+use protocol::message::{Accepted, Empty, Refusal, Refused, Request};
+
+type RamBoard = Board<RamFlash<Vec<u8>>>;
+
+/// A board with its surroundings: an arm that presses a foam, a finger, a shaft that follows its command.
+struct Bench {
+    board: RamBoard,
+    seq: u16,
+    reports: Vec<Report>,
+    decoder: Decoder,
+    probe_mm: f32,
+    home_mm: f32,
+    foam: Option<Foam>,
+    finger_n: f32,
+    shaft_mm: f32,
+    outputs: Outputs,
+    /// Changes the inputs of every tick.
+    spoil: fn(&mut Inputs),
+}
+
+impl Bench {
+    fn with_flash(bytes: Vec<u8>, cause: ResetCause) -> Self {
+        let identity = Identity { unique_id: *b"unit test 01", reset_cause: cause };
+        let board = Board::new(BoardConfig::default(), RamFlash::new(bytes), identity);
+        Bench {
+            board,
+            seq: 0,
+            reports: vec![],
+            decoder: Decoder::new(),
+            probe_mm: 30.0,
+            home_mm: 30.0,
+            foam: None,
+            finger_n: 0.0,
+            shaft_mm: 0.0,
+            outputs: Outputs::default(),
+            spoil: |_| {},
+        }
+    }
+
+    fn blank() -> Self {
+        Self::with_flash(vec![0xff; BANK_LEN], ResetCause::PowerOn)
+    }
+
+    /// With the made-up table in slot A.
+    fn new() -> Self {
+        let mut bank = vec![0xff; BANK_LEN];
+        let table = factored_table();
+        bank[..table.len()].copy_from_slice(&table);
+        Self::with_flash(bank, ResetCause::PowerOn)
+    }
+
+    fn tick(&mut self) {
+        let c = &self.board.config;
+        let force_n = self.foam.map_or(0.0, |foam| foam.force_n(foam.height_mm - f64::from(self.probe_mm)) as f32);
+        let raw = RawSamples {
+            load_cell: load_cell_ratio(force_n, &c.calibration.load_cell),
+            fsr: fsr_ratio(self.finger_n, &c.calibration.fsr),
+            potentiometer: potentiometer_ratio(self.shaft_mm, &c.calibration.potentiometer),
+            probe_position: probe_ratio(self.probe_mm, &c.calibration.probe),
+            coil_current: coil_ratio(self.outputs.coil_target_a, &c.shunt),
+        };
+        let mut inputs = Inputs { raw, fresh: true, tick_us: 400, ..Inputs::default() };
+        (self.spoil)(&mut inputs);
+        self.outputs = self.board.tick(&inputs);
+        let step_mm = if self.outputs.arm_run { -self.outputs.arm_rate_mm_s / 50.0 } else { 10.0 / 50.0 };
+        self.probe_mm = (self.probe_mm + step_mm).min(self.home_mm);
+        // First-order stand-in for the actuator: gain 1 mm/V, 0.25 s.
+        self.shaft_mm += 0.08 * (self.outputs.actuator_v - self.shaft_mm);
+        self.collect();
+    }
+
+    fn ticks(&mut self, count: usize) {
+        (0..count).for_each(|_| self.tick());
+    }
+
+    fn collect(&mut self) {
+        let mut buffer = [0; 512];
+        loop {
+            let count = self.board.take_transmit(&mut buffer);
+            if count == 0 {
+                return;
+            }
+            for byte in &buffer[..count] {
+                if let Some(Ok(frame)) = self.decoder.push(*byte)
+                    && frame.kind != 0
+                {
+                    self.reports.push(Report::decode(frame.kind, frame.body).unwrap());
+                }
+            }
+        }
+    }
+
+    fn send(&mut self, request: &Request) {
+        let mut buffer = [0; MAX_FRAME];
+        let bytes = encode_request(request, self.seq, &mut buffer).unwrap();
+        self.board.receive(bytes);
+        self.seq += 1;
+        self.collect();
+    }
+
+    /// Sends and returns the answer, which must come at once.
+    fn ask(&mut self, request: &Request) -> Report {
+        self.reports.clear();
+        self.send(request);
+        self.reports.pop().expect("an answer")
+    }
+
+    fn refusal(&mut self, request: &Request) -> Refusal {
+        match self.ask(request) {
+            Report::Refused(Refused { reason, .. }) => reason,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn accept(&mut self, request: &Request) {
+        match self.ask(request) {
+            Report::Accepted(Accepted { of, seq }) => assert_eq!((of, seq), (request.kind(), self.seq - 1)),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn mode(&mut self, mode: Mode) {
+        self.accept(&Request::SetMode(mode));
+    }
+
+    /// Ticks with a status request every half second, as a host does, until `done`.
+    fn run_until(&mut self, limit: usize, done: impl Fn(&Bench) -> bool) {
+        for i in 0..limit {
+            if done(self) {
+                return;
+            }
+            if i % 25 == 0 {
+                self.send(&Request::Status(Empty {}));
+            }
+            self.tick();
+        }
+        panic!("not done after {limit} ticks, state {:?}", self.board.state());
+    }
+
+    fn faults(&self) -> Vec<protocol::fault::Fault> {
+        self.board.safety.latched().iter().collect()
+    }
+
+    fn verdict(&self) -> Option<&protocol::message::Verdict> {
+        self.reports.iter().find_map(|r| match r {
+            Report::Verdict(verdict) => Some(verdict),
+            _ => None,
+        })
+    }
+}
+
+const PALPATE: Mode = Mode::Palpate { rate_mm_s: 4.0, depth_mm: 3.5 };
