@@ -9,7 +9,7 @@ use super::contact::{self, ContactGuess};
 pub const DEEPEST_OF_HEIGHT: f64 = 0.8;
 /// Share of the height the model itself is built for: data end at [`DEEPEST_OF_HEIGHT`] past the
 /// guessed contact, and the fitted contact may lie before it.
-pub const MODEL_OF_HEIGHT: f64 = 0.9;
+pub const MODEL_OF_HEIGHT: f64 = 0.82;
 /// A curve with fewer samples past contact says nothing.
 pub const LEAST_SAMPLES: usize = 8;
 /// Bounds of a height written `"unknown"`, mm; the lower one also exceeds the depth reached.
@@ -169,6 +169,12 @@ impl Selection {
         // specimen's base.
         let reach = height.known().map_or(reach, |mm| reach.min(MODEL_OF_HEIGHT * mm));
         let pairing = self.pairing(specimen, indenter, ball_mm, height, reach);
+        if let Height::Free(free) = self.pairings[pairing].height {
+            // The table was not met, so the block is higher than the ball ever went into it.
+            let deepest = run.recording.depth_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let low_mm = &mut self.heights[free].low_mm;
+            *low_mm = low_mm.max(deepest - contact.contact_mm);
+        }
         let (rate_mm_per_s, hold_out) = (motion.rate_mm_per_s, run.hold_out);
         self.curves.push(LoadingCurve { run: at, pairing, depth_mm, force_n, contact, rate_mm_per_s, hold_out });
         Ok(())
@@ -196,13 +202,13 @@ impl Selection {
         })
     }
 
-    /// A block is higher than the ball went into it.
+    /// Free heights also leave room for the model.
     fn bound_heights(&mut self) {
         for pairing in &self.pairings {
             if let Height::Free(at) = pairing.height {
-                let least = pairing.depth_mm / MODEL_OF_HEIGHT;
-                self.heights[at].low_mm = self.heights[at].low_mm.max(least);
-                self.heights[at].high_mm = self.heights[at].high_mm.max(2.0 * least);
+                let height = &mut self.heights[at];
+                height.low_mm = height.low_mm.max(pairing.depth_mm / MODEL_OF_HEIGHT);
+                height.high_mm = height.high_mm.max(2.0 * height.low_mm);
             }
         }
     }

@@ -165,26 +165,25 @@ impl ForwardModel for FeModel {
     }
 }
 
-/// Ranges tried when a corner of the wanted one has no solution: thin blocks of high alpha under
-/// a deep ball are the hardest to solve and the least likely to be met.
-const SMALLER_RANGES: [f64; 2] = [0.85, 0.65];
+/// Factors of the ends of alpha's range, tried when a corner of the wanted one has no solution:
+/// a deep ball in a thin block is hard to solve at either end.
+const SMALLER_RANGES: [(f64, f64); 2] = [(1.5, 0.85), (2.5, 0.65)];
 
 fn solved(
     group: &Group,
     report: &(dyn Fn(usize, usize) + Send + Sync),
     messages: &mut Vec<String>,
 ) -> Result<ForceModel, ModelError> {
-    let build = |share: f64| {
-        let mut spec = group.spec.clone();
-        spec.alpha.1 *= share;
-        ForceModel::build(&spec, report)
-    };
-    let mut model = build(1.0);
-    for share in SMALLER_RANGES {
+    let build = |alpha: (f64, f64)| ForceModel::build(&ModelSpec { alpha, ..group.spec.clone() }, report);
+    let (low, high) = group.spec.alpha;
+    let mut model = build((low, high));
+    for (raise, lower) in SMALLER_RANGES {
         let Err(cause) = &model else { break };
-        let (what, high) = (&group.what, share * group.spec.alpha.1);
-        messages.push(format!("{what}: alpha is limited to {high:.1}, because a solve beyond failed ({cause})"));
-        model = build(share);
+        let (what, alpha) = (&group.what, (raise * low, lower * high));
+        let (from, to) = alpha;
+        messages
+            .push(format!("{what}: alpha is limited to {from:.1} to {to:.1}, because a solve beyond failed ({cause})"));
+        model = build(alpha);
     }
     model.map_err(|cause| ModelError::Solve { what: group.what.clone(), cause })
 }

@@ -130,7 +130,7 @@ impl Figure {
     pub fn svg(&self) -> String {
         let points = || self.series.iter().flat_map(|series| series.points.iter());
         let longest = self.series.iter().map(|s| s.label.chars().count()).max().unwrap_or(0);
-        let right = MARGIN.2 + 6.3 * longest as f64;
+        let right = MARGIN.2 + 6.8 * longest as f64;
         let (width, height) = self.size;
         let x = Scale::fitting(&self.x, points().map(|p| p.0), (MARGIN.0, width - right));
         let y = Scale::fitting(&self.y, points().map(|p| p.1), (height - MARGIN.3, MARGIN.1));

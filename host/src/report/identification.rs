@@ -52,7 +52,7 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Identification) {
         page.table(&["figure", "value"], &figures_of_fit(found, fit));
     }
     for message in &found.messages {
-        let grave = ["systematically", "bound", "not used", "fault"];
+        let grave = ["systematically", "lies on a bound", "not used", "fault"];
         if grave.iter().any(|word| message.contains(word)) {
             page.warning(message);
         } else {

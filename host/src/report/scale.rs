@@ -43,9 +43,9 @@ impl Scale {
         self.low_px + share.clamp(-10.0, 10.0) * (self.high_px - self.low_px)
     }
 
-    /// Round values inside the range, about one every 70 pixels.
+    /// Round values inside the range, about one every 55 pixels.
     pub fn ticks(&self) -> Vec<f64> {
-        let most = ((self.high_px - self.low_px).abs() / 70.0).max(2.0);
+        let most = ((self.high_px - self.low_px).abs() / 55.0).max(2.0);
         if self.log {
             return self.log_ticks(most);
         }
