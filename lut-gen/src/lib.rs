@@ -1,8 +1,46 @@
 //! Finite elements of spherical indentation and the look-up tables made from them.
+//!
+//! A rigid ball is pressed into a soft cylindrical block; the question is the
+//! force over depth. Units are mm, N, MPa throughout.
+//!
+//! A walk through the folders, from the material to the table:
+//!
+//! | folder | holds |
+//! |---|---|
+//! | [`law`] | energy in principal stretches (Hyperfoam, thesis Eq. 1), stress and exact tangent for an axisymmetric deformation gradient |
+//! | [`mesh`] | structured quadratic mesh of the block, graded towards the ball |
+//! | [`element`] | eight-node ring element, total Lagrangian |
+//! | [`contact`] | analytic ball with shank, penalty integrated over the surface |
+//! | [`solve`] | sparse system, Newton's method, adaptive path in depth |
+//! | [`model`] | one indentation ([`model::Indentation`]) and the continuous [`model::ForceModel`] over exponent, depth and height with exact derivatives |
+//! | [`table`] | the thesis' grid and the bytes the board reads |
+//! | [`verify`] | closed forms and difference quotients |
+//!
+//! Assumptions: quasi-static, frictionless, no adhesion, homogeneous isotropic
+//! block with free sides. Verification and measured errors: `docs/physics.md`.
+//!
+//! ```
+//! use lut_gen::contact::Ball;
+//! use lut_gen::law::Hyperfoam;
+//! use lut_gen::model::{Indentation, Resolution, Specimen};
+//!
+//! let curve = Indentation {
+//!     law: Hyperfoam::one_term(0.22, 10.526)?,
+//!     specimen: Specimen::of_height(12.7),
+//!     ball: Ball { radius_mm: 4.0 },
+//!     depth_mm: 4.0,
+//!     resolution: Resolution::Standard,
+//! }
+//! .solve_at(&[1.0, 4.0])?;
+//! assert!((curve.force_n[1] - 6.15).abs() < 0.02);
+//! # Ok::<(), lut_gen::solve::SolveError>(())
+//! ```
 
 pub mod contact;
 pub mod element;
 pub mod law;
 pub mod mesh;
-pub mod solve;
 pub mod model;
+pub mod solve;
+pub mod table;
+pub mod verify;

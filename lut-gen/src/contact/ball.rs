@@ -28,11 +28,7 @@ impl Ball {
         let up = x[1] - centre_mm;
         if up >= 0.0 {
             let depth_mm = self.radius_mm - x[0];
-            return (depth_mm > 0.0).then_some(Touch {
-                depth_mm,
-                normal: [1.0, 0.0],
-                curvature: 0.0,
-            });
+            return (depth_mm > 0.0).then_some(Touch { depth_mm, normal: [1.0, 0.0], curvature: 0.0 });
         }
         let square = x[0] * x[0] + up * up;
         if square >= self.radius_mm * self.radius_mm {

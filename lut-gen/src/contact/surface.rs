@@ -21,6 +21,7 @@ struct Point {
 /// between the nodes lets the contact edge move smoothly through an element.
 #[derive(Debug, Clone)]
 pub struct Surface {
+    ball: Ball,
     edges: Vec<[usize; 3]>,
     points: Vec<Point>,
     per_edge: usize,
@@ -48,9 +49,10 @@ pub struct Sum {
 pub type EdgeStiffness = [[f64; 7]; 7];
 
 impl Surface {
-    /// The edges of `top` that start within `reach_mm` of the axis.
+    /// Contact of `ball` with the edges of `top` that start within `reach_mm` of the axis.
     #[must_use]
     pub fn new(
+        ball: Ball,
         nodes: &[[f64; 2]],
         top: &[[usize; 3]],
         reach_mm: f64,
@@ -58,30 +60,23 @@ impl Surface {
         penalty: f64,
     ) -> Self {
         let rule = gauss(per_edge);
-        let edges: Vec<_> = top
-            .iter()
-            .copied()
-            .filter(|e| nodes[e[0]][0] < reach_mm)
-            .collect();
+        let edges: Vec<_> = top.iter().copied().filter(|e| nodes[e[0]][0] < reach_mm).collect();
         let mut points = Vec::with_capacity(edges.len() * per_edge);
         for e in &edges {
             for &(x, w) in &rule {
                 let (shape, slope) = line3(x);
                 let sum = |f: &[f64; 3], k: usize| (0..3).map(|i| f[i] * nodes[e[i]][k]).sum::<f64>();
                 let at = [sum(&shape, 0), sum(&shape, 1)];
-                points.push(Point {
-                    area: std::f64::consts::TAU * at[0] * sum(&slope, 0) * w,
-                    at,
-                    shape,
-                });
+                points.push(Point { area: std::f64::consts::TAU * at[0] * sum(&slope, 0) * w, at, shape });
             }
         }
-        Self {
-            edges,
-            points,
-            per_edge,
-            penalty,
-        }
+        Self { ball, edges, points, per_edge, penalty }
+    }
+
+    /// The ball.
+    #[must_use]
+    pub fn ball(&self) -> Ball {
+        self.ball
     }
 
     /// The edges, in the order of [`Surface::edge`].
@@ -95,7 +90,6 @@ impl Surface {
     pub fn edge(
         &self,
         index: usize,
-        ball: &Ball,
         centre_mm: f64,
         u: &[f64; 6],
         force: &mut [f64; 6],
@@ -108,7 +102,7 @@ impl Surface {
                 x[0] += n * u[2 * a];
                 x[1] += n * u[2 * a + 1];
             }
-            let Some(t) = ball.touch(x, centre_mm) else {
+            let Some(t) = self.ball.touch(x, centre_mm) else {
                 continue;
             };
             let k = self.penalty * p.area;

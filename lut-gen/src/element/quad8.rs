@@ -14,10 +14,7 @@ pub fn quad8(x: f64, y: f64) -> ([f64; 8], [[f64; 2]; 8]) {
     for (i, [cx, cy]) in CORNER.into_iter().enumerate() {
         let (a, b) = (1.0 + x * cx, 1.0 + y * cy);
         n[i] = 0.25 * a * b * (x * cx + y * cy - 1.0);
-        d[i] = [
-            0.25 * cx * b * (2.0 * x * cx + y * cy),
-            0.25 * cy * a * (2.0 * y * cy + x * cx),
-        ];
+        d[i] = [0.25 * cx * b * (2.0 * x * cx + y * cy), 0.25 * cy * a * (2.0 * y * cy + x * cx)];
     }
     for (i, cy) in [(4, -1.0), (6, 1.0)] {
         n[i] = 0.5 * (1.0 - x * x) * (1.0 + y * cy);
@@ -33,8 +30,5 @@ pub fn quad8(x: f64, y: f64) -> ([f64; 8], [[f64; 2]; 8]) {
 /// Shape functions of the three-node edge (start, middle, end) and their derivatives.
 #[must_use]
 pub fn line3(x: f64) -> ([f64; 3], [f64; 3]) {
-    (
-        [0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)],
-        [x - 0.5, -2.0 * x, x + 0.5],
-    )
+    ([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], [x - 0.5, -2.0 * x, x + 0.5])
 }

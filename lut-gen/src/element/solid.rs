@@ -117,10 +117,7 @@ impl Point {
                 n[i] / radius,
             ]
         });
-        Self {
-            volume: std::f64::consts::TAU * radius * det * weight,
-            grad,
-        }
+        Self { volume: std::f64::consts::TAU * radius * det * weight, grad }
     }
 
     fn add_force(&self, p: &[f64; 5], force: &mut [f64; DOFS]) {

@@ -50,16 +50,9 @@ fn decompose(f: &Gradient) -> Option<InPlane> {
     let (cs, ss) = if r > 0.0 { (h / r, k / r) } else { (1.0, 0.0) };
     let left = half_angle(cs * cd - ss * sd, ss * cd + cs * sd);
     // b = (a + b) - a keeps the two half angles on matching branches.
-    let right = [
-        cs * left[0] + ss * left[1],
-        ss * left[0] - cs * left[1],
-    ];
+    let right = [cs * left[0] + ss * left[1], ss * left[0] - cs * left[1]];
     let s1 = q + r;
-    Some(InPlane {
-        s: [s1, det / s1],
-        left,
-        right,
-    })
+    Some(InPlane { s: [s1, det / s1], left, right })
 }
 
 /// Cosine and sine of half the angle whose cosine and sine are given.
@@ -109,11 +102,8 @@ pub fn respond(law: &impl Law, f: &Gradient) -> Option<Response> {
     let u = law.principal([d.s[0], d.s[1], f[4]]);
     let (p, h) = (u.stress, u.tangent);
     let (sum, difference) = (d.s[0] + d.s[1], d.s[0] - d.s[1]);
-    let x = if difference > EQUAL_STRETCH * sum {
-        (p[0] - p[1]) / difference
-    } else {
-        0.5 * (h[0][0] + h[1][1]) - h[0][1]
-    };
+    let x =
+        if difference > EQUAL_STRETCH * sum { (p[0] - p[1]) / difference } else { 0.5 * (h[0][0] + h[1][1]) - h[0][1] };
     let y = (p[0] + p[1]) / sum;
     let (same, crossed) = (0.5 * (x + y), 0.5 * (x - y));
 
@@ -137,9 +127,5 @@ pub fn respond(law: &impl Law, f: &Gradient) -> Option<Response> {
         tangent[4][i] = hoop;
     }
     tangent[4][4] = h[2][2];
-    Some(Response {
-        energy: u.energy,
-        stress: rotate_back(&d, p),
-        tangent,
-    })
+    Some(Response { energy: u.energy, stress: rotate_back(&d, p), tangent })
 }

@@ -39,14 +39,7 @@ impl Hyperfoam {
     /// value is not finite, `mu` or `alpha` is zero, `nu` is outside (-1, 0.5),
     /// or the initial shear modulus is not positive.
     pub fn new(terms: Vec<Term>) -> Result<Self, LawError> {
-        let refuse = |term, parameter, value, expected| {
-            Err(LawError {
-                term,
-                parameter,
-                value,
-                expected,
-            })
-        };
+        let refuse = |term, parameter, value, expected| Err(LawError { term, parameter, value, expected });
         if terms.is_empty() {
             return refuse(0, "number of terms", 0.0, "but at least one is needed");
         }
@@ -74,11 +67,7 @@ impl Hyperfoam {
     /// # Errors
     /// As [`Hyperfoam::new`].
     pub fn one_term(mu_mpa: f64, alpha: f64) -> Result<Self, LawError> {
-        Self::new(vec![Term {
-            mu_mpa,
-            alpha,
-            nu: 0.0,
-        }])
+        Self::new(vec![Term { mu_mpa, alpha, nu: 0.0 }])
     }
 
     /// The terms.
@@ -111,11 +100,7 @@ impl Law for Hyperfoam {
         let ln = l.map(f64::ln);
         let inv = l.map(|x| 1.0 / x);
         let ln_j = ln[0] + ln[1] + ln[2];
-        let mut out = Principal {
-            energy: 0.0,
-            stress: [0.0; 3],
-            tangent: [[0.0; 3]; 3],
-        };
+        let mut out = Principal { energy: 0.0, stress: [0.0; 3], tangent: [[0.0; 3]; 3] };
         for t in &self.terms {
             let (w, jab, beta) = volumetric(t.alpha, t.nu, ln_j);
             let c = 2.0 * t.mu_mpa / t.alpha;
@@ -161,12 +146,7 @@ impl Law for Hyperfoam {
     /// From `K_0 = sum 2 mu_i (1/3 + b_i)` (thesis Eq. 7) and `mu_0`; for one term it is `nu`.
     fn poisson_ratio(&self) -> f64 {
         let mu = self.shear_modulus_mpa();
-        let beta = self
-            .terms
-            .iter()
-            .map(|t| t.mu_mpa * t.nu / (1.0 - 2.0 * t.nu))
-            .sum::<f64>()
-            / mu;
+        let beta = self.terms.iter().map(|t| t.mu_mpa * t.nu / (1.0 - 2.0 * t.nu)).sum::<f64>() / mu;
         beta / (1.0 + 2.0 * beta)
     }
 }

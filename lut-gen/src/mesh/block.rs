@@ -45,9 +45,7 @@ impl BlockMesh {
         let r = graded(radius_mm / ball_mm, s.refinement, |x| {
             s.axis + s.growth_under * x.min(s.near) + s.growth_far * (x - s.near).max(0.0)
         });
-        let depth = graded(height_mm / ball_mm, s.refinement, |x| {
-            s.surface + s.growth_down * x
-        });
+        let depth = graded(height_mm / ball_mm, s.refinement, |x| s.surface + s.growth_down * x);
         let r: Vec<f64> = r.iter().map(|x| x * ball_mm).collect();
         let z: Vec<f64> = depth.iter().rev().map(|x| height_mm - x * ball_mm).collect();
         Self::from_lines(&r, &z)
@@ -59,14 +57,14 @@ impl BlockMesh {
         let (nr, nz) = (r.len() - 1, z.len() - 1);
         // Nodes stand on a (2 nr + 1) x (2 nz + 1) lattice without the cell centres.
         let at = |k: usize, x: &[f64]| {
-            if k % 2 == 0 { x[k / 2] } else { 0.5 * (x[k / 2] + x[k / 2 + 1]) }
+            if k.is_multiple_of(2) { x[k / 2] } else { 0.5 * (x[k / 2] + x[k / 2 + 1]) }
         };
         let mut nodes = Vec::new();
         let mut id = vec![usize::MAX; (2 * nr + 1) * (2 * nz + 1)];
         let cell = |i: usize, j: usize| i * (2 * nz + 1) + j;
         for i in 0..=2 * nr {
             for j in 0..=2 * nz {
-                if i % 2 == 0 || j % 2 == 0 {
+                if i.is_multiple_of(2) || j.is_multiple_of(2) {
                     id[cell(i, j)] = nodes.len();
                     nodes.push([at(i, r), at(j, z)]);
                 }
@@ -89,15 +87,7 @@ impl BlockMesh {
                 ]);
             }
         }
-        let top = (0..nr)
-            .map(|i| [node(2 * i, 2 * nz), node(2 * i + 1, 2 * nz), node(2 * i + 2, 2 * nz)])
-            .collect();
-        Self {
-            nodes,
-            elements,
-            top,
-            height_mm: z[nz],
-            radius_mm: r[nr],
-        }
+        let top = (0..nr).map(|i| [node(2 * i, 2 * nz), node(2 * i + 1, 2 * nz), node(2 * i + 2, 2 * nz)]).collect();
+        Self { nodes, elements, top, height_mm: z[nz], radius_mm: r[nr] }
     }
 }

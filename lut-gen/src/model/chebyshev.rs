@@ -76,11 +76,7 @@ impl Axis {
         }
         let (a, b) = (self.scale.to(self.low), self.scale.to(self.high));
         let x = (2.0 * self.scale.to(v) - a - b) / (b - a);
-        if (-1.0..=1.0).contains(&x) {
-            (x, 2.0 * self.scale.slope(v) / (b - a))
-        } else {
-            (x.clamp(-1.0, 1.0), 0.0)
-        }
+        if (-1.0..=1.0).contains(&x) { (x, 2.0 * self.scale.slope(v) / (b - a)) } else { (x.clamp(-1.0, 1.0), 0.0) }
     }
 
     /// Coefficients of the interpolant of the values at the nodes.
@@ -107,10 +103,7 @@ pub fn polynomials(x: f64, value: &mut [f64], slope: &mut [f64]) {
         (value[k], slope[k]) = match k {
             0 => (1.0, 0.0),
             1 => (x, 1.0),
-            _ => (
-                2.0 * x * value[k - 1] - value[k - 2],
-                2.0 * (value[k - 1] + x * slope[k - 1]) - slope[k - 2],
-            ),
+            _ => (2.0 * x * value[k - 1] - value[k - 2], 2.0 * (value[k - 1] + x * slope[k - 1]) - slope[k - 2]),
         };
     }
 }

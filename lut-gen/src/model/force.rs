@@ -113,7 +113,9 @@ impl ForceModel {
         let alpha = Axis { low: spec.alpha.0, high: spec.alpha.1, nodes: spec.alpha_nodes, scale: Scale::Log };
         let height = match spec.heights_mm {
             Some((low, high, nodes)) => Axis { low, high, nodes, scale: Scale::Reciprocal },
-            None => Axis { low: spec.specimen.height_mm, high: spec.specimen.height_mm, nodes: 1, scale: Scale::Reciprocal },
+            None => {
+                Axis { low: spec.specimen.height_mm, high: spec.specimen.height_mm, nodes: 1, scale: Scale::Reciprocal }
+            }
         };
         check(&alpha, &height)?;
         let mut plan: Vec<Job> = Vec::new();
@@ -249,11 +251,8 @@ impl ForceModel {
             let scale = profile.force_n(self.spec.depth_mm);
             let model: Vec<f64> = depths.iter().map(|&d| self.gradient_at(1.0, *alpha, d, *height).force_n).collect();
             if *resolution == self.spec.resolution {
-                let worst = depths
-                    .iter()
-                    .zip(&model)
-                    .map(|(&d, f)| (f - profile.force_n(d)).abs() / scale)
-                    .fold(0.0, f64::max);
+                let worst =
+                    depths.iter().zip(&model).map(|(&d, f)| (f - profile.force_n(d)).abs() / scale).fold(0.0, f64::max);
                 error.interpolation = error.interpolation.max(worst);
                 continue;
             }
@@ -271,7 +270,9 @@ impl ForceModel {
 }
 
 fn check(alpha: &Axis, height: &Axis) -> Result<(), SolveError> {
-    let bad = |parameter, value, expected: &str| Err(SolveError::Parameter { parameter, value, expected: expected.to_owned() });
+    let bad = |parameter, value, expected: &str| {
+        Err(SolveError::Parameter { parameter, value, expected: expected.to_owned() })
+    };
     if !(alpha.low > 0.0 && alpha.high > alpha.low) {
         return bad("alpha", alpha.low, "must be positive and below the upper end of its range");
     }
@@ -300,17 +301,17 @@ fn checks(alpha: &Axis, height: &Axis, resolution: Resolution) -> Vec<Job> {
             plan.push((a, if height.nodes > 1 { height.value(y) } else { height.low }, resolution));
         }
     }
-    let refined = match resolution {
-        Resolution::Standard => Resolution::Refined(1.5),
-        Resolution::Fine => Resolution::Refined(2.0),
-        Resolution::Refined(f) => Resolution::Refined(1.5 * f),
-    };
+    let refined = resolution.finer();
     let twins: Vec<Job> = plan.iter().map(|&(a, h, _)| (a, h, refined)).collect();
     plan.extend(twins);
     plan
 }
 
-fn solve_all(spec: &ModelSpec, plan: &[Job], progress: &(dyn Fn(usize, usize) + Send + Sync)) -> Result<Vec<DepthProfile>, SolveError> {
+fn solve_all(
+    spec: &ModelSpec,
+    plan: &[Job],
+    progress: &(dyn Fn(usize, usize) + Send + Sync),
+) -> Result<Vec<DepthProfile>, SolveError> {
     let done = AtomicUsize::new(0);
     let solved: Vec<Result<DepthProfile, SolveError>> = plan
         .par_iter()

@@ -55,11 +55,7 @@ impl DepthProfile {
             right[(i, 0)] = weight * (g - hertz);
         }
         let solution = matrix.qr().solve_lstsq(&right);
-        let profile = Self {
-            depth_max_mm,
-            hertz,
-            coefficients: (0..terms).map(|k| solution[(k, 0)]).collect(),
-        };
+        let profile = Self { depth_max_mm, hertz, coefficients: (0..terms).map(|k| solution[(k, 0)]).collect() };
         let misses: Vec<f64> = samples
             .iter()
             .filter(|p| p.depth_mm >= from_mm)

@@ -16,11 +16,7 @@ pub struct Newton {
 
 impl Default for Newton {
     fn default() -> Self {
-        Self {
-            tolerance: 1e-5,
-            iterations: 14,
-            halvings: 6,
-        }
+        Self { tolerance: 1e-4, iterations: 14, halvings: 6 }
     }
 }
 
@@ -52,6 +48,10 @@ impl Workspace {
     }
 }
 
+/// Fall of the energy still to be gained, relative to the first correction's, at which
+/// rounding decides: reached before the tolerance where the contact force is tiny.
+const ROUNDING: f64 = 1e-12;
+
 fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
@@ -60,35 +60,47 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
+/// A system with its law at one depth.
+#[derive(Debug)]
+pub struct Problem<'a, L: Law> {
+    /// The equations.
+    pub system: &'a System,
+    /// The material.
+    pub law: &'a L,
+    /// Depth of the ball [mm].
+    pub depth_mm: f64,
+}
+
+impl<L: Law> Problem<'_, L> {
+    fn evaluate(&self, u: &[f64], state: &mut State) -> bool {
+        self.system.evaluate(self.law, u, self.depth_mm, true, state)
+    }
+}
+
 impl Newton {
-    /// Corrects `u` until it is in equilibrium at `depth_mm`. Returns the number
-    /// of iterations, or `None` when it did not converge (`u` is then spoilt).
-    pub fn equilibrate(
-        &self,
-        system: &System,
-        law: &impl Law,
-        depth_mm: f64,
-        u: &mut [f64],
-        w: &mut Workspace,
-    ) -> Option<usize> {
-        if !system.evaluate(law, u, depth_mm, true, &mut w.state) {
+    /// Corrects `u` until it is in equilibrium. Returns the number of iterations,
+    /// or `None` when it did not converge (`u` is then spoilt).
+    pub fn equilibrate(&self, problem: &Problem<impl Law>, u: &mut [f64], w: &mut Workspace) -> Option<usize> {
+        if !problem.evaluate(u, &mut w.state) {
             return None;
         }
+        let mut first = None;
         for k in 1..=self.iterations {
             w.iterations += 1;
-            factorise(system, w)?;
+            factorise(problem.system, w)?;
             for (c, r) in w.correction.iter_mut().zip(&w.state.residual) {
                 *c = -r;
             }
             w.factor.solve(&mut w.correction);
-            let slope = dot(&w.correction, &w.state.residual);
-            let before = norm(&w.state.residual);
-            self.advance(system, law, depth_mm, u, w, slope, before)?;
+            let slope = dot(&w.correction, &w.state.residual).abs();
+            let start = *first.get_or_insert(slope);
+            self.advance(problem, u, w)?;
             let now = norm(&w.state.residual);
             if !now.is_finite() {
                 return None;
             }
-            if now <= self.tolerance * norm(&w.state.contact) {
+            let balanced = now <= self.tolerance * norm(&w.state.contact);
+            if balanced || slope <= ROUNDING * start {
                 return Some(k);
             }
         }
@@ -96,23 +108,16 @@ impl Newton {
     }
 
     /// Takes the correction, halved until the residual falls or the potential's
-    /// slope along it has not grown.
-    fn advance(
-        &self,
-        system: &System,
-        law: &impl Law,
-        depth_mm: f64,
-        u: &mut [f64],
-        w: &mut Workspace,
-        slope: f64,
-        before: f64,
-    ) -> Option<()> {
+    /// slope along the correction falls.
+    fn advance(&self, problem: &Problem<impl Law>, u: &mut [f64], w: &mut Workspace) -> Option<()> {
+        let slope = dot(&w.correction, &w.state.residual);
+        let before = norm(&w.state.residual);
         let mut part = 1.0;
         for _ in 0..=self.halvings {
             for ((t, u), c) in w.trial.iter_mut().zip(&*u).zip(&w.correction) {
                 *t = u + part * c;
             }
-            if system.evaluate(law, &w.trial, depth_mm, true, &mut w.state) {
+            if problem.evaluate(&w.trial, &mut w.state) {
                 let after = dot(&w.correction, &w.state.residual);
                 if after.abs() <= 0.9 * slope.abs() || norm(&w.state.residual) < 0.9 * before {
                     u.copy_from_slice(&w.trial);

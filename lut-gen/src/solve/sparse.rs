@@ -54,8 +54,7 @@ impl Pattern {
             }
             let (row, column) = (a.max(b), a.min(b));
             let list = &rows[start[column]..start[column + 1]];
-            list.binary_search(&row)
-                .map_or(u32::MAX, |k| (start[column] + k) as u32)
+            list.binary_search(&row).map_or(u32::MAX, |k| (start[column] + k) as u32)
         };
         let scatter = groups
             .map(|group| {
@@ -74,7 +73,7 @@ impl Pattern {
 
     /// Number of stored values.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn entries(&self) -> usize {
         self.symbolic.row_idx().len()
     }
 
@@ -109,11 +108,7 @@ impl Factor {
         .ok()?;
         let numeric = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let solve = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        Some(Self {
-            values: vec![0.0; symbolic.len_val()],
-            memory: MemBuffer::new(numeric.or(solve)),
-            symbolic,
-        })
+        Some(Self { values: vec![0.0; symbolic.len_val()], memory: MemBuffer::new(numeric.or(solve)), symbolic })
     }
 
     /// Factorises the matrix of the given values. False when it is not positive definite.
@@ -140,11 +135,5 @@ impl Factor {
             Par::Seq,
             MemStack::new(&mut self.memory),
         );
-    }
-
-    /// Stored entries of the factor.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.values.len()
     }
 }

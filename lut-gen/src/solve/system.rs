@@ -2,7 +2,7 @@
 
 use super::SolveError;
 use super::sparse::{Factor, HELD, Pattern};
-use crate::contact::{Ball, Sum, Surface};
+use crate::contact::{Sum, Surface};
 use crate::element::{DOFS, LOWER, Quadrature, Solid};
 use crate::law::Law;
 use crate::mesh::BlockMesh;
@@ -20,7 +20,6 @@ pub enum Base {
 /// Equations of a block under a ball. Free dofs are numbered 0..unknowns.
 #[derive(Debug)]
 pub struct System {
-    ball: Ball,
     height_mm: f64,
     solids: Vec<Solid>,
     surface: Surface,
@@ -54,35 +53,19 @@ pub struct State {
 impl System {
     /// Builds the equations. `surface` lists its edges over the nodes of `mesh`.
     #[must_use]
-    pub fn new(mesh: &BlockMesh, base: Base, ball: Ball, surface: Surface, quadrature: Quadrature) -> Self {
+    pub fn new(mesh: &BlockMesh, base: Base, surface: Surface, quadrature: Quadrature) -> Self {
         let (equation, unknowns) = number(mesh, base);
-        let solids: Vec<Solid> = mesh
-            .elements
-            .iter()
-            .map(|e| Solid::new(*e, &e.map(|n| mesh.nodes[n]), quadrature))
-            .collect();
+        let solids: Vec<Solid> =
+            mesh.elements.iter().map(|e| Solid::new(*e, &e.map(|n| mesh.nodes[n]), quadrature)).collect();
         let dofs = |nodes: &[usize]| -> Vec<usize> {
-            nodes
-                .iter()
-                .flat_map(|n| [equation[2 * n], equation[2 * n + 1]])
-                .collect()
+            nodes.iter().flat_map(|n| [equation[2 * n], equation[2 * n + 1]]).collect()
         };
         let mut groups: Vec<Vec<usize>> = solids.iter().map(|s| dofs(&s.nodes)).collect();
         let count = groups.len();
         groups.extend(surface.edges().iter().map(|e| dofs(e)));
         let (pattern, mut solid_scatter) = Pattern::new(unknowns, groups.iter().map(Vec::as_slice));
         let edge_scatter = solid_scatter.split_off(count);
-        Self {
-            ball,
-            height_mm: mesh.height_mm,
-            solids,
-            surface,
-            equation,
-            unknowns,
-            pattern,
-            solid_scatter,
-            edge_scatter,
-        }
+        Self { height_mm: mesh.height_mm, solids, surface, equation, unknowns, pattern, solid_scatter, edge_scatter }
     }
 
     /// Number of free equations.
@@ -102,9 +85,7 @@ impl System {
     /// # Errors
     /// [`SolveError::Memory`].
     pub fn factor(&self) -> Result<Factor, SolveError> {
-        Factor::new(&self.pattern).ok_or(SolveError::Memory {
-            unknowns: self.unknowns,
-        })
+        Factor::new(&self.pattern).ok_or(SolveError::Memory { unknowns: self.unknowns })
     }
 
     /// An empty state of the right size.
@@ -114,7 +95,7 @@ impl System {
             residual: vec![0.0; self.unknowns],
             contact: vec![0.0; self.unknowns],
             drive: vec![0.0; self.unknowns],
-            values: vec![0.0; self.pattern.len()],
+            values: vec![0.0; self.pattern.entries()],
             potential: 0.0,
             sum: Sum::default(),
             base_force_n: 0.0,
@@ -179,14 +160,14 @@ impl System {
     }
 
     fn edges(&self, u: &[f64], depth_mm: f64, stiffness: bool, out: &mut State) {
-        let centre = self.height_mm + self.ball.radius_mm - depth_mm;
+        let centre = self.height_mm + self.surface.ball().radius_mm - depth_mm;
         for (index, (edge, scatter)) in self.surface.edges().iter().zip(&self.edge_scatter).enumerate() {
             let (dofs, local) = self.gather::<6>(edge, u);
             let mut force = [0.0; 6];
             let mut k = [[0.0; 7]; 7];
             let before = out.sum.active;
             let wanted = stiffness.then_some(&mut k);
-            self.surface.edge(index, &self.ball, centre, &local, &mut force, wanted, &mut out.sum);
+            self.surface.edge(index, centre, &local, &mut force, wanted, &mut out.sum);
             if out.sum.active == before {
                 continue;
             }
@@ -215,7 +196,8 @@ fn number(mesh: &BlockMesh, base: Base) -> (Vec<usize>, usize) {
     let mut next = 0;
     let mut equation = Vec::with_capacity(2 * mesh.nodes.len());
     for x in &mesh.nodes {
-        let bottom = x[1] == 0.0;
+        // the lines are scaled, so that the lowest may miss zero by rounding
+        let bottom = x[1] <= 1e-9 * mesh.height_mm;
         let held = [x[0] == 0.0 || (bottom && base == Base::Bonded), bottom];
         for h in held {
             equation.push(if h { HELD } else { next });

@@ -1,0 +1,198 @@
+//! From grids to the bytes the board reads (format: `protocol::lut`).
+
+use protocol::lut::{AxisSpec, MaterialSpec, Role, Scale, TableSpec, WriteError, axis_name};
+use rayon::prelude::*;
+
+use super::{Foam, ForceGrid, display_displacement_mm};
+use crate::contact::Ball;
+use crate::law::Hyperfoam;
+use crate::model::{Indentation, Resolution, Specimen};
+use crate::solve::SolveError;
+
+/// How the shear modulus is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// One column an exponent; the modulus multiplies ("30-row form").
+    Factored,
+    /// One column a pair of modulus and exponent ("900-column form" of the thesis).
+    Expanded,
+}
+
+/// Why grids do not make a table.
+#[derive(Debug, thiserror::Error)]
+pub enum LutError {
+    /// No grid was given.
+    #[error("a table needs at least one grid")]
+    Empty,
+    /// Grids of one table must agree in all but the height.
+    #[error("grid of height {height_mm} mm has another {axis} axis or ball than the first grid")]
+    Mismatch {
+        /// Height of the grid that differs.
+        height_mm: f64,
+        /// What differs.
+        axis: &'static str,
+    },
+    /// The heights do not rise.
+    #[error("grids must be sorted by height, but {height_mm} mm follows {before_mm} mm")]
+    Order {
+        /// Height of the grid before.
+        before_mm: f64,
+        /// Height of the offending grid.
+        height_mm: f64,
+    },
+    /// The writer refused.
+    #[error("{0}")]
+    Write(WriteError),
+    /// A library material could not be solved.
+    #[error("material {name}: {source}")]
+    Material {
+        /// Its name.
+        name: String,
+        /// Why.
+        source: SolveError,
+    },
+}
+
+/// Points of a display curve.
+const DISPLAY_POINTS: usize = 64;
+/// Force between them [N]: the curve ends at 6.4 N, above the load of a pressing finger.
+const DISPLAY_STEP_N: f64 = 0.1;
+
+/// Mean absolute difference, as part of the peak force, up to which a palpation
+/// counts as a material: 1 % gain and 0.02 mm of contact depth change a curve by
+/// about 0.5 and 0.4 % of its peak on average; four times their sum is allowed.
+const ACCEPTANCE: f64 = 0.036;
+
+/// Library section: every foam's force at the rows, at its own height, by a solve
+/// of its own; and its display curve.
+///
+/// # Errors
+/// [`LutError::Material`] names the foam whose solve failed.
+pub fn library(
+    foams: &[Foam],
+    ball: Ball,
+    depth_mm: &[f64],
+    resolution: Resolution,
+) -> Result<Vec<MaterialSpec>, LutError> {
+    foams
+        .par_iter()
+        .map(|f| {
+            material(f, ball, depth_mm, resolution)
+                .map_err(|source| LutError::Material { name: f.name.to_owned(), source })
+        })
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect()
+}
+
+fn material(foam: &Foam, ball: Ball, depth_mm: &[f64], resolution: Resolution) -> Result<MaterialSpec, SolveError> {
+    let curve = Indentation {
+        law: Hyperfoam::one_term(foam.mu_mpa, foam.alpha)?,
+        specimen: Specimen::of_height(foam.height_mm),
+        ball,
+        depth_mm: depth_mm.iter().copied().fold(0.0, f64::max),
+        resolution,
+    }
+    .solve_at(depth_mm)?;
+    let displacement: Result<Vec<f64>, _> = (1..=DISPLAY_POINTS)
+        .map(|i| display_displacement_mm(foam.mu_mpa, foam.alpha, foam.height_mm, DISPLAY_STEP_N * i as f64))
+        .collect();
+    Ok(MaterialSpec {
+        name: foam.name.to_owned(),
+        mu_mpa: foam.mu_mpa,
+        alpha: foam.alpha,
+        height_mm: foam.height_mm,
+        acceptance: ACCEPTANCE,
+        force_n: curve.force_n,
+        display_step_n: DISPLAY_STEP_N,
+        displacement_mm: displacement?,
+    })
+}
+
+/// The table of one or more grids (one a height, sorted by height) and a library.
+/// The height axis is left out when there is one grid.
+///
+/// # Errors
+/// [`LutError`] when the grids do not fit together.
+pub fn lut(grids: &[ForceGrid], form: Form, library: Vec<MaterialSpec>) -> Result<TableSpec, LutError> {
+    let first = grids.first().ok_or(LutError::Empty)?;
+    for (before, grid) in grids.iter().zip(&grids[1..]) {
+        fits(first, before, grid)?;
+    }
+    let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        role,
+        scale: spacing(values),
+        values: values.to_vec(),
+    };
+    let spec = &first.spec;
+    let mut axes = vec![axis(axis_name::DEPTH, "mm", Role::Row, &spec.depth_mm)];
+    if grids.len() > 1 {
+        let heights: Vec<f64> = grids.iter().map(|g| g.spec.specimen.height_mm).collect();
+        axes.push(axis(axis_name::HEIGHT, "mm", Role::Column, &heights));
+    }
+    axes.push(axis(axis_name::ALPHA, "", Role::Column, &spec.alpha));
+    let role = if form == Form::Factored { Role::Factor } else { Role::Column };
+    axes.push(axis(axis_name::MU, "MPa", role, &spec.mu_mpa));
+    let stored = grids.iter().flat_map(|g| &g.force_per_mpa);
+    let columns = match form {
+        Form::Factored => stored.cloned().collect(),
+        Form::Expanded => {
+            stored.flat_map(|c| spec.mu_mpa.iter().map(move |mu| c.iter().map(|f| mu * f).collect())).collect()
+        }
+    };
+    let worst = |part: fn(&ForceGrid) -> f64| grids.iter().map(part).fold(0.0, f64::max);
+    Ok(TableSpec {
+        axes,
+        columns,
+        library,
+        discretisation: worst(|g| g.error.discretisation),
+        interpolation: worst(|g| g.error.interpolation),
+        provenance: first.provenance.clone(),
+    })
+}
+
+/// The bytes of [`lut`]; the writer adds the quantisation error to the bound.
+///
+/// # Errors
+/// As [`lut`], and [`LutError::Write`].
+pub fn write(grids: &[ForceGrid], form: Form, library: Vec<MaterialSpec>) -> Result<Vec<u8>, LutError> {
+    lut(grids, form, library)?.to_bytes().map_err(LutError::Write)
+}
+
+fn fits(first: &ForceGrid, before: &ForceGrid, grid: &ForceGrid) -> Result<(), LutError> {
+    let (a, b) = (&first.spec, &grid.spec);
+    let height_mm = b.specimen.height_mm;
+    let differs = [
+        (a.mu_mpa != b.mu_mpa, "mu"),
+        (a.alpha != b.alpha, "alpha"),
+        (a.depth_mm != b.depth_mm || a.ball != b.ball, "depth"),
+    ];
+    if let Some((_, axis)) = differs.into_iter().find(|d| d.0) {
+        return Err(LutError::Mismatch { height_mm, axis });
+    }
+    let before_mm = before.spec.specimen.height_mm;
+    if height_mm <= before_mm {
+        return Err(LutError::Order { before_mm, height_mm });
+    }
+    Ok(())
+}
+
+/// Evenly spaced in the value, in its logarithm, or neither, to 1e-6 of a step.
+fn spacing(values: &[f64]) -> Scale {
+    let even = |t: &dyn Fn(f64) -> f64| {
+        let n = values.len();
+        n < 3 || {
+            let step = (t(values[n - 1]) - t(values[0])) / (n - 1) as f64;
+            values.windows(2).all(|w| ((t(w[1]) - t(w[0])) / step - 1.0).abs() < 1e-6)
+        }
+    };
+    if even(&|v| v) {
+        Scale::Linear
+    } else if even(&f64::ln) {
+        Scale::Logarithmic
+    } else {
+        Scale::Listed
+    }
+}

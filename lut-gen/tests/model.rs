@@ -1,0 +1,193 @@
+//! The continuous force model and the tables made from the same solves.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use lut_gen::contact::Ball;
+use lut_gen::law::Hyperfoam;
+use lut_gen::model::{Axis, ForceModel, Indentation, ModelSpec, Resolution, Scale, Specimen};
+use lut_gen::table::{ForceGrid, Form, GridSpec, display_displacement_mm, foams, library, lut, write};
+use protocol::lut::{Role, Table, axis_name};
+
+const BALL: Ball = Ball { radius_mm: 4.0 };
+
+/// A coarse mesh: these tests are about interpolation, not about the elements.
+const COARSE: Resolution = Resolution::Refined(0.5);
+
+fn spec() -> ModelSpec {
+    ModelSpec { resolution: COARSE, ..ModelSpec::new(Specimen::of_height(12.7), BALL, 4.0) }
+}
+
+#[test]
+fn model_reproduces_solves_within_its_bound() {
+    let last = AtomicUsize::new(0);
+    let model = ForceModel::build(&spec(), &|done, total| {
+        assert!(done >= 1 && done <= total);
+        last.fetch_max(done, Ordering::Relaxed);
+    })
+    .unwrap();
+    assert_eq!((last.into_inner(), model.solves()), (16, 16));
+    // ten nodes resolve the exponent to better than the coarse mesh resolves the ball
+    assert!(model.error().interpolation < 0.002, "{:?}", model.error());
+    assert!(model.error().discretisation > 0.0);
+    let (mu, alpha) = (0.22, 13.37);
+    let curve = Indentation {
+        law: Hyperfoam::one_term(mu, alpha).unwrap(),
+        specimen: Specimen::of_height(12.7),
+        ball: BALL,
+        depth_mm: 4.0,
+        resolution: COARSE,
+    }
+    .solve()
+    .unwrap();
+    let peak = curve.force_n[199];
+    for (d, f) in curve.depth_mm.iter().zip(&curve.force_n) {
+        // an exponent the bound was not made from: twice the bound
+        let miss = (model.force_n(mu, alpha, *d) - f).abs() / peak;
+        assert!(miss <= 2.0 * model.error().interpolation, "{d} {miss}");
+    }
+    check_gradient(&model);
+    // the order of parallel solves leaves no trace
+    assert_eq!(model, ForceModel::build(&spec(), &|_, _| {}).unwrap());
+}
+
+/// Derivatives against central differences: truncation h^2 f''' and rounding 1e-16 / h,
+/// both below 1e-6 of the force for h = 1e-4.
+fn check_gradient(model: &ForceModel) {
+    let h = 1e-4;
+    for (alpha, d) in [(1.5, 0.02), (3.0, 0.7), (10.5, 2.2), (23.0, 3.9)] {
+        let g = model.gradient(0.2, alpha, d);
+        let quotient = |f: &dyn Fn(f64) -> f64| (f(h) - f(-h)) / (2.0 * h);
+        let by_alpha = quotient(&|e| model.force_n(0.2, alpha + e, d));
+        let by_depth = quotient(&|e| model.force_n(0.2, alpha, d + e));
+        assert!((g.d_alpha - by_alpha).abs() < 1e-6 * g.force_n, "{alpha} {d}");
+        assert!((g.d_depth - by_depth).abs() < 1e-4 * by_depth, "{alpha} {d} {} {by_depth}", g.d_depth);
+        assert!((g.d_mu * 0.2 - g.force_n).abs() < 1e-12);
+    }
+    assert_eq!(model.force_n(0.2, 10.0, 0.0), 0.0);
+    assert_eq!(model.force_n(0.2, 10.0, -1.0), 0.0);
+    // C1 at the end of the range: the linear continuation meets value and slope
+    let (end, over) = (model.gradient(0.2, 10.0, 4.0), model.gradient(0.2, 10.0, 4.0 + 1e-7));
+    assert!((over.force_n - end.force_n - 1e-7 * end.d_depth).abs() < 1e-12);
+}
+
+#[test]
+fn height_is_an_axis_when_wanted() {
+    let spec = ModelSpec { alpha: (6.0, 12.0), alpha_nodes: 3, heights_mm: Some((8.0, 25.4, 3)), ..spec() };
+    let model = ForceModel::build(&spec, &|_, _| {}).unwrap();
+    // three nodes each way on a smooth function
+    assert!(model.error().interpolation < 0.01, "{:?}", model.error());
+    let at = |h: f64| model.gradient_at(0.1, 9.0, 3.0, h);
+    assert!(at(8.0).force_n > at(12.0).force_n && at(12.0).force_n > at(25.0).force_n);
+    let quotient = (at(12.001).force_n - at(11.999).force_n) / 0.002;
+    assert!((at(12.0).d_height - quotient).abs() < 1e-6);
+}
+
+#[test]
+fn chebyshev_interpolates_its_nodes() {
+    for scale in [Scale::Linear, Scale::Log, Scale::Reciprocal] {
+        let axis = Axis { low: 2.0, high: 9.0, nodes: 5, scale };
+        let f = |v: f64| v.ln() * v;
+        let c = axis.coefficients(&(0..5).map(|k| f(axis.node(k))).collect::<Vec<_>>());
+        for k in 0..5 {
+            let (x, _) = axis.local(axis.node(k));
+            let sum: f64 = c.iter().enumerate().map(|(j, c)| c * (j as f64 * x.acos()).cos()).sum();
+            assert!((sum - f(axis.node(k))).abs() < 1e-12);
+        }
+        assert!((axis.local(9.0).0.abs() - 1.0).abs() < 1e-12 && axis.local(10.0).1 == 0.0);
+    }
+}
+
+#[test]
+fn senseless_specs_are_refused_by_name() {
+    let say = |s: ModelSpec| ForceModel::build(&s, &|_, _| {}).unwrap_err().to_string();
+    assert_eq!(
+        say(ModelSpec { alpha: (3.0, 2.0), ..spec() }),
+        "alpha = 3 must be positive and below the upper end of its range"
+    );
+    assert_eq!(say(ModelSpec { alpha_nodes: 1, ..spec() }), "alpha_nodes = 1 must lie in 2..=24");
+    let grid = GridSpec { alpha: vec![4.0, 3.0], ..GridSpec::thesis(Specimen::of_height(12.7), BALL) };
+    let text = ForceGrid::build(&grid, &|_, _| {}).unwrap_err().to_string();
+    assert_eq!(text, "alpha = 3 must be a rising list of positive values");
+}
+
+fn small_grid(height: f64) -> ForceGrid {
+    let thesis = GridSpec::thesis(Specimen::of_height(height), BALL);
+    let spec = GridSpec {
+        alpha: vec![4.0, 10.0, 16.0],
+        mu_mpa: vec![0.01, 0.1, 0.3],
+        depth_mm: (1..=20).map(|i| 0.1 * f64::from(i)).collect(),
+        resolution: COARSE,
+        ..thesis
+    };
+    ForceGrid::build(&spec, &|_, _| {}).unwrap()
+}
+
+#[test]
+fn thesis_grid_has_the_thesis_size() {
+    let spec = GridSpec::thesis(Specimen::of_height(12.7), BALL);
+    assert_eq!((spec.mu_mpa.len(), spec.alpha.len(), spec.depth_mm.len()), (30, 30, 200));
+    assert_eq!((spec.mu_mpa[0], spec.alpha[29], spec.depth_mm[199]), (0.0005, 24.0, 4.0));
+    assert!((spec.depth_mm[0] - 0.02).abs() < 1e-15);
+}
+
+#[test]
+fn both_forms_read_back_what_was_solved() {
+    let grids = [small_grid(12.7), small_grid(19.05)];
+    let list = library(&foams()[..2], BALL, &grids[0].spec.depth_mm, COARSE).unwrap();
+    for form in [Form::Factored, Form::Expanded] {
+        let bytes = write(&grids, form, list.clone()).unwrap();
+        let table = Table::parse(&bytes).unwrap();
+        let columns = if form == Form::Factored { 6 } else { 18 };
+        assert_eq!((table.rows(), table.columns(), table.material_count()), (20, columns, 2));
+        assert_eq!(table.factor().is_some(), form == Form::Factored);
+        let bound = table.error_bound();
+        assert!(bound.quantisation > 0.0 && bound.quantisation < 2e-5);
+        assert!(f64::from(bound.discretisation) >= grids[0].error.discretisation as f32 as f64);
+        assert!(table.provenance().starts_with("lut-gen "));
+        for column in 0..columns {
+            let alpha = f64::from(table.column_value(column, axis_name::ALPHA).unwrap());
+            let height = f64::from(table.column_value(column, axis_name::HEIGHT).unwrap());
+            let mu = if form == Form::Factored {
+                1.0
+            } else {
+                f64::from(table.column_value(column, axis_name::MU).unwrap())
+            };
+            let grid = grids.iter().find(|g| (g.spec.specimen.height_mm - height).abs() < 1e-5).unwrap();
+            let row = grid.spec.alpha.iter().position(|a| (a - alpha).abs() < 1e-5).unwrap();
+            for (k, d) in grid.spec.depth_mm.iter().enumerate() {
+                let read = f64::from(table.force_n(table.locate(*d as f32).unwrap(), column));
+                let peak = mu * grid.force_per_mpa[row][19];
+                // half a count, and f32 arithmetic of a few steps
+                assert!((read - mu * grid.force_per_mpa[row][k]).abs() < 2e-5 * peak, "{form:?} {column} {d}");
+            }
+        }
+    }
+    let spec = lut(&grids[..1], Form::Expanded, vec![]).unwrap();
+    assert!(spec.axes.iter().skip(1).all(|a| a.role == Role::Column && a.name != axis_name::HEIGHT));
+}
+
+#[test]
+fn grids_that_do_not_fit_are_refused() {
+    let (a, b) = (small_grid(12.7), small_grid(19.05));
+    let say = |g: &[ForceGrid]| lut(g, Form::Factored, vec![]).unwrap_err().to_string();
+    assert_eq!(say(&[]), "a table needs at least one grid");
+    assert_eq!(say(&[b.clone(), a.clone()]), "grids must be sorted by height, but 12.7 mm follows 19.05 mm");
+    let mut other = b;
+    other.spec.mu_mpa[0] = 0.02;
+    assert_eq!(say(&[a, other]), "grid of height 19.05 mm has another mu axis or ball than the first grid");
+}
+
+/// `P = 2 mu/alpha (1/l - l^(alpha - 1))` over a cap of 5 mm radius.
+#[test]
+fn display_curve_inverts_uniaxial_compression() {
+    let (mu, alpha, h) = (0.22_f64, 10.53_f64, 12.7_f64);
+    for l in [0.95_f64, 0.7, 0.3] {
+        let force = 25.0 * std::f64::consts::PI * 2.0 * mu / alpha * (1.0 / l - l.powf(alpha - 1.0));
+        let d = display_displacement_mm(mu, alpha, h, force).unwrap();
+        // bisection of 60 halvings
+        assert!((d - h * (1.0 - l)).abs() < 1e-9);
+    }
+    assert_eq!(display_displacement_mm(mu, alpha, h, -1.0).unwrap(), 0.0);
+    assert!(display_displacement_mm(0.0, alpha, h, 1.0).is_err());
+}
