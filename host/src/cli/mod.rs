@@ -1,7 +1,10 @@
 //! The commands of `palpate`.
 
+pub mod board;
 pub mod demo;
+pub mod flash;
 pub mod identify;
+pub mod log;
 pub mod lut;
 pub mod progress;
 
@@ -23,6 +26,12 @@ pub struct Cli {
 enum Command {
     /// Run the whole chain on the simulated board: table, upload, palpations, report
     Demo(demo::Arguments),
+    /// Listen to a board: live in the terminal, to CSV and to MCAP
+    Log(log::Arguments),
+    /// Ask a board, set it up, send it a table; or run the simulated one over TCP
+    Board(board::Arguments),
+    /// Write firmware and table through a debug probe
+    Flash(flash::Arguments),
     /// Find a material's parameters in indentation recordings
     Identify(identify::Arguments),
     /// Compute a look-up table by finite elements, or explain one
@@ -37,6 +46,9 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match cli.command {
         Command::Demo(arguments) => demo::run(&arguments),
+        Command::Log(arguments) => log::run(&arguments),
+        Command::Board(arguments) => board::run(&arguments),
+        Command::Flash(arguments) => flash::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),
     };

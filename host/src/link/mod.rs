@@ -22,7 +22,8 @@ pub use in_process::{InProcess, Pace};
 pub use serial::{BAUD, Serial};
 pub use tcp::Tcp;
 
-use crate::plant::Truth;
+use crate::plant::{Jitter, Truth};
+use crate::simulated_board::SimulatedBoard;
 
 /// A two-way stream of bytes with a clock of its own.
 pub trait Link {
@@ -50,6 +51,18 @@ pub trait Link {
     fn take_truth(&mut self) -> Vec<Truth> {
         Vec::new()
     }
+}
+
+/// Opens the link to a board; the simulated one runs in real time on an empty bench.
+///
+/// # Errors
+/// [`LinkError::Open`].
+pub fn open(address: &Address) -> Result<Box<dyn Link>, LinkError> {
+    Ok(match address {
+        Address::Simulated => Box::new(InProcess::new(SimulatedBoard::new(1, Jitter::default()), Pace::RealTime)),
+        Address::Tcp(place) => Box::new(Tcp::open(place)?),
+        Address::Serial(path) => Box::new(Serial::open(path)?),
+    })
 }
 
 impl<L: Link + ?Sized> Link for Box<L> {

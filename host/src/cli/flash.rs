@@ -1,0 +1,102 @@
+//! `palpate flash`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use miette::IntoDiagnostic;
+use probe_rs::probe::list::Lister;
+use serde_json::json;
+
+use crate::flash::{self, CHIP, Firmware, Job, Step, StepProgress, TableImage};
+
+/// What to write, and through which probe.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// List the debug probes that are plugged in, and write nothing
+    #[arg(long)]
+    list: bool,
+    /// Serial number of the probe, where there are several
+    #[arg(long, value_name = "SERIAL")]
+    probe: Option<String>,
+    /// The chip
+    #[arg(long, default_value = CHIP)]
+    chip: String,
+    /// Firmware, an ELF file
+    elf: Option<PathBuf>,
+    /// Look-up table, as `palpate lut` writes it
+    #[arg(long, value_name = "FILE")]
+    table: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Lists probes, or writes and verifies.
+///
+/// # Errors
+/// No probe, a file that is not what it should be, or a chip that cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let lister = Lister::new();
+    if arguments.list {
+        return list(&lister, arguments.json);
+    }
+    let job = Job {
+        probe: arguments.probe.clone(),
+        chip: arguments.chip.clone(),
+        firmware: arguments.elf.as_deref().map(Firmware::read).transpose().into_diagnostic()?,
+        table: arguments.table.as_deref().map(TableImage::read).transpose().into_diagnostic()?,
+    };
+    let mut bar: Option<(Step, ProgressBar)> = None;
+    let written = flash::write(&lister, &job, |p| show(&mut bar, p)).into_diagnostic()?;
+    if let Some((_, bar)) = bar {
+        bar.finish();
+    }
+    if arguments.json {
+        println!("{}", json!(written));
+    } else {
+        println!(
+            "written and verified: {} bytes of firmware, {} bytes of table",
+            written.firmware_bytes, written.table_bytes
+        );
+    }
+    Ok(())
+}
+
+fn list(lister: &Lister, json: bool) -> miette::Result<()> {
+    let found = flash::list(lister);
+    if json {
+        println!("{}", json!({ "probes": found }));
+        return Ok(());
+    }
+    if found.is_empty() {
+        println!("no debug probe found");
+    }
+    for probe in found {
+        let serial = probe.serial.as_deref().unwrap_or("unknown");
+        let access = if probe.accessible { "" } else { "  (no permission to open it)" };
+        println!("{}  serial {serial}  USB {:04x}:{:04x}{access}", probe.name, probe.usb.0, probe.usb.1);
+    }
+    Ok(())
+}
+
+fn show(bar: &mut Option<(Step, ProgressBar)>, progress: StepProgress) {
+    if bar.as_ref().is_none_or(|(step, _)| *step != progress.step) {
+        let fresh = ProgressBar::with_draw_target(Some(progress.total), ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{msg:8} [{bar:30}] {bytes}/{total_bytes}, {eta} left") {
+            fresh.set_style(style.progress_chars("=> "));
+        }
+        fresh.set_message(match progress.step {
+            Step::Erase => "erase",
+            Step::Write => "write",
+            Step::Verify => "verify",
+        });
+        if let Some((_, done)) = bar.replace((progress.step, fresh)) {
+            done.finish();
+        }
+    }
+    if let Some((_, bar)) = bar {
+        bar.set_length(progress.total);
+        bar.set_position(progress.done);
+    }
+}
