@@ -114,3 +114,69 @@ impl FastLoop {
         averaged
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::coil_ratio;
+
+    fn fast() -> FastLoop {
+        FastLoop::new(&CoilCircuit::default(), &CoilShunt::default(), 2.875)
+    }
+
+    fn raw(coil_a: f32) -> RawSamples {
+        RawSamples { coil_current: coil_ratio(coil_a, &CoilShunt::default()), fsr: 0.25, ..RawSamples::default() }
+    }
+
+    #[test]
+    fn readings_are_averaged_between_ticks() {
+        let mut fast = fast();
+        for fsr in [0.1, 0.2, 0.6] {
+            fast.step(&RawSamples { fsr, ..raw(0.0) });
+        }
+        let averaged = fast.take();
+        assert_eq!(averaged.count, 3);
+        // f32 rounding of a sum of three.
+        assert!((averaged.raw.fsr - 0.3).abs() < 1e-6);
+        // Nothing new: the last reading, and a count that says so.
+        let stale = fast.take();
+        assert_eq!((stale.count, stale.raw.fsr), (0, 0.6));
+    }
+
+    #[test]
+    fn over_current_switches_off_in_three_milliseconds_and_is_told() {
+        let mut fast = fast();
+        fast.set_target_a(2.5);
+        assert!(fast.step(&raw(1.0)) > 0.0);
+        // A spike of two readings passes.
+        assert!((0..2).all(|_| fast.step(&raw(3.0)) >= 0.0));
+        assert!(fast.step(&raw(1.0)) > 0.0);
+        let duties = [0, 1, 2].map(|_| fast.step(&raw(3.0)));
+        assert_eq!(duties[2], 0.0);
+        assert_eq!(fast.step(&raw(0.5)), 0.0);
+        assert!(fast.take().coil_tripped);
+        assert_eq!(fast.step(&raw(0.5)), 0.0);
+        assert!(!fast.take().coil_tripped);
+    }
+
+    #[test]
+    fn a_reading_that_is_not_a_number_trips() {
+        let mut fast = fast();
+        fast.set_target_a(1.0);
+        for _ in 0..3 {
+            fast.step(&RawSamples { coil_current: f32::NAN, ..raw(0.0) });
+        }
+        assert!(fast.take().coil_tripped);
+    }
+
+    #[test]
+    fn a_control_loop_that_does_not_come_switches_the_coil_off() {
+        let mut fast = fast();
+        fast.set_target_a(1.0);
+        let off = (0..200).position(|_| fast.step(&raw(0.5)) == 0.0);
+        // 60 steps are tolerated.
+        assert_eq!(off, Some(60));
+        fast.take();
+        assert!(fast.step(&raw(0.5)) > 0.0);
+    }
+}

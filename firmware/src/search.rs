@@ -53,7 +53,7 @@ impl Slice {
         } else if let Some(axis) = table.axes().filter(|a| a.role == Role::Column).last() {
             slice.inner = if axis.name == axis_name::HEIGHT { 1 } else { axis.len() };
         }
-        (slice.len() <= MAX_SUMS && slice.len() > 0).then_some(slice)
+        (slice.len() <= MAX_SUMS && !slice.is_empty()).then_some(slice)
     }
 
     /// Number of sums: columns times factors.

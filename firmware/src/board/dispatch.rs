@@ -14,7 +14,8 @@ use protocol::message::{
 };
 use protocol::{PROTOCOL_VERSION, TICK_HZ, TICK_S, message, rescue};
 
-/// What a request led to.
+/// What a request led to. Lives for one call on the stack, where its size does no harm.
+#[allow(clippy::large_enum_variant)]
 enum Answer {
     Accepted,
     Report(Report),
@@ -22,7 +23,8 @@ enum Answer {
     Later,
 }
 
-/// A frame taken out of the decoder's buffer.
+/// A frame taken out of the decoder's buffer; likewise.
+#[allow(clippy::large_enum_variant)]
 enum Incoming {
     Rescue,
     Request(Request),

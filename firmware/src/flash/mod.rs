@@ -142,7 +142,7 @@ pub fn find_active(bank: &[u8]) -> (Option<ActiveTable>, bool) {
 /// The slot a new table of `length` bytes goes to while `active` is in use; `None` if it is too long or too short.
 pub fn slot_for(length: usize, active: Slot) -> Option<Slot> {
     match length {
-        n if n < HEADER_LEN || n > BANK_LEN => None,
+        n if !(HEADER_LEN..=BANK_LEN).contains(&n) => None,
         n if n > SLOT_LEN => Some(Slot::Whole),
         _ if active == Slot::A => Some(Slot::B),
         _ => Some(Slot::A),

@@ -38,7 +38,9 @@ fn trips(bench: &mut Bench, spoil: fn(&mut Inputs), fault: Fault, within: usize)
 
 #[test]
 fn every_sensor_and_limit_fault_switches_off_within_its_ticks() {
-    let cases: [(fn(&mut Inputs), Fault, usize); 9] = [
+    /// What is spoilt, what must trip, and within how many ticks.
+    type Case = (fn(&mut Inputs), Fault, usize);
+    let cases: [Case; 9] = [
         (|i| i.raw.load_cell = 0.95, Fault::ForceLimit, 1),
         (|i| i.raw.load_cell = 0.0, Fault::LoadCellOpen, 1),
         (|i| i.raw.fsr = 0.99, Fault::FsrShort, 1),
