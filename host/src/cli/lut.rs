@@ -210,3 +210,61 @@ fn print(table: &Table<'_>, length: usize) {
 fn percent(share: f32) -> String {
     number(100.0 * f64::from(share))
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use protocol::lut::{AxisSpec, Role, Scale, TableSpec, axis_name};
+
+    use super::*;
+
+    fn small_table() -> Vec<u8> {
+        let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            role,
+            scale: Scale::Linear,
+            values: values.to_vec(),
+        };
+        TableSpec {
+            axes: vec![
+                axis(axis_name::DEPTH, "mm", Role::Row, &[1.0, 2.0, 3.0]),
+                axis(axis_name::ALPHA, "", Role::Column, &[1.0, 5.0]),
+                axis(axis_name::MU, "MPa", Role::Factor, &[0.1, 0.2, 0.3]),
+            ],
+            columns: vec![vec![1.0, 3.0, 6.0], vec![0.5, 1.0, 1.5]],
+            library: Vec::new(),
+            discretisation: 0.002,
+            interpolation: 0.0005,
+            provenance: "by hand".to_owned(),
+        }
+        .to_bytes()
+        .unwrap()
+    }
+
+    fn refusal(bytes: &[u8]) -> String {
+        parsed(Path::new("out/lut.bin"), bytes).expect_err("refused").to_string()
+    }
+
+    #[test]
+    fn a_good_table_is_described() {
+        let bytes = small_table();
+        let described = described(&parsed(Path::new("t"), &bytes).unwrap(), bytes.len());
+        assert_eq!(described["axes"][1]["name"], "alpha");
+        assert_eq!(described["axes"][2]["role"], "factor");
+        assert_eq!(described["provenance"], "by hand");
+        assert!((described["error_bound"]["discretisation"].as_f64().unwrap() - 0.002).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_damaged_table_is_refused_with_its_reason() {
+        let bytes = small_table();
+        let cut = refusal(&bytes[..bytes.len() - 10]);
+        assert!(cut.starts_with("out/lut.bin is not a usable table: "), "{cut}");
+        assert!(cut.contains(&bytes.len().to_string()), "the expected length is named: {cut}");
+        let mut other = bytes.clone();
+        other[8] = 7;
+        assert!(refusal(&other).contains("version"), "{}", refusal(&other));
+        assert!(!refusal(b"P").is_empty() && !refusal(b"").is_empty());
+    }
+}

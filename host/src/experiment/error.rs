@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
@@ -170,9 +171,9 @@ pub struct ExperimentError {
     /// Column in that line.
     pub column: Option<Column>,
     /// What is wrong.
-    pub problem: Problem,
+    pub problem: Box<Problem>,
     #[source_code]
-    snippet: Option<NamedSource<String>>,
+    snippet: Option<Arc<NamedSource<String>>>,
     #[label("here")]
     span: Option<SourceSpan>,
 }
@@ -180,13 +181,13 @@ pub struct ExperimentError {
 impl ExperimentError {
     /// A mistake of a whole file.
     pub fn of_file(file: &Path, problem: Problem) -> Self {
-        Self { file: file.to_owned(), line: None, column: None, problem, snippet: None, span: None }
+        Self { file: file.to_owned(), line: None, column: None, problem: Box::new(problem), snippet: None, span: None }
     }
 
     /// A mistake in a line (from 1) of a data file, at a field (from 0) if one is at fault.
     pub fn of_row(file: &Path, line: usize, field: Option<(usize, &str)>, problem: Problem) -> Self {
         let column = field.map(|(index, name)| Column::Field(index + 1, name.to_owned()));
-        Self { file: file.to_owned(), line: Some(line), column, problem, snippet: None, span: None }
+        Self { file: file.to_owned(), line: Some(line), column, problem: Box::new(problem), snippet: None, span: None }
     }
 
     /// A mistake at a byte range of a text whose lines are shown with the message.
@@ -202,8 +203,8 @@ impl ExperimentError {
             file: file.to_owned(),
             line: Some(line),
             column: Some(Column::Character(column)),
-            problem,
-            snippet: Some(NamedSource::new(name, text.to_owned())),
+            problem: Box::new(problem),
+            snippet: Some(Arc::new(NamedSource::new(name, text.to_owned()))),
             span: Some(SourceSpan::from((start, end - start))),
         }
     }

@@ -30,6 +30,11 @@ pub type Progress<'a> = dyn Fn(&str, usize, usize) + Send + Sync + 'a;
 /// Why no model could be built.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ModelError {
+    /// A ball of unknown radius.
+    #[error(
+        "the radius of indenter \"{0}\" is unknown: force goes like mu sqrt(R), so that a loading curve cannot tell the radius from mu; measure the ball and write radius_mm"
+    )]
+    UnknownBall(String),
     /// A solve failed.
     #[error("the finite element model of {what} failed")]
     Solve {

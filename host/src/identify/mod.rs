@@ -105,7 +105,7 @@ pub fn materials(experiment: &Experiment) -> Vec<String> {
 /// Identifies every material of an experiment with finite elements.
 ///
 /// # Errors
-/// If a finite element solve fails.
+/// If a finite element solve fails, or a ball's radius is unknown.
 pub fn identify(experiment: &Experiment, progress: &Progress<'_>) -> Result<Vec<Identification>, ModelError> {
     let motions = motions(experiment);
     materials(experiment).iter().map(|material| one_material(experiment, &motions, material, progress)).collect()

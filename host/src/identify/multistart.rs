@@ -108,8 +108,8 @@ fn grid(objective: &Objective<'_>, bounds: &Bounds) -> (Map, Vec<GridPoint>) {
             let mut point = bounds.low.clone();
             point[ALPHA] = axis(ALPHA, a, GRID);
             let mut rest = h;
-            for at in objective::FIRST_HEIGHT..point.len() {
-                point[at] = axis(at, rest % HEIGHTS, HEIGHTS);
+            for (at, height) in point.iter_mut().enumerate().skip(objective::FIRST_HEIGHT) {
+                *height = axis(at, rest % HEIGHTS, HEIGHTS);
                 rest /= HEIGHTS;
             }
             let curves = objective.unit_curves(&point);

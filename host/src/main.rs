@@ -1,0 +1,5 @@
+//! The `palpate` command.
+
+fn main() -> std::process::ExitCode {
+    palpate::cli::main()
+}
