@@ -6,11 +6,12 @@ use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{Context, IntoDiagnostic};
 use protocol::fault::Fault;
-use protocol::message::{Calibration, Gains, Hello, Mode, Status};
+use protocol::message::{Calibration, Gains, Hello, Mode, State, Status};
 use serde_json::json;
 
-use crate::link::{Address, Link};
-use crate::plant::Jitter;
+use crate::demo::bench_foams;
+use crate::link::{Address, IDLE_TOUCH, Link};
+use crate::plant::{Jitter, Noise, Source};
 use crate::session::{Patience, Session};
 use crate::simulated_board::{SimulatedBoard, serve};
 
@@ -73,6 +74,9 @@ enum Action {
         /// Seed of everything random
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        /// Lay the demo's foams under the probe in random order (computed first, some seconds)
+        #[arg(long)]
+        foams: bool,
     },
 }
 
@@ -101,8 +105,8 @@ enum ModeChoice {
 /// # Errors
 /// A board that cannot be reached, does not answer, or refuses.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    if let Action::Serve { listen, seed } = &arguments.action {
-        return run_server(listen, *seed);
+    if let Action::Serve { listen, seed, foams } = &arguments.action {
+        return run_server(listen, *seed, *foams);
     }
     let link = crate::link::open(&arguments.board).into_diagnostic()?;
     let (mut session, hello) = Session::open(link, Patience::default()).into_diagnostic()?;
@@ -209,11 +213,28 @@ fn upload<L: Link>(session: &mut Session<L>, path: &Path) -> miette::Result<Answ
     Ok((json!({"table": hash, "bytes": bytes.len(), "slot": state.active}), text))
 }
 
-fn run_server(listen: &str, seed: u64) -> miette::Result<()> {
-    let board = SimulatedBoard::new(seed, Jitter::default());
+/// Depth for which the foams of the served bench are computed, mm: that of the thesis' table.
+const SERVED_DEPTH_MM: f64 = 4.0;
+
+fn run_server(listen: &str, seed: u64, foams: bool) -> miette::Result<()> {
+    let foams = if foams { bench_foams(SERVED_DEPTH_MM, &|_| {})? } else { Vec::new() };
+    let mut choice = Noise::new(seed, Source::Choice);
+    let mut board = SimulatedBoard::new(seed, Jitter::default());
+    board.touch(Some(IDLE_TOUCH));
     let server = serve(listen, board).into_diagnostic().wrap_err_with(|| format!("cannot listen at {listen}"))?;
     let address = server.address().into_diagnostic()?;
     println!("simulated board at tcp:{address}");
-    server.run(|_| {}, || true);
+    let mut before = State::Approach;
+    server.run(
+        |board| {
+            let now = board.state();
+            // The operator lays the next foam under the probe when the arm is back home.
+            if now == State::Idle && before != State::Idle && !foams.is_empty() {
+                board.place(foams[choice.below(foams.len())].clone());
+            }
+            before = now;
+        },
+        || true,
+    );
     Ok(())
 }

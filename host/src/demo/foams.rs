@@ -6,7 +6,6 @@ use lut_gen::contact::Ball;
 use lut_gen::law::Hyperfoam;
 use lut_gen::model::{Indentation, Resolution, Specimen};
 use lut_gen::table::foams;
-use protocol::lut::Table;
 
 use super::{BALL_RADIUS_MM, DemoError, Stage, Watcher};
 use crate::plant::{Curve, Foam};
@@ -14,18 +13,18 @@ use crate::plant::{Curve, Foam};
 /// Step of the curves, mm.
 const STEP_MM: f64 = 0.02;
 
-/// How much deeper than the table the curves go, mm: the arm overshoots by its stopping distance.
+/// How much deeper than a palpation the curves go, mm: the arm overshoots by its stopping distance.
 const BEYOND_MM: f64 = 0.2;
 
 /// The real foams of the library with curves of their own: each at its own height, on two meshes with Richardson extrapolation, to a
-/// greater depth than the table.
+/// greater depth than `depth_mm`, that of the table.
 ///
 /// # Errors
 /// [`DemoError::Solve`] when a solve fails.
-pub fn bench_foams(table: &Table<'_>, watch: Watcher<'_>) -> Result<Vec<Foam>, DemoError> {
+pub fn bench_foams(depth_mm: f64, watch: Watcher<'_>) -> Result<Vec<Foam>, DemoError> {
     use rayon::prelude::*;
     let real: Vec<_> = foams().into_iter().filter(|f| !f.dummy).collect();
-    let steps = ((f64::from(table.depth_max_mm()) + BEYOND_MM) / STEP_MM).round() as usize;
+    let steps = ((depth_mm + BEYOND_MM) / STEP_MM).round() as usize;
     let depths: Vec<f64> = (1..=steps).map(|i| STEP_MM * i as f64).collect();
     let done = AtomicUsize::new(0);
     real.par_iter()

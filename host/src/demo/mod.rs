@@ -122,7 +122,7 @@ pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> 
         }
     };
     let table = Table::parse(&table_bytes).map_err(crate::session::SessionError::from)?;
-    let foams = bench_foams(&table, watch)?;
+    let foams = bench_foams(f64::from(table.depth_max_mm()), watch)?;
     let solved_s = started.elapsed().as_secs_f64();
 
     let board = SimulatedBoard::new(options.seed, options.jitter);

@@ -22,7 +22,7 @@ pub use in_process::{InProcess, Pace};
 pub use serial::{BAUD, Serial};
 pub use tcp::Tcp;
 
-use crate::plant::{Jitter, Truth};
+use crate::plant::{Jitter, Touch, Truth};
 use crate::simulated_board::SimulatedBoard;
 
 /// A two-way stream of bytes with a clock of its own.
@@ -53,13 +53,20 @@ pub trait Link {
     }
 }
 
-/// Opens the link to a board; the simulated one runs in real time on an empty bench.
+/// What the hand at the display of a simulated board does while nobody tells it: a press of 2 N every 4 s.
+pub const IDLE_TOUCH: Touch = Touch { peak_n: 2.0, period_s: 4.0 };
+
+/// Opens the link to a board; the simulated one runs in real time, with a finger on the display and nothing under the probe.
 ///
 /// # Errors
 /// [`LinkError::Open`].
 pub fn open(address: &Address) -> Result<Box<dyn Link>, LinkError> {
     Ok(match address {
-        Address::Simulated => Box::new(InProcess::new(SimulatedBoard::new(1, Jitter::default()), Pace::RealTime)),
+        Address::Simulated => {
+            let mut board = SimulatedBoard::new(1, Jitter::default());
+            board.touch(Some(IDLE_TOUCH));
+            Box::new(InProcess::new(board, Pace::RealTime))
+        }
         Address::Tcp(place) => Box::new(Tcp::open(place)?),
         Address::Serial(path) => Box::new(Serial::open(path)?),
     })

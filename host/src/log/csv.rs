@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use protocol::TICK_S;
+use protocol::TICK_HZ;
 use protocol::message::Telemetry;
 
 use super::LogError;
@@ -53,7 +53,7 @@ impl CsvLog {
         let _ = write!(
             self.lines,
             "{:.2},{},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{},{},",
-            f64::from(t.tick) * f64::from(TICK_S),
+            f64::from(t.tick) / f64::from(TICK_HZ),
             t.tick,
             t.state,
             t.faults.0,

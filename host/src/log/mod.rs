@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::time::Instant;
 
-use protocol::TICK_S;
+use protocol::TICK_HZ;
 
 pub use csv::{COLUMNS, CsvLog};
 pub use error::LogError;
@@ -75,7 +75,7 @@ impl Recorder {
     pub fn event(&mut self, event: &Event, traffic: &Traffic) -> Result<(), LogError> {
         match event {
             Event::Telemetry(record) => {
-                self.board_s = f64::from(record.tick) * f64::from(TICK_S);
+                self.board_s = f64::from(record.tick) / f64::from(TICK_HZ);
                 while self.truths.front().is_some_and(|t| t.tick < record.tick) {
                     self.truths.pop_front();
                 }

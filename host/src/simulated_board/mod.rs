@@ -11,7 +11,7 @@ use firmware::board::{Board, Identity, Inputs, Outputs};
 use firmware::config::BoardConfig;
 use firmware::fast::{FAST_STEPS, FastLoop};
 use firmware::flash::{BANK_LEN, RamFlash};
-use protocol::TICK_S;
+use protocol::TICK_HZ;
 use protocol::lut::Table;
 use protocol::message::{ResetCause, State};
 
@@ -97,7 +97,7 @@ impl SimulatedBoard {
 
     /// Virtual time since power on, s.
     pub fn time_s(&self) -> f64 {
-        f64::from(self.tick) * f64::from(TICK_S)
+        f64::from(self.tick) / f64::from(TICK_HZ)
     }
 
     /// True physics of the ticks since the last call, at most the last ten seconds.

@@ -2,7 +2,7 @@
 
 use super::{LiveView, verdict_text};
 use crate::session::{Event, Traffic, fault_text};
-use protocol::{TICK_HZ, TICK_S};
+use protocol::TICK_HZ;
 
 /// One line a second of board time, and one for each verdict and fault.
 #[derive(Debug, Default)]
@@ -29,7 +29,7 @@ impl LiveView for Plain {
                 eprintln!(
                     "{:8.2} s  {:<8} probe {:7.3} mm  depth {:6.3} mm  load cell {:7.4} N  shaft {:6.3} mm  \
                      coil {:5.3} A  tick {} us  lost {} of {}",
-                    f64::from(t.tick) * f64::from(TICK_S),
+                    f64::from(t.tick) / f64::from(TICK_HZ),
                     format!("{:?}", t.state).to_lowercase(),
                     t.probe_mm,
                     t.depth_mm,

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use protocol::fault::Fault;
 use protocol::message::Telemetry;
-use protocol::{TICK_HZ, TICK_S};
+use protocol::TICK_HZ;
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
 use ratatui::crossterm::event::{self, KeyCode, KeyModifiers};
@@ -152,7 +152,7 @@ fn draw_head(frame: &mut Frame<'_>, area: Rect, board: &str, newest: Option<&Tel
     match newest {
         None => spans.push(Span::from("waiting for telemetry").dim()),
         Some(t) => {
-            let time_s = f64::from(t.tick) * f64::from(TICK_S);
+            let time_s = f64::from(t.tick) / f64::from(TICK_HZ);
             spans.push(Span::from(format!("{time_s:.1} s  ")));
             spans.push(Span::from(format!("{:?}", t.state).to_lowercase()).bold());
             let faults: Vec<&str> = t.faults.iter().map(Fault::code).collect();
@@ -192,14 +192,14 @@ fn draw_values(frame: &mut Frame<'_>, area: Rect, newest: Option<&Telemetry>, tr
 type Curve = (&'static str, Color, fn(&Telemetry) -> f32);
 
 fn draw_chart(frame: &mut Frame<'_>, area: Rect, title: &'static str, records: &VecDeque<Telemetry>, curves: &[Curve]) {
-    let last_s = records.back().map_or(0.0, |t| f64::from(t.tick) * f64::from(TICK_S));
+    let last_s = records.back().map_or(0.0, |t| f64::from(t.tick) / f64::from(TICK_HZ));
     let first_s = last_s - SHOWN as f64 / f64::from(TICK_HZ);
     let points: Vec<Vec<(f64, f64)>> = curves
         .iter()
         .map(|(_, _, value)| {
             records
                 .iter()
-                .map(|t| (f64::from(t.tick) * f64::from(TICK_S), f64::from(value(t))))
+                .map(|t| (f64::from(t.tick) / f64::from(TICK_HZ), f64::from(value(t))))
                 .filter(|(_, y)| y.is_finite())
                 .collect()
         })
