@@ -4,7 +4,7 @@
 //! stop altogether the watchdog resets the board, which opens all switches.
 
 use crate::coil::regulator::{CoilCircuit, CoilPi, CoilPiState};
-use crate::sensor::{CoilShunt, RawSamples, coil_a};
+use crate::sensor::{CoilShunt, RawSamples, at_rail, coil_a};
 
 /// Steps a second.
 pub const FAST_HZ: u32 = 1000;
@@ -78,8 +78,9 @@ impl FastLoop {
         self.count = self.count.saturating_add(1);
         self.last = *raw;
         let measured_a = coil_a(raw.coil_current, &self.shunt);
-        // `!(<=)` so that a reading that is not a number counts as too much.
-        self.above = if !(measured_a <= self.trip_a) { self.above.saturating_add(1) } else { 0 };
+        // A reading at a rail, or one that is not a number, says nothing about the current: as bad as too much of it.
+        let too_much = at_rail(raw.coil_current) || measured_a > self.trip_a;
+        self.above = if too_much { self.above.saturating_add(1) } else { 0 };
         if self.above >= TRIP_READINGS {
             self.tripped = true;
         }
@@ -160,13 +161,16 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_is_not_a_number_trips() {
-        let mut fast = fast();
-        fast.set_target_a(1.0);
-        for _ in 0..3 {
-            fast.step(&RawSamples { coil_current: f32::NAN, ..raw(0.0) });
+    fn a_dead_amplifier_and_a_reading_that_is_not_a_number_trip() {
+        for coil_current in [0.0, 1.0, f32::NAN] {
+            let mut fast = fast();
+            fast.set_target_a(1.0);
+            for _ in 0..3 {
+                fast.step(&RawSamples { coil_current, ..raw(0.0) });
+            }
+            assert_eq!(fast.step(&raw(0.5)), 0.0);
+            assert!(fast.take().coil_tripped);
         }
-        assert!(fast.take().coil_tripped);
     }
 
     #[test]

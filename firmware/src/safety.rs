@@ -173,6 +173,8 @@ impl Safety {
         see(m.shaft_mm + reach_mm > shaft_high, Fault::StrokeLimit, m.shaft_mm, shaft_high);
         see(m.shaft_mm - reach_mm < shaft_low, Fault::StrokeLimit, m.shaft_mm, shaft_low);
         see(m.coil_a > config.coil_a || input.coil_tripped, Fault::CurrentLimit, m.coil_a, config.coil_a);
+        // An amplifier that reads nothing would let the regulator drive the coil as hard as the supply can.
+        see(at_rail(raw.coil_current), Fault::CurrentLimit, m.coil_a, config.coil_a);
         see(input.coil_c >= config.coil_c, Fault::CoilHot, input.coil_c, config.coil_c);
         see(at_rail(raw.load_cell), Fault::LoadCellOpen, raw.load_cell, 0.0);
         let fsr_kohm = resistance_kohm(raw.fsr, input.calibration.fsr.divider_kohm);

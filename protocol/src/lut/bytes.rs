@@ -1,6 +1,7 @@
 //! Little-endian reads that cannot fail: past the end they give zero, which no check accepts
 //! where it matters (offsets are checked before use).
 
+#[inline]
 pub(crate) fn array<const N: usize>(data: &[u8], at: usize) -> [u8; N] {
     let mut out = [0; N];
     if let Some(source) = at.checked_add(N).and_then(|end| data.get(at..end)) {
@@ -9,14 +10,17 @@ pub(crate) fn array<const N: usize>(data: &[u8], at: usize) -> [u8; N] {
     out
 }
 
+#[inline]
 pub(crate) fn u16_at(data: &[u8], at: usize) -> u16 {
     u16::from_le_bytes(array(data, at))
 }
 
+#[inline]
 pub(crate) fn u32_at(data: &[u8], at: usize) -> u32 {
     u32::from_le_bytes(array(data, at))
 }
 
+#[inline]
 pub(crate) fn f32_at(data: &[u8], at: usize) -> f32 {
     f32::from_le_bytes(array(data, at))
 }

@@ -315,9 +315,12 @@ impl<'a> Table<'a> {
         let (lower, zero) = if position.row == 0 { (upper, 0.0) } else { (row(position.row - 1), 1.0) };
         let scales = self.scales.get(columns.start * 4..columns.end * 4).unwrap_or(&[]);
         let (w_upper, w_lower) = (position.weight, zero * (1.0 - position.weight));
-        upper.chunks_exact(2).zip(lower.chunks_exact(2)).zip(scales.chunks_exact(4)).map(move |((u, l), s)| {
-            (w_upper * f32::from(u16_at(u, 0)) + w_lower * f32::from(u16_at(l, 0))) * f32_at(s, 0)
-        })
+        // Pairs and quadruples of bytes of known length: no bounds are checked inside the search's loop.
+        let pairs = |bytes: &'a [u8]| bytes.as_chunks::<2>().0.iter().map(|c| f32::from(u16::from_le_bytes(*c)));
+        pairs(upper)
+            .zip(pairs(lower))
+            .zip(scales.as_chunks::<4>().0)
+            .map(move |((u, l), s)| (w_upper * u + w_lower * l) * f32::from_le_bytes(*s))
     }
 
     /// Number of library materials.

@@ -40,7 +40,7 @@ fn trips(bench: &mut Bench, spoil: fn(&mut Inputs), fault: Fault, within: usize)
 fn every_sensor_and_limit_fault_switches_off_within_its_ticks() {
     /// What is spoilt, what must trip, and within how many ticks.
     type Case = (fn(&mut Inputs), Fault, usize);
-    let cases: [Case; 9] = [
+    let cases: [Case; 10] = [
         (|i| i.raw.load_cell = 0.95, Fault::ForceLimit, 1),
         (|i| i.raw.load_cell = 0.0, Fault::LoadCellOpen, 1),
         (|i| i.raw.fsr = 0.99, Fault::FsrShort, 1),
@@ -48,6 +48,7 @@ fn every_sensor_and_limit_fault_switches_off_within_its_ticks() {
         (|i| i.raw.probe_position = 0.0, Fault::ProbePositionOpen, 1),
         (|i| i.raw.potentiometer = 0.3, Fault::StrokeLimit, 1),
         (|i| i.raw.coil_current = 0.95, Fault::CurrentLimit, 1),
+        (|i| i.raw.coil_current = 0.0, Fault::CurrentLimit, 1),
         (|i| i.coil_tripped = true, Fault::CurrentLimit, 1),
         (|i| i.adc_overrun = true, Fault::AdcOverrun, 3),
     ];
