@@ -25,6 +25,13 @@ pub struct Parameter {
     pub at_bound: bool,
 }
 
+impl Parameter {
+    /// The interval is the whole range that was searched.
+    pub fn fills_its_bounds(&self) -> bool {
+        self.interval95.low <= self.bounds.0 && self.interval95.high >= self.bounds.1
+    }
+}
+
 /// A run beside its model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunFit {
@@ -203,6 +210,12 @@ impl Fit {
             messages.push(format!(
                 "{} = {:.4} lies on a bound of its search ({:.4} to {:.4}): the data ask for more than the model covers",
                 parameter.name, parameter.value, parameter.bounds.0, parameter.bounds.1
+            ));
+        }
+        for parameter in self.parameters.iter().filter(|parameter| parameter.fills_its_bounds()) {
+            messages.push(format!(
+                "{} is not determined by these data: its interval fills the range searched, {:.4} to {:.4}",
+                parameter.name, parameter.bounds.0, parameter.bounds.1
             ));
         }
         for run in self.runs.iter().filter(|run| run.contact_at_bound) {

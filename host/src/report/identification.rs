@@ -10,6 +10,9 @@ use super::{Page, map, number};
 /// Most measured samples drawn per run; more only make the file large.
 const DRAWN_SAMPLES: usize = 90;
 
+/// Words of messages that must not be overlooked.
+const GRAVE: [&str; 5] = ["systematically", "lies on a bound", "not used", "fault", "not determined"];
+
 /// Builds the page for all materials of an experiment.
 pub fn page(experiment: &Experiment, found: &[Identification]) -> Page {
     let mut page = Page::new(
@@ -51,14 +54,12 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Identification) {
         page.table(&["parameter", "value", "95 % interval", "bounds", ""], &rows);
         page.table(&["figure", "value"], &figures_of_fit(found, fit));
     }
-    for message in &found.messages {
-        let grave = ["systematically", "lies on a bound", "not used", "fault"];
-        if grave.iter().any(|word| message.contains(word)) {
-            page.warning(message);
-        } else {
-            page.paragraph(message);
-        }
+    let grave = |message: &&String| GRAVE.iter().any(|word| message.contains(word));
+    for message in found.messages.iter().filter(grave) {
+        page.warning(message);
     }
+    let plain: Vec<String> = found.messages.iter().filter(|m| !grave(m)).cloned().collect();
+    page.list(&plain);
     page.section("Assumptions");
     page.list(&found.assumptions);
     if let Some(fit) = &found.fit {
@@ -84,7 +85,11 @@ fn parameter_row(parameter: &Parameter) -> Vec<String> {
         number(parameter.value),
         range((parameter.interval95.low, parameter.interval95.high)),
         range(parameter.bounds),
-        if parameter.at_bound { "on a bound".to_owned() } else { String::new() },
+        match (parameter.at_bound, parameter.fills_its_bounds()) {
+            (true, _) => "on a bound".to_owned(),
+            (_, true) => "not determined".to_owned(),
+            _ => String::new(),
+        },
     ]
 }
 
