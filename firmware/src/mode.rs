@@ -236,3 +236,80 @@ pub struct TableLimits {
     /// Library materials.
     pub materials: usize,
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+
+    const LIMITS: Option<TableLimits> = Some(TableLimits { depth_max_mm: 4.0, materials: 3 });
+    const PALPATE: Mode = Mode::Palpate { rate_mm_s: 1.0, depth_mm: 4.0 };
+    const FREE: ModeInput = ModeInput {
+        probe_mm: 20.0,
+        depth_mm: 0.0,
+        force_n: 0.0,
+        contact: false,
+        no_such_height: false,
+        record_full: false,
+        analysed: true,
+        faulted: false,
+    };
+
+    fn approaching() -> ModeState {
+        let mut mode = ModeState::new();
+        mode.request(&ModeConfig::default(), PALPATE, LIMITS).unwrap();
+        mode
+    }
+
+    /// Steps until the state changes; returns the number of steps.
+    fn steps_in_state(mode: &mut ModeState, input: &ModeInput) -> u32 {
+        let state = mode.state;
+        (1..=10_000)
+            .find(|_| {
+                mode.step(&ModeConfig::default(), input);
+                mode.state != state
+            })
+            .expect("the state ends")
+    }
+
+    #[test]
+    fn an_arm_that_does_not_move_ends_every_state_of_motion() {
+        let config = ModeConfig::default();
+        let mut mode = approaching();
+        assert_eq!(steps_in_state(&mut mode, &FREE), config.approach_ticks + 1);
+        assert_eq!((mode.state, mode.ended()), (State::Retract, Outcome::NoContact));
+        assert_eq!(steps_in_state(&mut mode, &FREE), config.retract_ticks + 1);
+        assert_eq!(mode.state, State::Idle);
+
+        let mut mode = approaching();
+        let stuck = ModeInput { contact: true, depth_mm: 0.3, ..FREE };
+        mode.step(&config, &stuck);
+        assert_eq!(mode.state, State::Contact);
+        assert_eq!(steps_in_state(&mut mode, &stuck), config.contact_ticks + 1);
+        assert_eq!((mode.state, mode.ended()), (State::Retract, Outcome::TooShort));
+    }
+
+    #[test]
+    fn the_verdict_waits_for_the_probe_and_for_the_analysis() {
+        let config = ModeConfig::default();
+        let mut mode = approaching();
+        mode.step(&config, &ModeInput { contact: true, ..FREE });
+        mode.step(&config, &ModeInput { contact: true, depth_mm: 4.0, ..FREE });
+        assert_eq!((mode.state, mode.ended()), (State::Retract, Outcome::Identified));
+        let back = ModeInput { contact: true, depth_mm: -1.5, ..FREE };
+        for waiting in [ModeInput { depth_mm: 2.0, ..back }, ModeInput { analysed: false, ..back }] {
+            assert_eq!(mode.step(&config, &waiting), ModeEvent::None);
+        }
+        assert_eq!(mode.step(&config, &back), ModeEvent::Ended(Outcome::Identified));
+        assert_eq!((mode.state, mode.commanded), (State::Idle, Mode::Idle));
+    }
+
+    #[test]
+    fn outputs_are_on_in_three_states_only() {
+        for state in [State::Idle, State::Approach, State::Contact, State::Retract, State::Display, State::Fault] {
+            let mode = ModeState { state, ..ModeState::new() };
+            let expected = matches!(state, State::Approach | State::Contact | State::Display);
+            assert_eq!(mode.outputs_on(), expected, "{state:?}");
+        }
+    }
+}

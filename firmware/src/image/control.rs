@@ -20,8 +20,10 @@ pub const WATCHDOG_US: u32 = 500_000;
 /// Ticks within which sampling and links must have shown themselves.
 const CHECK_IN_TICKS: u32 = 10;
 
-/// Turns of the link tasks, which also turn when nothing arrives.
-pub static LINK_TURNS: AtomicU32 = AtomicU32::new(0);
+/// Turns of the receiving tasks of both links, which also turn when nothing arrives.
+pub static USB_TURNS: AtomicU32 = AtomicU32::new(0);
+/// See [`USB_TURNS`].
+pub static UART_TURNS: AtomicU32 = AtomicU32::new(0);
 
 /// Sees whether a counter moves.
 struct CheckIn {
@@ -51,9 +53,10 @@ pub async fn run(
     mut actuator: Actuator,
     mut arm: Arm,
     mut watchdog: IndependentWatchdog<'static, IWDG>,
+    has_uart: bool,
 ) -> ! {
     let mut ticker = Ticker::every(Duration::from_hz(u64::from(protocol::TICK_HZ)));
-    let (mut sampled, mut linked) = (CheckIn::new(), CheckIn::new());
+    let (mut sampled, mut usb, mut uart) = (CheckIn::new(), CheckIn::new(), CheckIn::new());
     let mut link = Link::Usb;
     let mut tick_us = 0;
     watchdog.unleash();
@@ -75,7 +78,10 @@ pub async fn run(
                 arm.set(outputs.arm_run, outputs.arm_rate_mm_s);
                 let us = begin.elapsed().as_micros();
                 tick_us = u16::try_from(us).unwrap_or(u16::MAX);
-                if sampled.alive(&sampling::HALVES) && linked.alive(&LINK_TURNS) {
+                // All three are looked at in every tick, or a counter would be compared with an old one.
+                let alive =
+                    [sampled.alive(&sampling::HALVES), usb.alive(&USB_TURNS), uart.alive(&UART_TURNS) || !has_uart];
+                if alive == [true; 3] {
                     watchdog.pet();
                 }
             }

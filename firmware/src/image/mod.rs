@@ -123,6 +123,7 @@ async fn main(spawner: Spawner) {
     let usb = usb::start(p.USB_OTG_FS, p.PA12, p.PA11);
     let uart = serial::start(p.USART3, p.PD9, p.PD8);
 
+    let has_uart = uart.is_some();
     let spawned = (|| {
         SAMPLING.start(interrupt::UART5).spawn(sampling::run(sampling, coil)?);
         spawner.spawn(usb::device(usb.device)?);
@@ -133,7 +134,7 @@ async fn main(spawner: Spawner) {
             spawner.spawn(serial::receive(rx)?);
             spawner.spawn(serial::send(tx)?);
         }
-        spawner.spawn(control::run(board, actuator, arm, watchdog)?);
+        spawner.spawn(control::run(board, actuator, arm, watchdog, has_uart)?);
         Ok::<(), embassy_executor::SpawnError>(())
     })();
     if spawned.is_err() {

@@ -9,7 +9,7 @@ use embassy_time::{Duration, with_timeout};
 use embedded_io_async::{Read, Write};
 use static_cell::StaticCell;
 
-use super::control::LINK_TURNS;
+use super::control::UART_TURNS;
 use super::{Irqs, Link, PACKET_LEN, Packet, RECEIVED, TO_UART};
 
 /// Idle wait before the task shows that it lives.
@@ -38,7 +38,7 @@ pub async fn receive(mut rx: BufferedUartRx<'static>) -> ! {
         {
             RECEIVED.send(Packet { link: Link::Uart, bytes }).await;
         }
-        LINK_TURNS.fetch_add(1, Ordering::Relaxed);
+        UART_TURNS.fetch_add(1, Ordering::Relaxed);
     }
 }
 

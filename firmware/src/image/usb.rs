@@ -10,7 +10,7 @@ use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
 use embassy_usb::{Builder, Config, UsbDevice};
 use static_cell::StaticCell;
 
-use super::control::LINK_TURNS;
+use super::control::USB_TURNS;
 use super::{Irqs, Link, PACKET_LEN, Packet, RECEIVED, TO_USB};
 
 type Otg = Driver<'static, USB_OTG_FS>;
@@ -72,7 +72,7 @@ pub async fn receive(mut receiver: Receiver<'static, Otg>) -> ! {
             }
             Err(_) => {}
         }
-        LINK_TURNS.fetch_add(1, Ordering::Relaxed);
+        USB_TURNS.fetch_add(1, Ordering::Relaxed);
     }
 }
 
