@@ -24,6 +24,8 @@ pub const NOT_RECOGNISED: Recognition = Recognition {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
     errors_n: [f32; MAX_MATERIALS],
+    /// Depth of the deepest sample at the middle offset, mm.
+    pub deepest_mm: f32,
 }
 
 impl Default for Comparison {
@@ -35,7 +37,7 @@ impl Default for Comparison {
 impl Comparison {
     /// Nothing compared.
     pub const fn new() -> Self {
-        Comparison { errors_n: [f32::INFINITY; MAX_MATERIALS] }
+        Comparison { errors_n: [f32::INFINITY; MAX_MATERIALS], deepest_mm: 0.0 }
     }
 
     /// Compares a recorded palpation, as pairs (depth mm, force N) at one contact offset, with every material. Depths at or above the
@@ -64,7 +66,7 @@ impl Comparison {
     }
 
     /// Nearest material and runner-up. The nearest is named only if its error is within its acceptance, a fraction of its
-    /// own peak force; error, runner-up and margin are given either way.
+    /// own force at the deepest sample (its peak, for a palpation of full depth); error, runner-up and margin are given either way.
     pub fn result(&self, table: &Table<'_>) -> Recognition {
         let mut nearest = (Recognition::NONE, f32::INFINITY);
         let mut runner_up = nearest;
@@ -79,7 +81,11 @@ impl Comparison {
         let Some(material) = table.material(usize::from(nearest.0)) else {
             return NOT_RECOGNISED;
         };
-        let accepted = nearest.1 <= material.acceptance * material.peak_force_n();
+        let reached_n = match table.locate(self.deepest_mm) {
+            Some(position) => material.force_n(position),
+            None => material.peak_force_n(),
+        };
+        let accepted = nearest.1 <= material.acceptance * reached_n;
         let alone = !runner_up.1.is_finite();
         Recognition {
             index: if accepted { nearest.0 } else { Recognition::NONE },

@@ -194,7 +194,11 @@ fn compare(
     let reach_mm = 0.5 * (f32::from(config.library_offsets) - 1.0) * config.library_step_mm;
     let at_mm = height_mm - reach_mm + f32::from(offset) * config.library_step_mm;
     let lowest_mm = height_mm + reach_mm - table.depth_max_mm();
-    let samples = record.samples().iter().filter(|s| s.probe_mm >= lowest_mm);
+    // Nor samples that no offset brings into contact: their zeros would only dilute the mean.
+    let highest_mm = height_mm + reach_mm;
+    let samples = record.samples().iter().filter(|s| s.probe_mm >= lowest_mm && s.probe_mm <= highest_mm);
+    let bottom_mm = samples.clone().fold(height_mm, |bottom, s| f32::min(bottom, s.probe_mm));
+    comparison.deepest_mm = height_mm - bottom_mm;
     comparison.step(table, samples.map(|s| (at_mm - s.probe_mm, s.force_n)));
 }
 

@@ -104,3 +104,17 @@ fn a_few_samples_are_too_short() {
     assert_eq!(v.outcome, Outcome::TooShort);
     assert_eq!((v.mu_mpa, v.material.index), (0.0, Recognition::NONE));
 }
+
+#[test]
+fn a_shallow_palpation_is_held_against_the_force_it_has_reached() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    // Between dummy 1 and ICF; its error is less than 3 % of the force ICF has at 4 mm, but not of the force at 1.5 mm.
+    let stranger = crate::testbed::Foam { name: "stranger", mu_mpa: 0.008, alpha: 12.0, height_mm: 25.4 };
+    let (v, _) = palpate(&table, &Press::clean(stranger, 1.0).samples(&mut Chance(1)), 1.5);
+    let icf_peak_n = LIBRARY[2].force_n(4.0) as f32;
+    assert!(v.material.error_n < 0.03 * icf_peak_n && v.samples > 60, "{v:?}");
+    assert_eq!(v.material.index, Recognition::NONE);
+    let (v, _) = palpate(&table, &Press::clean(LIBRARY[2], 1.0).samples(&mut Chance(1)), 1.5);
+    assert_eq!(v.material.index, 2);
+}
