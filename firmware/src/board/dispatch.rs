@@ -140,6 +140,10 @@ impl<S: TableStore + CalibrationStore> Board<S> {
     }
 
     fn set_mode(&mut self, mode: Mode) -> Result<Answer, Refusal> {
+        // Asked again for what is under way: the answer to the first request was lost.
+        if mode == self.mode.commanded && matches!(self.mode.state, State::Approach | State::Contact) {
+            return Ok(Answer::Accepted);
+        }
         if mode != Mode::Idle && self.upload.is_erasing() {
             return Err(Refusal::Busy);
         }

@@ -26,6 +26,8 @@ pub struct Upload {
     header: [u8; HEADER_LEN],
     /// Bytes of a word that is not complete yet.
     word: [u8; WORD],
+    /// The last upload became the active table.
+    committed: bool,
 }
 
 impl Default for Upload {
@@ -44,6 +46,7 @@ impl Upload {
             next: 0,
             header: [0; HEADER_LEN],
             word: [0; WORD],
+            committed: false,
         }
     }
 
@@ -170,12 +173,16 @@ impl Upload {
         Ok(())
     }
 
-    /// Checks the upload, writes its header, makes it the active table and retires the old one.
+    /// Checks the upload, writes its header, makes it the active table and retires the old one. Asked again after a success (its answer
+    /// was lost), it succeeds again and changes nothing.
     ///
     /// # Errors
     /// [`Refusal::OutOfOrder`] without a complete upload; [`Refusal::TableRejected`] if it does not pass its checks, [`Refusal::FlashFailed`];
     /// after these two the upload is gone and the old table stays.
     pub fn commit<S: TableStore>(&mut self, store: &mut S, active: &mut Option<ActiveTable>) -> Result<(), Refusal> {
+        if self.phase == Phase::None && self.committed {
+            return Ok(());
+        }
         if self.phase != Phase::Receiving || self.next != self.begin.length as usize {
             return Err(Refusal::OutOfOrder);
         }
@@ -191,6 +198,7 @@ impl Upload {
             retire(store, base)?;
             return Err(Refusal::TableRejected);
         };
+        self.committed = true;
         let old = active.replace(ActiveTable { slot: upload.slot, checked });
         match old {
             Some(old) if old.slot != upload.slot => retire(store, slot_range(old.slot).start)?,

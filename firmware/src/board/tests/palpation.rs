@@ -85,7 +85,10 @@ fn requests_that_cannot_be_carried_out_are_refused_with_the_reason() {
     assert_eq!(bench.refusal(&Request::SetMode(Mode::Display { material: 8 })), Refusal::OutOfRange);
     bench.mode(PALPATE);
     bench.tick();
-    assert_eq!(bench.refusal(&Request::SetMode(PALPATE)), Refusal::Busy);
+    let other = Mode::Palpate { rate_mm_s: 1.0, depth_mm: 3.5 };
+    assert_eq!(bench.refusal(&Request::SetMode(other)), Refusal::Busy);
+    // The same again is a repeated request.
+    bench.mode(PALPATE);
     assert_eq!(bench.refusal(&Request::Tare(Empty {})), Refusal::Busy);
     let begin = Request::TableBegin(protocol::message::TableBegin { length: 1000, crc: 0 });
     assert_eq!(bench.refusal(&begin), Refusal::Busy);

@@ -176,6 +176,10 @@ fn pieces_come_in_order_repeated_ones_are_fine_and_others_are_refused() {
         upload.chunk(&mut flash, chunk).unwrap();
     }
     upload.commit(&mut flash, &mut active).unwrap();
+    // The answer was lost and the host asks again.
+    let operations = flash.operations();
+    upload.commit(&mut flash, &mut active).unwrap();
+    assert_eq!(flash.operations(), operations);
     assert_eq!(active.unwrap().checked.hash(), hash_of(&bytes));
 }
 
