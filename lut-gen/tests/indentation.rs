@@ -52,7 +52,7 @@ fn force_over_hertz(nu: f64, depth_mm: f64) -> f64 {
     let mesh = BlockMesh::new(60.0, 60.0, ball.radius_mm, &sizes);
     let surface = Surface::new(ball, &mesh.nodes, &mesh.top, 0.3, 8, 1000.0 * 0.1);
     let system = System::new(&mesh, Base::Bonded, surface, Quadrature::Reduced);
-    let stepping = Stepping { first: 0.001, ..Stepping::default() };
+    let stepping = Stepping { first: 0.001, stations: 8, ..Stepping::default() };
     let path = stepping.follow(&system, &law, &Newton::default(), 1.0, depth_mm, "Hertz").unwrap();
     let [.., before, last] = path.stations.as_slice() else { panic!("no stations") };
     // dF/dd of d^(3/2), to the mesh's scatter; a = sqrt(R d) to the width of an element

@@ -5,18 +5,18 @@
 /// smooth (sphere and cylinder share the tangent at the equator).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball {
-    /// Radius `R` [mm].
+    /// Radius `R` (mm).
     pub radius_mm: f64,
 }
 
 /// Penetration of one point, with derivatives by its position.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch {
-    /// Depth of the point inside the indenter `g` [mm], positive.
+    /// Depth of the point inside the indenter `g` (mm), positive.
     pub depth_mm: f64,
     /// Unit normal out of the indenter `[r, z]`; `dg/dx = -n`.
     pub normal: [f64; 2],
-    /// Curvature `1 / |x - c|` [1/mm] of the distance field, 0 at the shank.
+    /// Curvature `1 / |x - c|` (1/mm) of the distance field, 0 at the shank.
     pub curvature: f64,
 }
 

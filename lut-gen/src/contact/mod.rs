@@ -4,4 +4,4 @@ mod ball;
 mod surface;
 
 pub use ball::{Ball, Touch};
-pub use surface::{Sum, Surface};
+pub use surface::{EdgeStiffness, Sum, Surface};

@@ -6,9 +6,9 @@ use crate::element::{gauss, line3};
 /// One quadrature point of the surface.
 #[derive(Debug, Clone, Copy)]
 struct Point {
-    /// Reference area of the ring it stands for, `2 pi R w` [mm^2].
+    /// Reference area of the ring it stands for, `2 pi R w` (mm^2).
     area: f64,
-    /// Reference position `[r, z]` [mm].
+    /// Reference position `[r, z]` (mm).
     at: [f64; 2],
     /// Shape functions of the three nodes of its edge.
     shape: [f64; 3],
@@ -25,22 +25,22 @@ pub struct Surface {
     edges: Vec<[usize; 3]>,
     points: Vec<Point>,
     per_edge: usize,
-    /// Penalty `k` [MPa/mm].
+    /// Penalty `k` (MPa/mm).
     penalty: f64,
 }
 
 /// Sums over the surface at one configuration.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sum {
-    /// Penalty energy `E` [N mm].
+    /// Penalty energy `E` (N mm).
     pub energy: f64,
-    /// Force on the ball, upward, `dE/dd` [N].
+    /// Force on the ball, upward, `dE/dd` (N).
     pub force_n: f64,
-    /// `d2E/dd2` at fixed displacement [N/mm].
+    /// `d2E/dd2` at fixed displacement (N/mm).
     pub stiffness: f64,
     /// Points in contact.
     pub active: usize,
-    /// Largest current radius of a point in contact [mm].
+    /// Largest current radius of a point in contact (mm).
     pub radius_mm: f64,
 }
 

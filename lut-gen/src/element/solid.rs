@@ -6,9 +6,9 @@ use crate::law::{Gradient, Law, first_piola, respond};
 /// Reference data of one quadrature point; it never changes during a solve.
 #[derive(Debug, Clone)]
 struct Point {
-    /// `2 pi R det(J) w`: reference volume of the point [mm^3].
+    /// `2 pi R det(J) w`: reference volume of the point (mm^3).
     volume: f64,
-    /// `[dN/dR, dN/dZ, N/R]` of each node [1/mm].
+    /// `[dN/dR, dN/dZ, N/R]` of each node (1/mm).
     grad: [[f64; 3]; 8],
 }
 
@@ -35,7 +35,7 @@ pub const DOFS: usize = 16;
 pub const LOWER: usize = DOFS * (DOFS + 1) / 2;
 
 impl Solid {
-    /// Prepares an element with the corner and middle positions `x` [mm].
+    /// Prepares an element with the corner and middle positions `x` (mm).
     #[must_use]
     pub fn new(nodes: [usize; 8], x: &[[f64; 2]; 8], quadrature: Quadrature) -> Self {
         let rule = gauss(match quadrature {
@@ -64,7 +64,7 @@ impl Solid {
         f
     }
 
-    /// Adds the internal force to `force` and returns the strain energy [N mm];
+    /// Adds the internal force to `force` and returns the strain energy (N mm);
     /// `None` when the element is turned inside out.
     #[must_use]
     pub fn force(&self, law: &impl Law, u: &[f64; DOFS], force: &mut [f64; DOFS]) -> Option<f64> {
@@ -78,7 +78,7 @@ impl Solid {
     }
 
     /// Adds internal force and the lower triangle of the stiffness, returns the
-    /// strain energy [N mm]; `None` when the element is turned inside out.
+    /// strain energy (N mm); `None` when the element is turned inside out.
     #[must_use]
     pub fn stiffness(
         &self,

@@ -9,17 +9,17 @@
 
 use super::Law;
 
-/// Axisymmetric deformation gradient `[Frr, Frz, Fzr, Fzz, Ftt]` [-].
+/// Axisymmetric deformation gradient `[Frr, Frz, Fzr, Fzz, Ftt]` (-).
 pub type Gradient = [f64; 5];
 
 /// Energy, first Piola-Kirchhoff stress and tangent at a deformation gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
-    /// Energy per unit reference volume [MPa].
+    /// Energy per unit reference volume (MPa).
     pub energy: f64,
-    /// `P = dU/dF` in the order `[rr, rz, zr, zz, tt]` [MPa].
+    /// `P = dU/dF` in the order `[rr, rz, zr, zz, tt]` (MPa).
     pub stress: [f64; 5],
-    /// `A = dP/dF` [MPa], symmetric 5 x 5.
+    /// `A = dP/dF` (MPa), symmetric 5 x 5.
     pub tangent: [[f64; 5]; 5],
 }
 

@@ -1,15 +1,15 @@
-//! Hyperfoam (Ogden-Hill) energy, thesis Eq. 1, page as printed there.
+//! Hyperfoam (Ogden-Hill) energy, thesis Eq. 1.
 
 use super::{Law, LawError, Principal};
 
 /// One term of the Hyperfoam energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
-    /// Shear modulus of the term `mu_i` [MPa], not zero.
+    /// Shear modulus of the term `mu_i` (MPa), not zero.
     pub mu_mpa: f64,
-    /// Exponent `alpha_i` [-], not zero; foams lie in 1..24.
+    /// Exponent `alpha_i` (-), not zero; foams lie in 1..24.
     pub alpha: f64,
-    /// Poisson's ratio `nu_i` [-], in (-1, 0.5); 0 for open foams.
+    /// Poisson's ratio `nu_i` (-), in (-1, 0.5); 0 for open foams.
     pub nu: f64,
 }
 
@@ -76,7 +76,7 @@ impl Hyperfoam {
         &self.terms
     }
 
-    /// Nominal stress [MPa] of uniaxial stress at the stretch `l` for `nu = 0`
+    /// Nominal stress (MPa) of uniaxial stress at the stretch `l` for `nu = 0`
     /// in every term, where the sides do not move:
     /// `P = sum 2 mu/alpha (l^(alpha - 1) - 1/l)`; negative in compression.
     #[must_use]

@@ -1,7 +1,7 @@
 //! Material laws in principal stretches, and their turn into stress and tangent
 //! for an axisymmetric deformation gradient.
 //!
-//! A law is an energy per unit reference volume `U(l1, l2, l3)` [MPa = N/mm^2]
+//! A law is an energy per unit reference volume `U(l1, l2, l3)` (MPa = N/mm^2)
 //! that is symmetric in the principal stretches. Everything an element needs
 //! follows from its first and second derivatives: see [`Law`] and [`respond`].
 
@@ -14,11 +14,11 @@ pub use hyperfoam::{Hyperfoam, Term};
 /// Energy and its derivatives by the principal stretches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Principal {
-    /// Energy per unit reference volume `U` [MPa].
+    /// Energy per unit reference volume `U` (MPa).
     pub energy: f64,
-    /// Nominal principal stresses `dU/dl_i` [MPa].
+    /// Nominal principal stresses `dU/dl_i` (MPa).
     pub stress: [f64; 3],
-    /// `d2U/dl_i dl_j` [MPa], symmetric.
+    /// `d2U/dl_i dl_j` (MPa), symmetric.
     pub tangent: [[f64; 3]; 3],
 }
 
@@ -36,7 +36,7 @@ pub trait Law: Sync {
         (p.energy, p.stress)
     }
 
-    /// Small-strain shear modulus `mu_0` [MPa]; scales the contact penalty.
+    /// Small-strain shear modulus `mu_0` (MPa); scales the contact penalty.
     fn shear_modulus_mpa(&self) -> f64;
 
     /// Small-strain Poisson's ratio; with `mu_0` it gives the Hertz limit.

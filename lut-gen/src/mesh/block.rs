@@ -24,16 +24,16 @@ pub struct Sizes {
 /// Nodes and elements; the base is z = 0, the top z = height.
 #[derive(Debug, Clone)]
 pub struct BlockMesh {
-    /// Node positions `[r, z]` [mm].
+    /// Node positions `[r, z]` (mm).
     pub nodes: Vec<[f64; 2]>,
     /// Nodes of each element: four corners counter-clockwise from inner bottom,
     /// then the middles of bottom, outer, top, inner side.
     pub elements: Vec<[usize; 8]>,
     /// Surface edges from the axis outward: inner, middle, outer node.
     pub top: Vec<[usize; 3]>,
-    /// Height of the block [mm].
+    /// Height of the block (mm).
     pub height_mm: f64,
-    /// Radius of the block [mm].
+    /// Radius of the block (mm).
     pub radius_mm: f64,
 }
 

@@ -4,7 +4,7 @@
 /// follows the function to about 1e-4, far below what the mesh needs.
 const SAMPLES: usize = 4000;
 
-/// Divides `[0, length]` [mm] into intervals whose widths follow `size(x)` [mm]
+/// Divides `[0, length]` (mm) into intervals whose widths follow `size(x)` (mm)
 /// times one common factor near `1 / refinement`.
 ///
 /// The number of intervals is `integral dx / size(x)` times `refinement`, rounded up,

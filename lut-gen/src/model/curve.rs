@@ -13,7 +13,7 @@ pub struct Stats {
     pub steps: usize,
     /// Steps that had to be cut.
     pub cuts: usize,
-    /// Wall time [s].
+    /// Wall time (s).
     pub seconds: f64,
     /// Largest relative difference of contact force and base reaction.
     pub imbalance: f64,
@@ -22,9 +22,9 @@ pub struct Stats {
 /// Force of the ball over depth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Depths [mm].
+    /// Depths (mm).
     pub depth_mm: Vec<f64>,
-    /// Force at each depth [N].
+    /// Force at each depth (N).
     pub force_n: Vec<f64>,
     /// The curve as a function of depth.
     pub profile: DepthProfile,

@@ -24,9 +24,9 @@ pub struct ModelSpec {
     pub alpha: (f64, f64),
     /// Chebyshev nodes over the exponent.
     pub alpha_nodes: usize,
-    /// Range of heights [mm] and number of nodes, for specimens of unknown height.
+    /// Range of heights (mm) and number of nodes, for specimens of unknown height.
     pub heights_mm: Option<(f64, f64, usize)>,
-    /// Largest depth [mm].
+    /// Largest depth (mm).
     pub depth_mm: f64,
     /// Mesh of every solve.
     pub resolution: Resolution,
@@ -69,15 +69,15 @@ impl ErrorBound {
 /// Force and its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ForceGradient {
-    /// Force [N].
+    /// Force (N).
     pub force_n: f64,
-    /// By the shear modulus [N/MPa].
+    /// By the shear modulus (N/MPa).
     pub d_mu: f64,
-    /// By the exponent [N].
+    /// By the exponent (N).
     pub d_alpha: f64,
-    /// By the depth [N/mm].
+    /// By the depth (N/mm).
     pub d_depth: f64,
-    /// By the height [N/mm]; 0 when the model has one height.
+    /// By the height (N/mm); 0 when the model has one height.
     pub d_height: f64,
 }
 
@@ -160,7 +160,7 @@ impl ForceModel {
         self.solves
     }
 
-    /// Force [N] at the model's own height (the specimen's).
+    /// Force (N) at the model's own height (the specimen's).
     #[must_use]
     pub fn force_n(&self, mu_mpa: f64, alpha: f64, depth_mm: f64) -> f64 {
         self.gradient(mu_mpa, alpha, depth_mm).force_n
@@ -174,7 +174,7 @@ impl ForceModel {
         self.gradient_at(mu_mpa, alpha, depth_mm, self.spec.specimen.height_mm)
     }
 
-    /// As [`ForceModel::gradient`] at another height [mm] within the model's range.
+    /// As [`ForceModel::gradient`] at another height (mm) within the model's range.
     #[must_use]
     pub fn gradient_at(&self, mu_mpa: f64, alpha: f64, depth_mm: f64, height_mm: f64) -> ForceGradient {
         if depth_mm <= 0.0 {

@@ -14,9 +14,9 @@ use crate::verify::hertz_force_n;
 /// A cylindrical block with free sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Specimen {
-    /// Height `h` [mm].
+    /// Height `h` (mm).
     pub height_mm: f64,
-    /// Radius `W` [mm].
+    /// Radius `W` (mm).
     pub radius_mm: f64,
     /// How its bottom is held.
     pub base: Base,
@@ -33,7 +33,7 @@ impl Specimen {
 /// How finely an indentation is resolved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Resolution {
-    /// One mesh: 0.2 % typical from an eighth of the depth on.
+    /// One mesh: within 0.25 % of a converged one from 0.1 mm on for a 4 mm depth (docs/physics.md).
     Standard,
     /// Two meshes, the finer with all sizes divided by 1.5: half the error, stated from their difference.
     Fine,
@@ -67,7 +67,7 @@ pub struct Indentation {
     pub specimen: Specimen,
     /// The ball.
     pub ball: Ball,
-    /// Largest depth [mm].
+    /// Largest depth (mm).
     pub depth_mm: f64,
     /// Mesh.
     pub resolution: Resolution,
@@ -116,7 +116,7 @@ impl Indentation {
         self.solve_at(&depths)
     }
 
-    /// The curve at the given depths [mm], each at most the largest depth.
+    /// The curve at the given depths (mm), each at most the largest depth.
     ///
     /// # Errors
     /// See [`SolveError`].
@@ -167,7 +167,7 @@ impl Indentation {
         Ok(self.path(finest)?.0.stations)
     }
 
-    /// Hertz's factor `F / d^(3/2)` [N/mm^1.5] of the limit `d -> 0`, see [`hertz_force_n`].
+    /// Hertz's factor `F / d^(3/2)` (N/mm^1.5) of the limit `d -> 0`, see [`hertz_force_n`].
     #[must_use]
     pub fn hertz_factor(&self) -> f64 {
         hertz_force_n(self.law.shear_modulus_mpa(), self.law.poisson_ratio(), self.ball.radius_mm, 1.0)
@@ -201,7 +201,7 @@ impl Indentation {
         Ok(())
     }
 
-    /// Pressure scale of the penalty [MPa]: uniaxial stress at the compression
+    /// Pressure scale of the penalty (MPa): uniaxial stress at the compression
     /// of the ball's neighbourhood (a quarter) plus that of the whole block.
     fn pressure_mpa(&self) -> f64 {
         let l = (0.75 - self.depth_mm / self.specimen.height_mm).max(0.2);
@@ -222,7 +222,7 @@ impl Indentation {
         outcome
     }
 
-    /// Solves with a given penalty [MPa/mm]; returns the path and the unknowns.
+    /// Solves with a given penalty (MPa/mm); returns the path and the unknowns.
     fn path_with(&self, refinement: f64, penalty: f64) -> Result<(Path, usize), SolveError> {
         let sizes = Sizes { refinement, ..SIZES };
         let radius = self.ball.radius_mm;

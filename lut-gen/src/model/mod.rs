@@ -10,5 +10,5 @@ mod profile;
 pub use chebyshev::{Axis, Scale};
 pub use curve::{Curve, Stats};
 pub use force::{ErrorBound, ForceGradient, ForceModel, ModelSpec};
-pub use indentation::{Indentation, Resolution, Specimen};
-pub use profile::{DepthProfile, Sample};
+pub use indentation::{DEPTHS, Indentation, Resolution, Specimen};
+pub use profile::{DepthProfile, MAX_TERMS, Sample};

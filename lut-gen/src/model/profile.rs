@@ -11,9 +11,9 @@ pub const MAX_TERMS: usize = 24;
 /// One computed force with the relative error it is trusted to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Depth [mm], positive.
+    /// Depth (mm), positive.
     pub depth_mm: f64,
-    /// Force [N].
+    /// Force (N).
     pub force_n: f64,
     /// Relative standard error for the weight, positive.
     pub error: f64,
@@ -27,11 +27,11 @@ pub struct Sample {
 /// Between 0 and `d_max` the function and its derivative are continuous.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthProfile {
-    /// Largest depth [mm].
+    /// Largest depth (mm).
     pub depth_max_mm: f64,
-    /// Hertz factor `H` [N/mm^1.5].
+    /// Hertz factor `H` (N/mm^1.5).
     pub hertz: f64,
-    /// Coefficients `c_k` [N/mm^1.5], at most [`MAX_TERMS`].
+    /// Coefficients `c_k` (N/mm^1.5), at most [`MAX_TERMS`].
     pub coefficients: Vec<f64>,
 }
 
@@ -65,13 +65,13 @@ impl DepthProfile {
         (profile, square.sqrt())
     }
 
-    /// Force [N] at a depth; 0 for `depth <= 0`, the linear continuation beyond the range.
+    /// Force (N) at a depth; 0 for `depth <= 0`, the linear continuation beyond the range.
     #[must_use]
     pub fn force_n(&self, depth_mm: f64) -> f64 {
         self.force_and_slope(depth_mm).0
     }
 
-    /// Force [N] and `dF/dd` [N/mm].
+    /// Force (N) and `dF/dd` (N/mm).
     #[must_use]
     pub fn force_and_slope(&self, depth_mm: f64) -> (f64, f64) {
         if depth_mm <= 0.0 {

@@ -22,11 +22,11 @@ pub enum SolveError {
          the step fell below {smallest_mm:.2e} mm after {iterations} iterations"
     )]
     NoConvergence {
-        /// Last depth with equilibrium [mm].
+        /// Last depth with equilibrium (mm).
         depth_mm: f64,
-        /// Depth wanted [mm].
+        /// Depth wanted (mm).
         wanted_mm: f64,
-        /// Smallest step allowed [mm].
+        /// Smallest step allowed (mm).
         smallest_mm: f64,
         /// Newton iterations spent.
         iterations: usize,
@@ -36,9 +36,9 @@ pub enum SolveError {
     /// The iteration cap of the whole curve was reached.
     #[error("gave up at depth {depth_mm:.4} mm of {wanted_mm} mm ({law}): {iterations} Newton iterations spent")]
     TooManyIterations {
-        /// Last depth with equilibrium [mm].
+        /// Last depth with equilibrium (mm).
         depth_mm: f64,
-        /// Depth wanted [mm].
+        /// Depth wanted (mm).
         wanted_mm: f64,
         /// Newton iterations spent.
         iterations: usize,

@@ -7,7 +7,7 @@ mod sparse;
 mod system;
 
 pub use error::SolveError;
-pub use newton::Newton;
+pub use newton::{Newton, Problem, Workspace};
 pub use path::{Path, Station, Stepping};
-pub use sparse::{Factor, Pattern};
+pub use sparse::{Factor, HELD, Pattern};
 pub use system::{Base, State, System};

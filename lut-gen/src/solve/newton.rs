@@ -67,7 +67,7 @@ pub struct Problem<'a, L: Law> {
     pub system: &'a System,
     /// The material.
     pub law: &'a L,
-    /// Depth of the ball [mm].
+    /// Depth of the ball (mm).
     pub depth_mm: f64,
 }
 

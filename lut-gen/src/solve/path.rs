@@ -33,17 +33,17 @@ impl Default for Stepping {
 /// One equilibrium on the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
-    /// Depth of the ball [mm].
+    /// Depth of the ball (mm).
     pub depth_mm: f64,
-    /// Force on the ball from the contact [N].
+    /// Force on the ball from the contact (N).
     pub force_n: f64,
-    /// Reaction of the base [N].
+    /// Reaction of the base (N).
     pub base_force_n: f64,
-    /// `dF/dd` along the path [N/mm].
+    /// `dF/dd` along the path (N/mm).
     pub slope: f64,
-    /// Energy stored in the penalty [N mm].
+    /// Energy stored in the penalty (N mm).
     pub penalty_energy: f64,
-    /// Largest radius in contact [mm].
+    /// Largest radius in contact (mm).
     pub contact_radius_mm: f64,
 }
 
@@ -124,7 +124,7 @@ impl Stepping {
         Ok(out)
     }
 
-    /// Longest step at a depth [mm].
+    /// Longest step at a depth (mm).
     fn longest(&self, here_mm: f64, radius_mm: f64, depth_mm: f64) -> f64 {
         let next = (here_mm / depth_mm).sqrt() + 1.0 / self.stations as f64;
         (depth_mm * next * next - here_mm).min(self.largest * radius_mm)

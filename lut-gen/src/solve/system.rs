@@ -34,19 +34,19 @@ pub struct System {
 /// Residual, energy and sums of one configuration.
 #[derive(Debug, Clone)]
 pub struct State {
-    /// Residual of the free equations: internal minus contact force [N].
+    /// Residual of the free equations: internal minus contact force (N).
     pub residual: Vec<f64>,
-    /// Nodal contact force of the free equations [N].
+    /// Nodal contact force of the free equations (N).
     pub contact: Vec<f64>,
-    /// `d residual / d depth` at fixed displacement [N/mm].
+    /// `d residual / d depth` at fixed displacement (N/mm).
     pub drive: Vec<f64>,
-    /// Values of the stiffness in the system's pattern [N/mm].
+    /// Values of the stiffness in the system's pattern (N/mm).
     pub values: Vec<f64>,
-    /// Strain energy plus penalty energy [N mm].
+    /// Strain energy plus penalty energy (N mm).
     pub potential: f64,
     /// Sums over the contact.
     pub sum: Sum,
-    /// Axial force of the block on its base [N], positive downward.
+    /// Axial force of the block on its base (N), positive downward.
     pub base_force_n: f64,
 }
 

@@ -16,11 +16,11 @@ pub struct GridSpec {
     pub specimen: Specimen,
     /// The ball.
     pub ball: Ball,
-    /// Shear moduli [MPa], rising; force is proportional to them.
+    /// Shear moduli (MPa), rising; force is proportional to them.
     pub mu_mpa: Vec<f64>,
     /// Exponents, rising; one finite-element solve each.
     pub alpha: Vec<f64>,
-    /// Depths [mm], rising.
+    /// Depths (mm), rising.
     pub depth_mm: Vec<f64>,
     /// Mesh.
     pub resolution: Resolution,
@@ -50,7 +50,7 @@ impl GridSpec {
 pub struct ForceGrid {
     /// What it covers.
     pub spec: GridSpec,
-    /// Force per MPa of shear modulus [N/MPa]: `[alpha][depth]`.
+    /// Force per MPa of shear modulus (N/MPa): `[alpha][depth]`.
     pub force_per_mpa: Vec<Vec<f64>>,
     /// Discretisation: the largest difference to solves on a mesh refined by 1.5,
     /// at the ends and the middle of the exponents. Interpolation: the largest

@@ -7,11 +7,11 @@ use crate::law::{Hyperfoam, LawError};
 pub struct Foam {
     /// Name, at most 16 ASCII characters.
     pub name: &'static str,
-    /// Shear modulus [MPa].
+    /// Shear modulus (MPa).
     pub mu_mpa: f64,
     /// Exponent.
     pub alpha: f64,
-    /// Height of the specimen [mm].
+    /// Height of the specimen (mm).
     pub height_mm: f64,
     /// True for a curve that belongs to no specimen; it only makes the choice harder.
     pub dummy: bool,
@@ -40,11 +40,11 @@ pub fn foams() -> Vec<Foam> {
     ]
 }
 
-/// Radius of the flat cap that compresses the foam in the display's model [mm]:
+/// Radius of the flat cap that compresses the foam in the display's model (mm):
 /// an assumption, about that of a fingertip's contact; the thesis does not state the cap's size.
 pub const CAP_RADIUS_MM: f64 = 5.0;
 
-/// Displacement [mm] of a flat cap of radius [`CAP_RADIUS_MM`] pressed onto a foam
+/// Displacement (mm) of a flat cap of radius [`CAP_RADIUS_MM`] pressed onto a foam
 /// of height `height_mm` by `force_n`.
 ///
 /// Uniaxial with `nu = 0`, where the sides do not move: the stretch `l` solves

@@ -55,7 +55,7 @@ pub enum LutError {
 
 /// Points of a display curve.
 const DISPLAY_POINTS: usize = 64;
-/// Force between them [N]: the curve ends at 6.4 N, above the load of a pressing finger.
+/// Force between them (N): the curve ends at 6.4 N, above the load of a pressing finger.
 const DISPLAY_STEP_N: f64 = 0.1;
 
 /// Mean absolute difference, as part of the peak force, up to which a palpation

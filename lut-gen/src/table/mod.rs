@@ -5,5 +5,5 @@ mod library;
 mod lut;
 
 pub use grid::{ForceGrid, GridSpec};
-pub use library::{Foam, display_displacement_mm, foams};
+pub use library::{CAP_RADIUS_MM, Foam, display_displacement_mm, foams};
 pub use lut::{Form, LutError, library, lut, write};

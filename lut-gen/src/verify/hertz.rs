@@ -1,6 +1,6 @@
 //! Hertz's rigid sphere on an elastic half-space.
 
-/// `F = 4/3 E* sqrt(R) d^(3/2)` [N] with `E* = E / (1 - nu^2)` and
+/// `F = 4/3 E* sqrt(R) d^(3/2)` (N) with `E* = E / (1 - nu^2)` and
 /// `E = 2 mu (1 + nu)` (Johnson, Contact Mechanics, 1985, Eq. 4.23).
 /// Exact for `d -> 0`; lengths in mm, `mu` in MPa.
 #[must_use]
