@@ -55,7 +55,8 @@ fn a_served_board_answers_the_commands() {
 
     // The load cell's own offset of 0.03 N (0.003 of the reference) goes into the calibration.
     let before: toml::Table = stdout(&palpate(&[&["board", "calibrate"], &board[..]].concat())).parse().unwrap();
-    let after: toml::Table = stdout(&palpate(&[&["board", "calibrate", "--tare"], &board[..]].concat())).parse().unwrap();
+    let after: toml::Table =
+        stdout(&palpate(&[&["board", "calibrate", "--tare"], &board[..]].concat())).parse().unwrap();
     let zero = |t: &toml::Table| t["load_cell"]["zero_ratio"].as_float().unwrap();
     // A mean of 16 x 20 readings with 0.76 codes of noise each: 1e-5 of the reference, five times that.
     assert!((zero(&after) - zero(&before) - 0.003).abs() < 5e-5, "{before} {after}");

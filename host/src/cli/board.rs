@@ -146,8 +146,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 type Answer = (serde_json::Value, String);
 
 fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<Answer> {
-    let Status { uptime_ms, mode, state, faults, frames_rejected, frames_dropped, deadlines_missed, tick_max_us, table_hash } =
-        session.status().into_diagnostic()?;
+    let Status {
+        uptime_ms,
+        mode,
+        state,
+        faults,
+        frames_rejected,
+        frames_dropped,
+        deadlines_missed,
+        tick_max_us,
+        table_hash,
+    } = session.status().into_diagnostic()?;
     let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();
     let [major, minor, patch] = hello.firmware_version;
     let kind = if hello.simulated { "simulated board" } else { "board" };

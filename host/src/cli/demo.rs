@@ -93,7 +93,7 @@ fn show(solves: &Progress, bar: &Bar, stage: &Stage<'_>) {
 
 fn set(bar: &Bar, name: &'static str, unit: &str, done: usize, total: usize, text: &str) {
     let Ok(mut bar) = bar.lock() else { return };
-    if !bar.as_ref().is_some_and(|(shown, _)| *shown == name) {
+    if bar.as_ref().is_none_or(|(shown, _)| *shown != name) {
         let fresh = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::stderr());
         let template = format!("{name:32} [{{bar:30}}] {{pos:>3}}/{{len}} {unit}  {{msg}}");
         if let Ok(style) = ProgressStyle::with_template(&template) {

@@ -46,8 +46,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let (mut session, hello) = Session::open(link, Patience::default()).into_diagnostic()?;
     session.set_telemetry(arguments.every).into_diagnostic()?;
     let mut view = live_view(session.link().name(), Vec::new());
-    let kind = if hello.simulated { "simulated board" } else { "board" };
-    view.note(&format!("listening to {} ({kind})", session.link().name()));
+    let simulated = if hello.simulated { ", simulated surroundings" } else { "" };
+    view.note(&format!("listening to {}{simulated}", session.link().name()));
     let started_s = session.link().now_s();
     let mut heard_s = started_s;
     let outcome = loop {

@@ -1,4 +1,4 @@
-//! The last palpated material, displayed to a finger.
+//! A palpated material, displayed to a finger.
 
 use protocol::lut::Table;
 use protocol::message::Mode;
@@ -58,13 +58,21 @@ impl Displayed {
     }
 }
 
-/// Displays the material that was recognised last (the first of the library if none was).
+/// Most that the display's shaft can give way, mm (the board's own limit): softer foams are not displayed to this hand.
+const STROKE_MM: f32 = 4.5;
+
+/// Displays the material that was recognised last among those whose displacement under this hand the display can follow; without
+/// one the first of the library.
 pub(super) fn display(
     listening: &mut Listening,
     table: &Table<'_>,
     palpated: &[Palpated],
 ) -> Result<Displayed, DemoError> {
-    let last = palpated.iter().rev().find(|p| p.recognised());
+    let within_stroke = |p: &&Palpated| {
+        let material = table.material(usize::from(p.verdict.material.index));
+        material.is_some_and(|m| m.displacement_mm(TOUCH.peak_n as f32) <= STROKE_MM)
+    };
+    let last = palpated.iter().rev().filter(|p| p.recognised()).find(within_stroke);
     let index = last.map_or(0, |p| p.verdict.material.index);
     let material = table.material(usize::from(index)).ok_or(DemoError::NoLibrary)?;
     listening.session().set_mode(Mode::Display { material: index })?;

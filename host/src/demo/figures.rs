@@ -19,12 +19,12 @@ fn one_of_each<'a>(summary: &'a Summary, foams: &[Foam]) -> Vec<(usize, &'a Palp
 pub(super) fn force_over_depth(summary: &Summary, foams: &[Foam], table: &Table<'_>) -> Figure {
     let mut figure = Figure::new(
         "One palpation of each foam, and what the board made of it",
-        Axis::new("depth after contact (mm)").over(0.0, summary.options.depth_mm),
+        Axis::new("depth below the surface (mm)").over(0.0, summary.options.depth_mm),
         Axis::new("force (N)"),
     );
     for (i, p) in one_of_each(summary, foams) {
         let readings = p.trace.iter().filter(|t| t.pressing);
-        let points = readings.map(|t| (t.belief_depth_mm, t.sensor_force_n)).collect();
+        let points = readings.map(|t| (t.true_depth_mm, t.sensor_force_n)).collect();
         figure.series.push(Series::new("", points, Stroke::Circles, i));
         let material = table.material(usize::from(p.verdict.material.index));
         let chosen = (1..=200).filter_map(|k| {

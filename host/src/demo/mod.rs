@@ -19,7 +19,7 @@ use std::time::Instant;
 
 use protocol::lut::Table;
 
-pub use display::{Displayed, DisplayTrace};
+pub use display::{DisplayTrace, Displayed};
 pub use error::DemoError;
 pub use foams::bench_foams;
 pub use palpation::{Palpated, TracePoint};

@@ -89,7 +89,8 @@ pub(super) fn palpate(
             Some((Event::Verdict(verdict), _)) => break verdict,
             Some((Event::Fault(fault), _)) => watch(Stage::Note(&fault_text(&fault))),
             Some((Event::Telemetry(t), truth)) => {
-                if let Some(truth) = truth {
+                // Records of the ticks before belong to the previous foam.
+                if let Some(truth) = truth.filter(|_| t.state != State::Idle) {
                     trace.push(TracePoint {
                         time_s: truth.time_s,
                         pressing: t.state == State::Contact,

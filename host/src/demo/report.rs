@@ -58,8 +58,8 @@ fn page(summary: &Summary, foams: &[Foam], table: &Table<'_>) -> Page {
     }
     page.figure(
         &force_over_depth(summary, foams, table).svg(),
-        "Circles: load cell over the depth the board believes, 50 a second. Lines: the library curve it chose. The force on the ball \
-         comes from finer solves than the table's.",
+        "Circles: load cell over the true depth, 50 a second while the board knew of contact. Lines: the library curve it chose. The force on \
+         the ball comes from finer solves than the table's.",
     );
     identification(&mut page, summary, foams, table);
     display(&mut page, summary);
@@ -104,7 +104,8 @@ fn identification(page: &mut Page, summary: &Summary, foams: &[Foam], table: &Ta
 fn display(page: &mut Page, summary: &Summary) {
     page.section("Display");
     page.paragraph(&format!(
-        "{} displayed to a simulated finger. The shaft follows its target within {:.2} mm rms.",
+        "{} displayed to a simulated finger: the last foam recognised whose displacement under this hand the display's stroke allows. \
+         The shaft follows its target within {:.2} mm rms.",
         summary.displayed.material,
         summary.displayed.tracking_rms_mm()
     ));

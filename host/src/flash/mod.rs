@@ -219,7 +219,7 @@ mod tests {
 
     impl ProbeLister for NoProbes {
         fn open(&self, _: &DebugProbeSelector) -> Result<Probe, DebugProbeError> {
-            Err(DebugProbeError::NotYetImplemented("no probes here"))
+            Err(DebugProbeError::NotImplemented { function_name: "open" })
         }
         fn list_with_access(&self, _: Option<&DebugProbeSelector>) -> Vec<ProbeListItem> {
             Vec::new()

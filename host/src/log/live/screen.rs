@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 use std::io::{Stderr, stderr};
 use std::time::{Duration, Instant};
 
+use protocol::TICK_HZ;
 use protocol::fault::Fault;
 use protocol::message::Telemetry;
-use protocol::TICK_HZ;
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
 use ratatui::crossterm::event::{self, KeyCode, KeyModifiers};
