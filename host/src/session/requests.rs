@@ -1,0 +1,90 @@
+//! The requests of the table of messages, one function each.
+
+use protocol::message::{Calibration, Empty, Gains, Mode, Refusal, Report, Request, Status, TelemetryRate};
+
+use super::{Session, SessionError};
+use crate::link::Link;
+
+impl<L: Link> Session<L> {
+    /// What the board is doing.
+    ///
+    /// # Errors
+    /// As [`Session::request`]; so for all requests below.
+    pub fn status(&mut self) -> Result<Status, SessionError> {
+        match self.request(&Request::Status(Empty {}))? {
+            Report::Status(status) => Ok(status),
+            _ => Err(self.no_sense("Status")),
+        }
+    }
+
+    /// Sets the mode. A repeated request that finds the board busy with just this mode has succeeded: only the
+    /// answer to the first one was lost.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_mode(&mut self, mode: Mode) -> Result<(), SessionError> {
+        let repeated = self.traffic.requests_repeated;
+        match self.request(&Request::SetMode(mode)) {
+            Err(SessionError::Refused { reason: Refusal::Busy, .. })
+                if self.traffic.requests_repeated > repeated && self.status()?.mode == mode =>
+            {
+                Ok(())
+            }
+            other => other.map(|_| ()),
+        }
+    }
+
+    /// Sets the gains of the position loop.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_gains(&mut self, gains: Gains) -> Result<(), SessionError> {
+        self.request(&Request::SetGains(gains)).map(|_| ())
+    }
+
+    /// The calibration in use.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn calibration(&mut self) -> Result<Calibration, SessionError> {
+        match self.request(&Request::GetCalibration(Empty {}))? {
+            Report::Calibration(calibration) => Ok(calibration),
+            _ => Err(self.no_sense("GetCalibration")),
+        }
+    }
+
+    /// Replaces the calibration.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_calibration(&mut self, calibration: Calibration) -> Result<(), SessionError> {
+        self.request(&Request::SetCalibration(calibration)).map(|_| ())
+    }
+
+    /// Takes the load cell's present reading as zero.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn tare(&mut self) -> Result<(), SessionError> {
+        self.request(&Request::Tare(Empty {})).map(|_| ())
+    }
+
+    /// Clears latched faults.
+    ///
+    /// # Errors
+    /// As [`Session::request`]; refused while a cause remains.
+    pub fn clear_faults(&mut self) -> Result<(), SessionError> {
+        self.request(&Request::ClearFaults(Empty {})).map(|_| ())
+    }
+
+    /// Telemetry every `divider`-th control tick, 0 for none.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_telemetry(&mut self, divider: u8) -> Result<(), SessionError> {
+        self.request(&Request::SetTelemetry(TelemetryRate { divider }))?;
+        self.divider = u32::from(divider).max(1);
+        self.last_tick = None;
+        Ok(())
+    }
+}
