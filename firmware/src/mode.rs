@@ -140,6 +140,9 @@ impl ModeState {
         let limits = table.ok_or(Refusal::NoTable)?;
         let next = match mode {
             Mode::Palpate { rate_mm_s, depth_mm } => {
+                if !limits.searchable {
+                    return Err(Refusal::TooLarge);
+                }
                 let (slowest, fastest) = config.rate_mm_s;
                 let rate_ok = rate_mm_s >= slowest && rate_mm_s <= fastest;
                 let depth_ok = depth_mm >= config.depth_min_mm && depth_mm <= limits.depth_max_mm * (1.0 + 1e-4);
@@ -185,7 +188,10 @@ impl ModeState {
     }
 
     fn approach(&mut self, config: &ModeConfig, input: &ModeInput) {
-        if input.no_such_height {
+        if input.force_n >= config.force_end_n {
+            // Something hard, before the contact was understood: back before the force limit makes it a fault.
+            self.retract(Outcome::TooShort, input.probe_mm);
+        } else if input.no_such_height {
             self.retract(Outcome::NoSuchHeight, input.probe_mm);
         } else if input.contact {
             self.enter(State::Contact);
@@ -235,6 +241,8 @@ pub struct TableLimits {
     pub depth_max_mm: f32,
     /// Library materials.
     pub materials: usize,
+    /// The table has no more columns than this build searches.
+    pub searchable: bool,
 }
 
 #[cfg(test)]
@@ -242,7 +250,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
 
-    const LIMITS: Option<TableLimits> = Some(TableLimits { depth_max_mm: 4.0, materials: 3 });
+    const LIMITS: Option<TableLimits> = Some(TableLimits { depth_max_mm: 4.0, materials: 3, searchable: true });
     const PALPATE: Mode = Mode::Palpate { rate_mm_s: 1.0, depth_mm: 4.0 };
     const FREE: ModeInput = ModeInput {
         probe_mm: 20.0,

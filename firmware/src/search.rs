@@ -53,7 +53,8 @@ impl Slice {
         } else if let Some(axis) = table.axes().filter(|a| a.role == Role::Column).last() {
             slice.inner = if axis.name == axis_name::HEIGHT { 1 } else { axis.len() };
         }
-        (slice.len() <= MAX_SUMS && !slice.is_empty()).then_some(slice)
+        let fits = slice.len() <= MAX_SUMS && !slice.is_empty() && slice.shapes(table, 0).count <= MAX_FACTORS;
+        fits.then_some(slice)
     }
 
     /// Number of sums: columns times factors.

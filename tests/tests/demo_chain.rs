@@ -124,14 +124,17 @@ fn report_and_logs_hold_every_palpation() {
     assert_eq!(count("verdict"), 4);
     assert_eq!(count("fault"), 0);
     let csv = std::fs::read_to_string(folder.path().join("telemetry.csv")).unwrap();
-    assert_eq!(csv.lines().count() - 1, count("telemetry"));
+    // A line that begins with a comma carries a remark and no record.
+    assert_eq!(csv.lines().filter(|l| !l.starts_with(',')).count() - 1, count("telemetry"));
     assert_eq!(csv.lines().filter(|l| l.contains("verdict ")).count(), 4);
     // Belief, sensor and truth are separate: during contact none of the three equals another.
     let head: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     let column = |name: &str| head.iter().position(|h| *h == name).unwrap();
     let (state, belief, truth) = (column("state"), column("belief_depth_mm"), column("true_depth_mm"));
     let contact = csv.lines().map(|l| l.split(',').collect::<Vec<_>>()).filter(|c| c[state] == "Contact");
-    let differ = contact.filter(|c| c[belief] != c[truth]).count();
+    // A micrometre is ten times the rounding of the printed numbers.
+    let mm = |cell: &str| cell.parse::<f64>().unwrap();
+    let differ = contact.filter(|c| (mm(c[belief]) - mm(c[truth])).abs() > 1e-3).count();
     assert!(differ > 100, "{differ}");
     // The display follows the hand: its own curve is a millimetre deep, so half of that is a failure.
     assert!(summary.displayed.trace.len() > 200);

@@ -29,7 +29,7 @@ impl Noise {
     }
 }
 
-/// Forces of a ball on a mesh 1.5 times as fine as the identification's, extrapolated.
+/// Forces of a ball on a mesh 1.5 times as fine as the identification's.
 fn fine(ball_mm: f64, depths: &[f64]) -> Vec<f64> {
     let problem = Indentation {
         law: Hyperfoam::new(vec![Term { mu_mpa: MU_MPA, alpha: ALPHA, nu: 0.0 }]).unwrap(),

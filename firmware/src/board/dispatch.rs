@@ -6,6 +6,7 @@ use crate::flash::{CalibrationStore, SLOT_LEN, TableStore};
 use crate::link::Priority;
 use crate::mode::TableLimits;
 use crate::pid::{Pid, gains_are_usable};
+use crate::search::Slice;
 use crate::sensor::{calibration_is_usable, tared};
 use protocol::frame::Frame;
 use protocol::message::{
@@ -151,7 +152,12 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         let limits = if self.upload.is_erasing() {
             None
         } else {
-            self.table().map(|t| TableLimits { depth_max_mm: t.depth_max_mm(), materials: t.material_count() })
+            self.table().map(|t| TableLimits {
+                depth_max_mm: t.depth_max_mm(),
+                materials: t.material_count(),
+                // All slices of a table are alike in size.
+                searchable: Slice::for_height(&t, 0.0).is_some(),
+            })
         };
         if mode != Mode::Idle && !self.safety.latched().is_empty() {
             return Err(Refusal::Faulted);

@@ -131,7 +131,8 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         Board {
             pid: Pid::build(&config.gains, TICK_S, config.u_max_v),
             safety: Safety::new(&identity.reset_cause),
-            coil_c: config.thermal.ambient_c,
+            // How hot the coil was before the reset is not known: assume the hottest that needs no caution.
+            coil_c: config.thermal.derate_c,
             config,
             store,
             identity,
@@ -235,7 +236,10 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         } else {
             self.age_ticks = self.age_ticks.saturating_add(1);
         }
-        self.coil_c = thermal::step_c(&self.config.thermal, self.coil_c, self.measured.coil_a, TICK_S);
+        // Heated by the larger of measured and wanted current: an amplifier that reads no current must not hide the heat.
+        // (`max` also keeps a reading that is no number out of the temperature.)
+        let heating_a = self.measured.coil_a.max(self.outputs.coil_target_a);
+        self.coil_c = thermal::step_c(&self.config.thermal, self.coil_c, heating_a, TICK_S);
         if self.mode.state != State::Idle {
             let (sum, count, max) = &mut self.contact_ticks;
             *max = (*max).max(inputs.tick_us);

@@ -39,6 +39,10 @@ impl BoardFlash {
     /// Moves the latest calibration to the other journal when the one in use is nearly full: written there first, erased here after.
     fn tidy(&mut self) {
         let Some(used) = in_use() else {
+            // No record, but not blank either (an older image lay here): make room for the first record.
+            if region(0).iter().any(|b| *b != 0xff) && erase_journal(0).is_err() {
+                defmt::error!("journal could not be erased");
+            }
             return;
         };
         let other = 1 - used;

@@ -84,12 +84,29 @@ impl Sampling {
         Sampling { ring, _trigger: trigger }
     }
 
-    /// After a stop of the converter (its overrun flag blocks DMA): clears the flag and starts the ring anew.
+    /// After a stop of the converter (its overrun flag blocks DMA): starts converter and ring from their beginnings.
+    ///
+    /// A stream that is only switched off and on again goes on with its old remaining count, and channels would change places in
+    /// the ring for good if the stop fell into a scan. So the scan is aborted (ADON) and the count written anew (RM0090, 10.3.17 and 13.8.1).
     fn restart(&mut self) {
         self.ring.stop();
-        pac::ADC1.cr2().modify(|w| w.set_dma(false));
+        let stream = pac::DMA2.st(0);
+        // The stream ends its last item within a few bus clocks; the bound is for a bus that does not answer.
+        for _ in 0..1000 {
+            if !stream.cr().read().en() {
+                break;
+            }
+        }
+        pac::ADC1.cr2().modify(|w| {
+            w.set_adon(false);
+            w.set_dma(false);
+        });
         pac::ADC1.sr().modify(|w| w.set_ovr(false));
-        pac::ADC1.cr2().modify(|w| w.set_dma(true));
+        stream.ndtr().write(|w| w.set_ndt((2 * HALF) as u16));
+        pac::ADC1.cr2().modify(|w| {
+            w.set_adon(true);
+            w.set_dma(true);
+        });
         self.ring.clear();
         self.ring.start();
     }

@@ -91,37 +91,39 @@ pub fn at_rail(ratio: f32) -> bool {
 
 /// The calibration a board starts with until one is stored.
 ///
-/// Load cell (assumed 10 N cell with bridge amplifier): -1 to 9 N. FSR: thesis Eq. 43 (ERRATA: mS and units of 100 gf), 10 kOhm.
+/// Load cell (assumed 10 N cell with bridge amplifier): -1 to 9 N. FSR: Eq. 43 by least squares over Table 7 (ERRATA row
+/// Eq. 43: mS and units of 100 gf; the thesis rounds to 0.079 and -0.016), 10 kOhm.
 /// Potentiometer: Eq. 46 (ERRATA: linear in resistance) with the 1.6 kOhm divider of the 3.3 V board.
 /// Probe position (assumed 100 mm transducer): -10 to 90 mm.
 pub const DEFAULT_CALIBRATION: Calibration = Calibration {
     load_cell: LoadCell { zero_ratio: 0.1, n_per_ratio: 10.0 },
-    fsr: ResistiveSensor { slope: 0.079, offset: -0.016, divider_kohm: 10.0 },
+    fsr: ResistiveSensor { slope: 0.077_66, offset: -0.015_96, divider_kohm: 10.0 },
     potentiometer: ResistiveSensor { slope: -0.080_279, offset: 2.5829, divider_kohm: 1.6 },
     probe: ProbePosition { zero_ratio: 0.1, mm_per_ratio: 100.0 },
 };
 
-/// True if a calibration can be used: all numbers finite, sensitivities not zero, dividers positive.
+/// True if a calibration can be used: every number finite, and near enough to the default that the limits of [`crate::safety`], which are
+/// compared in N and mm, keep their meaning whatever a host sends.
+///
+/// Sensitivities and dividers may be half to double the default's, with its sign; the load cell's zero may move as far as 8 N can
+/// still be read.
 pub fn calibration_is_usable(c: &Calibration) -> bool {
-    let numbers = [
-        c.load_cell.zero_ratio,
-        c.load_cell.n_per_ratio,
-        c.fsr.slope,
-        c.fsr.offset,
-        c.fsr.divider_kohm,
-        c.potentiometer.slope,
-        c.potentiometer.offset,
-        c.potentiometer.divider_kohm,
-        c.probe.zero_ratio,
-        c.probe.mm_per_ratio,
+    let d = &DEFAULT_CALIBRATION;
+    let sensitivities = [
+        (c.load_cell.n_per_ratio, d.load_cell.n_per_ratio),
+        (c.fsr.slope, d.fsr.slope),
+        (c.fsr.divider_kohm, d.fsr.divider_kohm),
+        (c.potentiometer.slope, d.potentiometer.slope),
+        (c.potentiometer.offset, d.potentiometer.offset),
+        (c.potentiometer.divider_kohm, d.potentiometer.divider_kohm),
+        (c.probe.mm_per_ratio, d.probe.mm_per_ratio),
     ];
-    numbers.iter().all(|x| x.is_finite())
-        && c.load_cell.n_per_ratio != 0.0
-        && c.fsr.slope > 0.0
-        && c.potentiometer.slope != 0.0
-        && c.fsr.divider_kohm > 0.0
-        && c.potentiometer.divider_kohm > 0.0
-        && c.probe.mm_per_ratio != 0.0
+    // Comparisons with NaN are false, and an infinite value fails the upper bound.
+    let near = |x: f32, default: f32, by: f32| x >= default - by && x <= default + by;
+    sensitivities.iter().all(|(x, default)| x / default >= 0.5 && x / default <= 2.0)
+        && near(c.load_cell.zero_ratio, d.load_cell.zero_ratio, 0.08)
+        && near(c.probe.zero_ratio, d.probe.zero_ratio, 0.1)
+        && near(c.fsr.offset, d.fsr.offset, 0.05)
 }
 
 #[cfg(test)]
@@ -138,6 +140,24 @@ mod tests {
         broken = DEFAULT_CALIBRATION;
         broken.probe.mm_per_ratio = f32::NAN;
         assert!(!calibration_is_usable(&broken));
+    }
+
+    /// Limits are compared in N, mm and kOhm: a calibration that would keep them from ever acting is refused.
+    #[test]
+    fn no_calibration_can_put_a_limit_out_of_reach() {
+        let with = |change: fn(&mut Calibration)| {
+            let mut c = DEFAULT_CALIBRATION;
+            change(&mut c);
+            calibration_is_usable(&c)
+        };
+        assert!(with(|c| c.load_cell.n_per_ratio = 12.0), "another cell");
+        assert!(!with(|c| c.load_cell.n_per_ratio = 0.001), "8 N never read");
+        assert!(!with(|c| c.load_cell.n_per_ratio = -10.0), "pressing reads as pulling");
+        assert!(!with(|c| c.load_cell.zero_ratio = 0.85), "8 N beyond the rail");
+        assert!(!with(|c| c.potentiometer.slope = -1e30), "the shaft never moves");
+        assert!(!with(|c| c.fsr.divider_kohm = 1e9), "a short is never seen");
+        assert!(!with(|c| c.probe.mm_per_ratio = -100.0), "the probe rises as it falls");
+        assert!(!with(|c| c.fsr.offset = f32::INFINITY));
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub struct Arguments {
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
-    /// Write an HTML report with figures into this folder
+    /// Folder of the HTML report with figures [default: out/identify; with --json none]
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
 }
@@ -38,7 +38,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         eprintln!("{message}");
     }
     let mut written = None;
-    if let Some(folder) = &arguments.report {
+    // People get the figures without asking; scripts say where they want them.
+    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/identify")));
+    if found.is_empty() && !arguments.json {
+        println!("outcome          nothing to identify: the experiment holds no indentation run into a soft specimen");
+    }
+    if let Some(folder) = &folder {
         let file = folder.join("report.html");
         report::identification::page(&experiment, &found)
             .write(&file)

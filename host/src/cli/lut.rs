@@ -78,11 +78,11 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     let ball = Ball { radius_mm: arguments.ball_mm };
     let progress = Progress::new();
     let mut grids = Vec::new();
+    let base = match arguments.base {
+        BaseArgument::Bonded => Base::Bonded,
+        BaseArgument::Sliding => Base::Sliding,
+    };
     for height_mm in &heights {
-        let base = match arguments.base {
-            BaseArgument::Bonded => Base::Bonded,
-            BaseArgument::Sliding => Base::Sliding,
-        };
         let spec = GridSpec::thesis(Specimen { base, ..Specimen::of_height(*height_mm) }, ball);
         let what = format!("height {} mm", number(*height_mm));
         let grid = ForceGrid::build(&spec, &|done, total| progress.set(&what, done, total))
@@ -97,7 +97,8 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     // Only foams the table has a section for can be recognised with it.
     let mut foams = table::foams();
     foams.retain(|foam| heights.iter().any(|height| (height - foam.height_mm).abs() < 1e-6));
-    let library = table::library(&foams, ball, &grids[0].spec.depth_mm, Resolution::Standard).into_diagnostic()?;
+    let library =
+        table::library(&foams, ball, base, &grids[0].spec.depth_mm, Resolution::Standard).into_diagnostic()?;
     let bytes = table::write(&grids, form, library).into_diagnostic()?;
     save(&arguments.out, &bytes)?;
     let picture = arguments.out.with_extension("svg");

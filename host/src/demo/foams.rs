@@ -16,7 +16,7 @@ const STEP_MM: f64 = 0.02;
 /// How much deeper than a palpation the curves go, mm: the arm overshoots by its stopping distance.
 const BEYOND_MM: f64 = 0.2;
 
-/// The real foams of the library with curves of their own: each at its own height, on two meshes with Richardson extrapolation, to a
+/// The real foams of the library with curves of their own: each at its own height, on another mesh than the table's, to a
 /// greater depth than `depth_mm`, that of the table.
 ///
 /// # Errors

@@ -2,6 +2,7 @@
 
 use lut_gen::contact::Ball;
 use lut_gen::model::{Resolution, Specimen};
+use lut_gen::solve::Base;
 use lut_gen::table::{Foam, ForceGrid, Form, GridSpec, foams, library, write};
 
 use super::{DemoError, Stage, Watcher};
@@ -27,7 +28,7 @@ pub fn demo_table(watch: Watcher<'_>) -> Result<Vec<u8>, DemoError> {
     let Some(depths) = grids.first().map(|g| g.spec.depth_mm.clone()) else {
         return Err(DemoError::NoLibrary);
     };
-    let named = library(&materials, ball, &depths, Resolution::Standard)?;
+    let named = library(&materials, ball, Base::Bonded, &depths, Resolution::Standard)?;
     Ok(write(&grids, Form::Factored, named)?)
 }
 

@@ -198,10 +198,12 @@ impl Fit {
     /// neighbours where only the residual itself is known.
     fn noise_unit(&self, run: &RunFit) -> f64 {
         match self.noise.source {
-            NoiseSource::Replicates | NoiseSource::Stated => self.noise.sigma_n,
-            NoiseSource::Residual => run.sample_noise_n,
+            NoiseSource::Replicates | NoiseSource::Stated if self.noise.sigma_n > 0.0 => self.noise.sigma_n,
+            // Replicates that are equal to the last digit say nothing about noise.
+            _ => run.sample_noise_n,
         }
-        .max(f64::MIN_POSITIVE)
+        // A micronewton is below what any of these sensors resolves: data without noise, from a model.
+        .max(1e-6)
     }
 
     pub(super) fn messages(&self, experiment: &Experiment, selection: &Selection) -> Vec<String> {
@@ -228,8 +230,12 @@ impl Fit {
             && units > SYSTEMATIC
         {
             let run = &self.runs[at];
+            let unit = match self.noise.source {
+                NoiseSource::Replicates | NoiseSource::Stated if self.noise.sigma_n > 0.0 => "the noise",
+                _ => "the scatter between neighbouring samples",
+            };
             messages.push(format!(
-                "the model is systematically wrong: {} lies {:+.4} N off it around {:.2} mm past contact, {:.0} times the noise; the intervals say how well the fit is determined, not how near it is to the truth",
+                "the model is systematically wrong: {} lies {:+.4} N off it around {:.2} mm past contact, {:.0} times {unit}; the intervals say how well the fit is determined, not how near it is to the truth",
                 experiment.runs[selection.curves[run.curve].run].file, run.worst.1, run.worst.0, units
             ));
         }

@@ -20,7 +20,7 @@ pub struct StandardErrors {
     pub model: Vec<f64>,
 }
 
-/// An interval and whether a wall of the box cut it.
+/// An interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Lower end.

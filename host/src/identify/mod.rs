@@ -24,7 +24,7 @@ use std::time::Instant;
 pub use answer::json;
 
 use crate::experiment::motion::{self, Motion};
-use crate::experiment::{BaseLaw, Experiment, Length, replicate};
+use crate::experiment::{BaseLaw, Experiment, Length, Test, replicate};
 
 use data::{Height, LeftOut, Selection};
 use fe::{FeModel, ModelError, Progress};
@@ -107,8 +107,21 @@ pub fn materials(experiment: &Experiment) -> Vec<String> {
 /// # Errors
 /// If a finite element solve fails, or a ball's radius is unknown.
 pub fn identify(experiment: &Experiment, progress: &Progress<'_>) -> Result<Vec<Identification>, ModelError> {
+    refuse_unknown_balls(experiment)?;
     let motions = motions(experiment);
     materials(experiment).iter().map(|material| one_material(experiment, &motions, material, progress)).collect()
+}
+
+/// A loading curve cannot tell the ball's radius from mu: said at once, not as a missing contact.
+fn refuse_unknown_balls(experiment: &Experiment) -> Result<(), ModelError> {
+    let soft = |at: usize| experiment.specimens.get(at).is_some_and(|s| s.base_law != BaseLaw::Rigid);
+    let runs = experiment.runs.iter().filter(|run| run.test == Test::Indentation && run.specimen.is_some_and(soft));
+    for ball in runs.filter_map(|run| experiment.indenters.get(run.indenter?)) {
+        if ball.radius_mm.known().is_none() {
+            return Err(ModelError::UnknownBall(ball.name.clone()));
+        }
+    }
+    Ok(())
 }
 
 fn one_material(

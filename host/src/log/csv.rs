@@ -112,6 +112,12 @@ impl CsvLog {
     /// # Errors
     /// [`LogError::File`].
     pub fn keep(&mut self, sync: bool) -> Result<(), LogError> {
+        // A board that reports a fault and then falls silent sends no record that could carry the remark.
+        if !self.note.is_empty() {
+            let note = std::mem::take(&mut self.note);
+            let empty_cells = ",".repeat(COLUMNS.matches(',').count());
+            let _ = writeln!(self.lines, "{empty_cells}{}", quoted(&note));
+        }
         let failed = |source| LogError::File { path: self.path.clone(), source };
         self.file.write_all(self.lines.as_bytes()).map_err(failed)?;
         self.lines.clear();

@@ -47,7 +47,8 @@ pub struct Bench {
 
 impl Bench {
     /// An empty bench at rest. The sensors follow the laws that the board is calibrated for, but not exactly: the load cell's zero
-    /// lies 0.03 N off until it is tared, and the FSR follows the least-squares line of thesis Table 7, not the rounded one.
+    /// lies 0.03 N off until it is tared and its sensitivity 0.5 % high, the probe's transducer is 0.2 % short, and the FSR follows the thesis'
+    /// rounded line, not the least-squares one of Table 7. Potentiometer and coil are as the board believes.
     pub fn new(seed: u64, jitter: Jitter) -> Self {
         Bench {
             seed,
@@ -58,10 +59,10 @@ impl Bench {
             arm: Arm::new(EMPTY_HOME_MM),
             home_mm: EMPTY_HOME_MM,
             placed: None,
-            load_cell: LoadCell { zero_ratio: 0.103, n_per_ratio: 10.0 },
-            transducer: Transducer { zero_ratio: 0.1, mm_per_ratio: 100.0 },
+            load_cell: LoadCell { zero_ratio: 0.103, n_per_ratio: 10.05 },
+            transducer: Transducer { zero_ratio: 0.1, mm_per_ratio: 99.8 },
             finger: Finger::new(seed),
-            fsr: Fsr::new(0.07766, -0.01596, 10.0, seed),
+            fsr: Fsr::new(0.079, -0.016, 10.0, seed),
             actuator: Actuator::new(0.0),
             potentiometer: Potentiometer { slope_kohm_mm: -0.080_279, offset_kohm: 2.5829, divider_kohm: 1.6 },
             coil: Coil::default(),

@@ -33,9 +33,9 @@ impl Specimen {
 /// How finely an indentation is resolved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Resolution {
-    /// One mesh: within 0.25 % of a converged one from 0.1 mm on for a 4 mm depth (docs/physics.md).
+    /// One mesh: within 0.25 % of a mesh refined 2.5 times from 0.25 mm on for a 4 mm depth (docs/physics.md).
     Standard,
-    /// Two meshes, the finer with all sizes divided by 1.5: half the error, stated from their difference.
+    /// Two meshes, the finer with all sizes divided by 1.5: their difference states the error.
     Fine,
     /// One mesh with all element sizes divided by the given factor.
     Refined(f64),

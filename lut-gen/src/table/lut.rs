@@ -7,7 +7,7 @@ use super::{Foam, ForceGrid, display_displacement_mm};
 use crate::contact::Ball;
 use crate::law::Hyperfoam;
 use crate::model::{Indentation, Resolution, Specimen};
-use crate::solve::SolveError;
+use crate::solve::{Base, SolveError};
 
 /// How the shear modulus is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +63,7 @@ const DISPLAY_STEP_N: f64 = 0.1;
 /// about 0.5 and 0.4 % of its peak on average; four times their sum is allowed.
 const ACCEPTANCE: f64 = 0.036;
 
-/// Library section: every foam's force at the rows, at its own height, by a solve
+/// Library section: every foam's force at the rows, at its own height on the given base, by a solve
 /// of its own; and its display curve.
 ///
 /// # Errors
@@ -71,13 +71,14 @@ const ACCEPTANCE: f64 = 0.036;
 pub fn library(
     foams: &[Foam],
     ball: Ball,
+    base: Base,
     depth_mm: &[f64],
     resolution: Resolution,
 ) -> Result<Vec<MaterialSpec>, LutError> {
     foams
         .par_iter()
         .map(|f| {
-            material(f, ball, depth_mm, resolution)
+            material(f, ball, base, depth_mm, resolution)
                 .map_err(|source| LutError::Material { name: f.name.to_owned(), source })
         })
         .collect::<Vec<_>>()
@@ -85,10 +86,16 @@ pub fn library(
         .collect()
 }
 
-fn material(foam: &Foam, ball: Ball, depth_mm: &[f64], resolution: Resolution) -> Result<MaterialSpec, SolveError> {
+fn material(
+    foam: &Foam,
+    ball: Ball,
+    base: Base,
+    depth_mm: &[f64],
+    resolution: Resolution,
+) -> Result<MaterialSpec, SolveError> {
     let curve = Indentation {
         law: Hyperfoam::one_term(foam.mu_mpa, foam.alpha)?,
-        specimen: Specimen::of_height(foam.height_mm),
+        specimen: Specimen { base, ..Specimen::of_height(foam.height_mm) },
         ball,
         depth_mm: depth_mm.iter().copied().fold(0.0, f64::max),
         resolution,
@@ -127,12 +134,13 @@ pub fn lut(grids: &[ForceGrid], form: Form, library: Vec<MaterialSpec>) -> Resul
         values: values.to_vec(),
     };
     let spec = &first.spec;
-    let mut axes = vec![axis(axis_name::DEPTH, "mm", Role::Row, &spec.depth_mm)];
-    if grids.len() > 1 {
-        let heights: Vec<f64> = grids.iter().map(|g| g.spec.specimen.height_mm).collect();
-        axes.push(axis(axis_name::HEIGHT, "mm", Role::Column, &heights));
-    }
-    axes.push(axis(axis_name::ALPHA, "", Role::Column, &spec.alpha));
+    let heights: Vec<f64> = grids.iter().map(|g| g.spec.specimen.height_mm).collect();
+    // A single height is an axis as well: the board must know which specimens the table is for.
+    let mut axes = vec![
+        axis(axis_name::DEPTH, "mm", Role::Row, &spec.depth_mm),
+        axis(axis_name::HEIGHT, "mm", Role::Column, &heights),
+        axis(axis_name::ALPHA, "", Role::Column, &spec.alpha),
+    ];
     let role = if form == Form::Factored { Role::Factor } else { Role::Column };
     axes.push(axis(axis_name::MU, "MPa", role, &spec.mu_mpa));
     let stored = grids.iter().flat_map(|g| &g.force_per_mpa);
@@ -149,7 +157,7 @@ pub fn lut(grids: &[ForceGrid], form: Form, library: Vec<MaterialSpec>) -> Resul
         library,
         discretisation: worst(|g| g.error.discretisation),
         interpolation: worst(|g| g.error.interpolation),
-        provenance: first.provenance.clone(),
+        provenance: grids.iter().map(|g| g.provenance.as_str()).collect::<Vec<_>>().join("\n"),
     })
 }
 

@@ -148,6 +148,30 @@ fn a_hot_coil_is_first_reduced_and_never_reaches_its_trip() {
 }
 
 #[test]
+fn a_coil_is_taken_for_warm_after_a_reset() {
+    // Its temperature before the reset is not known; a board that started cold would allow a hot winding full current.
+    assert_eq!(Bench::new().board.coil_c, 80.0);
+}
+
+#[test]
+fn a_coil_whose_amplifier_reads_no_current_still_heats_in_the_model() {
+    let mut bench = Bench::new();
+    bench.finger_n = 3.0;
+    // 5 % of the reference is the amplifier's zero: no rail, and exactly 0 A.
+    bench.spoil = |i| i.raw.coil_current = 0.05;
+    bench.mode(Mode::Display { material: 0 });
+    for i in 0..500 {
+        if i % 25 == 0 {
+            bench.send(&Request::Status(Empty {}));
+        }
+        bench.tick();
+        bench.reports.clear();
+    }
+    // Without current the model would cool from its 80 degrees.
+    assert!(bench.board.coil_c > 81.0, "{}", bench.board.coil_c);
+}
+
+#[test]
 fn faults_stay_latched_until_they_are_cleared_with_the_cause_gone() {
     let mut bench = displaying();
     trips(&mut bench, |i| i.raw.load_cell = 0.0, Fault::LoadCellOpen, 1);
