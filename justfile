@@ -35,3 +35,8 @@ demo:
 # Re-bless golden files after a change that is meant.
 bless:
     PALPATE_BLESS=1 cargo test -p tests
+
+# The figures in docs/, made again.
+figures:
+    cargo run --release -- demo --out out/demo
+    cp out/demo/overview.svg docs/figures/demo.svg
