@@ -99,6 +99,7 @@ pub struct Board<S> {
     begin_seq: Option<u16>,
     calibration: Calibration,
     pid: Pid,
+    coil_pi: CoilPi,
     receiver: Receiver,
     transmitter: Transmitter,
     /// The host was built from another message table.
@@ -130,6 +131,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
             store.load_calibration().filter(calibration_is_usable).unwrap_or_else(|| config.calibration.clone());
         Board {
             pid: Pid::build(&config.gains, TICK_S, config.u_max_v),
+            coil_pi: CoilPi::build(&config.circuit, 1.0 / FAST_HZ as f32),
             safety: Safety::new(&identity.reset_cause),
             // How hot the coil was before the reset is not known: assume the hottest that needs no caution.
             coil_c: config.thermal.derate_c,
@@ -222,10 +224,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
 
     /// The table in use, if there is one.
     pub fn table(&self) -> Option<Table<'_>> {
-        self.active.as_ref().and_then(|a| {
-            let bytes = self.store.bytes().get(crate::flash::slot_range(a.slot))?;
-            a.checked.open(bytes)
-        })
+        open(&self.active, &self.store)
     }
 
     fn sense(&mut self, inputs: &Inputs) {
@@ -275,10 +274,8 @@ impl<S: TableStore + CalibrationStore> Board<S> {
 
     /// Palpation and mode machine.
     fn palpate(&mut self, inputs: &Inputs) -> ModeEvent {
-        let table = self.active.as_ref().and_then(|a| {
-            let bytes = self.store.bytes().get(crate::flash::slot_range(a.slot))?;
-            a.checked.open(bytes)
-        });
+        // Not `self.table()`: the palpation beside it is changed while the table is open.
+        let table = open(&self.active, &self.store);
         let mut progress = Progress::Approaching;
         let mut analysed = true;
         if let Some(table) = &table {
@@ -332,8 +329,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
                 self.shaft_target_mm = wanted.target_mm;
                 outputs.actuator_v = wanted.actuator_v;
                 outputs.coil_target_a = wanted.coil_target_a;
-                let pi = CoilPi::build(&self.config.circuit, 1.0 / FAST_HZ as f32);
-                outputs.coil_duty = pi.steady_duty(wanted.coil_target_a);
+                outputs.coil_duty = self.coil_pi.steady_duty(wanted.coil_target_a);
             }
             _ => {}
         }
@@ -373,6 +369,12 @@ impl<S: TableStore + CalibrationStore> Board<S> {
             tick_us: inputs.tick_us,
         }
     }
+}
+
+/// The table in a store, if one is active.
+fn open<'a>(active: &Option<ActiveTable>, store: &'a impl TableStore) -> Option<Table<'a>> {
+    let active = active.as_ref()?;
+    active.checked.open(store.bytes().get(crate::flash::slot_range(active.slot))?)
 }
 
 fn outputs_are_finite(outputs: &Outputs) -> bool {

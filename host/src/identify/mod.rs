@@ -131,18 +131,7 @@ fn one_material(
     progress: &Progress<'_>,
 ) -> Result<Identification, ModelError> {
     let start = Instant::now();
-    let selection = data::select(experiment, motions, material);
-    let mut found = Identification {
-        material: material.to_owned(),
-        outcome: outcome_without_fit(&selection),
-        assumptions: assumptions(experiment, &selection),
-        messages: selection.messages.clone(),
-        selection,
-        fit: None,
-        direct_check: None,
-        fe_solves: 0,
-        seconds: 0.0,
-    };
+    let mut found = Identification::before_fit(experiment, motions, material);
     if found.selection.curves.iter().any(|curve| !curve.hold_out) {
         let model = FeModel::build(experiment, &found.selection, progress)?;
         found.messages.extend_from_slice(model.messages());
@@ -159,18 +148,8 @@ fn one_material(
 pub fn identify_with(experiment: &Experiment, material: &str, model: &dyn ForwardModel) -> Identification {
     let start = Instant::now();
     let motions = motions(experiment);
-    let selection = data::select(experiment, &motions, material);
-    let mut found = Identification {
-        material: material.to_owned(),
-        outcome: outcome_without_fit(&selection),
-        assumptions: assumptions(experiment, &selection),
-        messages: selection.messages.clone(),
-        selection,
-        fit: None,
-        direct_check: None,
-        fe_solves: model.solves(),
-        seconds: 0.0,
-    };
+    let mut found = Identification::before_fit(experiment, &motions, material);
+    found.fe_solves = model.solves();
     if found.selection.curves.iter().any(|curve| !curve.hold_out) {
         found.fit_with(experiment, &motions, model);
     }
@@ -179,6 +158,22 @@ pub fn identify_with(experiment: &Experiment, material: &str, model: &dyn Forwar
 }
 
 impl Identification {
+    /// What can be said of a material before anything is fitted.
+    fn before_fit(experiment: &Experiment, motions: &[Option<Motion>], material: &str) -> Self {
+        let selection = data::select(experiment, motions, material);
+        Identification {
+            material: material.to_owned(),
+            outcome: outcome_without_fit(&selection),
+            assumptions: assumptions(experiment, &selection),
+            messages: selection.messages.clone(),
+            selection,
+            fit: None,
+            direct_check: None,
+            fe_solves: 0,
+            seconds: 0.0,
+        }
+    }
+
     fn fit_with(&mut self, experiment: &Experiment, motions: &[Option<Motion>], model: &dyn ForwardModel) {
         let groups = replicate::groups(experiment, motions);
         self.fit = fit::fit(&self.selection, model, &groups, experiment.sensor.noise_n);

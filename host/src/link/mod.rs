@@ -22,6 +22,8 @@ pub use in_process::{InProcess, Pace};
 pub use serial::{BAUD, Serial};
 pub use tcp::Tcp;
 
+use std::io::{ErrorKind, Read};
+
 use crate::plant::{Jitter, Touch, Truth};
 use crate::simulated_board::SimulatedBoard;
 
@@ -50,6 +52,20 @@ pub trait Link {
     /// True physics of the ticks since the last call: only a board simulated in this process knows it.
     fn take_truth(&mut self) -> Vec<Truth> {
         Vec::new()
+    }
+}
+
+/// One read of a port whose own timeout is set: appends what arrived; a timeout is no error, an end is.
+fn read_once(port: &mut impl Read, link: &str, into: &mut Vec<u8>) -> Result<(), LinkError> {
+    let mut buffer = [0u8; 4096];
+    match port.read(&mut buffer) {
+        Ok(0) => Err(LinkError::Closed { link: link.to_owned() }),
+        Ok(n) => {
+            into.extend_from_slice(&buffer[..n]);
+            Ok(())
+        }
+        Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) => Ok(()),
+        Err(e) => Err(LinkError::of(link, e)),
     }
 }
 

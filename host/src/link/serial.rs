@@ -1,9 +1,9 @@
 //! A board on a serial port.
 
-use std::io::{ErrorKind, Read, Write};
+use std::io::Write;
 use std::time::{Duration, Instant};
 
-use super::{Link, LinkError};
+use super::{Link, LinkError, read_once};
 
 /// Rate of the board's UART, baud. USB CDC-ACM ignores it.
 pub const BAUD: u32 = 115_200;
@@ -49,17 +49,6 @@ impl Link for Serial {
     fn receive(&mut self, into: &mut Vec<u8>, deadline_s: f64) -> Result<(), LinkError> {
         let wait = Duration::from_secs_f64((deadline_s - self.now_s()).clamp(1e-3, 3600.0));
         self.port.set_timeout(wait).map_err(|e| LinkError::of(&self.name, e.into()))?;
-        let mut buffer = [0u8; 4096];
-        match self.port.read(&mut buffer) {
-            Ok(0) => Err(LinkError::Closed { link: self.name.clone() }),
-            Ok(n) => {
-                into.extend_from_slice(&buffer[..n]);
-                Ok(())
-            }
-            Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) => {
-                Ok(())
-            }
-            Err(e) => Err(LinkError::of(&self.name, e)),
-        }
+        read_once(&mut self.port, &self.name, into)
     }
 }

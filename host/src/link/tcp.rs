@@ -1,10 +1,10 @@
 //! A board over TCP.
 
-use std::io::{ErrorKind, Read, Write};
+use std::io::{ErrorKind, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
-use super::{Link, LinkError};
+use super::{Link, LinkError, read_once};
 
 /// Longest wait for the connection.
 const CONNECT: Duration = Duration::from_secs(3);
@@ -57,17 +57,6 @@ impl Link for Tcp {
         // A zero timeout would mean "for ever"; a millisecond still takes what is already there.
         let wait = Duration::from_secs_f64((deadline_s - self.now_s()).clamp(1e-3, 3600.0));
         self.stream.set_read_timeout(Some(wait)).map_err(|e| LinkError::of(&self.name, e))?;
-        let mut buffer = [0u8; 4096];
-        match self.stream.read(&mut buffer) {
-            Ok(0) => Err(LinkError::Closed { link: self.name.clone() }),
-            Ok(n) => {
-                into.extend_from_slice(&buffer[..n]);
-                Ok(())
-            }
-            Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) => {
-                Ok(())
-            }
-            Err(e) => Err(LinkError::of(&self.name, e)),
-        }
+        read_once(&mut self.stream, &self.name, into)
     }
 }
