@@ -44,9 +44,10 @@ fn main() -> Result<(), SolveError> {
             let curve = solve(alpha, height, radius, resolution)?;
             let s = curve.stats;
             print!(
-                "  {name:<13}{:>6} unknowns {:>4} iterations {:>6.3} s, stated {:.2} |",
+                "  {name:<13}{:>6} unknowns {:>4} corrections {:>4} factors {:>6.3} s, stated {:.2} |",
                 s.unknowns,
                 s.iterations,
+                s.factorisations,
                 s.seconds,
                 100.0 * curve.discretisation
             );

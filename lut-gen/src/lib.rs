@@ -7,17 +7,18 @@
 //!
 //! | folder | holds |
 //! |---|---|
-//! | [`law`] | energy in principal stretches (Hyperfoam, thesis Eq. 1), stress and exact tangent for an axisymmetric deformation gradient |
+//! | [`law`] | elastic energies in principal stretches (Hyperfoam, Ogden, linear), stress and exact tangent for an axisymmetric deformation gradient; relaxation (Prony) and softening (Ogden-Roxburgh) on top |
+//! | [`scalar`] | numbers that carry a derivative: the same code gives sensitivities |
 //! | [`mesh`] | structured quadratic mesh of the block, graded towards the ball |
 //! | [`element`] | eight-node ring element, total Lagrangian |
-//! | [`contact`] | analytic ball with shank, penalty integrated over the surface |
-//! | [`solve`] | sparse system, Newton's method, adaptive path in depth |
-//! | [`model`] | one indentation ([`model::Indentation`]) and the continuous [`model::ForceModel`] over exponent, depth and height with exact derivatives |
+//! | [`contact`] | analytic ball with shank, penalty integrated over the surface, Coulomb friction, adhesion |
+//! | [`solve`] | sparse tangent, Newton's method, adaptive path through a motion of depth or force |
+//! | [`model`] | a ball of any motion on a specimen of any material ([`model::Simulation`]) with sensitivities, the elastic indentation ([`model::Indentation`]) and the continuous [`model::ForceModel`] over exponent, depth and height |
 //! | [`table`] | the thesis' grid and the bytes the board reads |
 //! | [`verify`] | closed forms and difference quotients |
 //!
-//! Assumptions: quasi-static, frictionless, no adhesion, homogeneous isotropic
-//! block with free sides. Verification and measured errors: `docs/physics.md`.
+//! Assumptions: quasi-static, homogeneous isotropic block with free sides. Verification and
+//! measured errors: `docs/physics.md`.
 //!
 //! ```
 //! use lut_gen::contact::Ball;
@@ -41,6 +42,7 @@ pub mod element;
 pub mod law;
 pub mod mesh;
 pub mod model;
+pub mod scalar;
 pub mod solve;
 pub mod table;
 pub mod verify;

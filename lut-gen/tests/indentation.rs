@@ -1,12 +1,12 @@
 //! Whole indentations: Hertz, convergence, scaling, balance, errors.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Ball, Surface};
+use lut_gen::contact::{Ball, Interface, Surface};
 use lut_gen::element::Quadrature;
 use lut_gen::law::{Hyperfoam, Term};
 use lut_gen::mesh::{BlockMesh, Sizes};
 use lut_gen::model::{Indentation, Resolution, Specimen};
-use lut_gen::solve::{Base, Newton, Stepping, System};
+use lut_gen::solve::{Base, Course, Motion, Newton, Stepping, System};
 use lut_gen::verify::hertz_force_n;
 
 fn block(alpha: f64, height_mm: f64, radius_mm: f64, depth_mm: f64) -> Indentation {
@@ -50,10 +50,20 @@ fn force_over_hertz(nu: f64, depth_mm: f64) -> f64 {
     let ball = Ball { radius_mm: 1.0 };
     let law = Hyperfoam::new(vec![Term { mu_mpa: 0.1, alpha: 2.0, nu }]).unwrap();
     let mesh = BlockMesh::new(60.0, 60.0, ball.radius_mm, &sizes);
-    let surface = Surface::new(ball, &mesh.nodes, &mesh.top, 0.3, 8, 1000.0 * 0.1);
+    let surface = Surface::new(ball, Interface::default(), &mesh.nodes, &mesh.top, 0.3, 8, 1000.0 * 0.1);
     let system = System::new(&mesh, Base::Bonded, surface, Quadrature::Reduced);
-    let stepping = Stepping { first: 0.001, stations: 8, ..Stepping::default() };
-    let path = stepping.follow(&system, &law, &Newton::default(), 1.0, depth_mm, "Hertz").unwrap();
+    let stepping = Stepping { first: 0.001, stations: 8, ..Stepping::of_ball(1.0) };
+    let (material, motion) = (law.into(), Motion::ramp(depth_mm, 1.0));
+    let course = Course {
+        system: &system,
+        material: &material,
+        motion: &motion,
+        newton: Newton::default(),
+        stepping,
+        hertz: 1.0,
+        label: "Hertz",
+    };
+    let path = course.follow(&mut ()).unwrap();
     let [.., before, last] = path.stations.as_slice() else { panic!("no stations") };
     // dF/dd of d^(3/2), to the mesh's scatter; a = sqrt(R d) to the width of an element
     assert!((last.slope * last.depth_mm / last.force_n - 1.5).abs() < 0.06);

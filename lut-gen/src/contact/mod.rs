@@ -1,7 +1,9 @@
-//! Frictionless contact of the block's top with an analytic rigid indenter.
+//! Contact of the block's top with an analytic rigid indenter: pressure, friction, adhesion.
 
 mod ball;
+mod interface;
 mod surface;
 
 pub use ball::{Ball, Touch};
-pub use surface::{EdgeStiffness, Sum, Surface};
+pub use interface::{Adhesion, Interface};
+pub use surface::{EdgeStiffness, Grip, Sum, Surface};

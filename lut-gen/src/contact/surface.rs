@@ -1,82 +1,129 @@
-//! Penalty contact integrated over the undeformed top surface.
+//! Contact integrated over the undeformed top surface.
 
-use super::Ball;
+use super::{Ball, Interface, Touch};
 use crate::element::{gauss, line3};
+use crate::scalar::Real;
 
 /// One quadrature point of the surface.
 #[derive(Debug, Clone, Copy)]
-struct Point {
+struct Point<T> {
     /// Reference area of the ring it stands for, `2 pi R w` (mm^2).
     area: f64,
     /// Reference position `[r, z]` (mm).
-    at: [f64; 2],
+    at: [T; 2],
     /// Shape functions of the three nodes of its edge.
     shape: [f64; 3],
 }
 
+/// What a point of the surface remembers of the last equilibrium when there is friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grip<T = f64> {
+    /// Depth inside the ball (mm), negative outside.
+    pub depth_mm: T,
+    /// Length along the ball's meridian (mm).
+    pub arc_mm: T,
+    /// Frictional traction per reference area (MPa), positive against outward motion.
+    pub traction_mpa: T,
+}
+
 /// The part of the block's top that can touch the ball.
 ///
-/// Contact is the energy `E = k/2 integral <g>^2 dA` over the reference area
-/// with penetration `g`; pressure is `k g` per reference area. Integrating
-/// between the nodes lets the contact edge move smoothly through an element.
+/// Contact is the energy `E = k/2 integral <g>^2 dA` over the reference area with penetration
+/// `g`; pressure is `k g` per reference area. Integrating between the nodes lets the contact
+/// edge move smoothly through an element.
+///
+/// Friction is Coulomb's law with an elastic slip of the same stiffness `k` along the ball's
+/// meridian, the arc length of the point below the ball being its slip coordinate:
+/// `t = clamp(t_old + k (arc - arc_old), -mu p, mu p)`. A point that entered within the step
+/// takes the part of its motion after its entry.
 #[derive(Debug, Clone)]
-pub struct Surface {
-    ball: Ball,
+pub struct Surface<T = f64> {
+    ball: Ball<T>,
+    interface: Interface<T>,
     edges: Vec<[usize; 3]>,
-    points: Vec<Point>,
+    points: Vec<Point<T>>,
     per_edge: usize,
     /// Penalty `k` (MPa/mm).
-    penalty: f64,
+    penalty: T,
 }
 
 /// Sums over the surface at one configuration.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Sum {
-    /// Penalty energy `E` (N mm).
-    pub energy: f64,
-    /// Force on the ball, upward, `dE/dd` (N).
-    pub force_n: f64,
-    /// `d2E/dd2` at fixed displacement (N/mm).
-    pub stiffness: f64,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sum<T = f64> {
+    /// Energy of penalty and adhesion (N mm).
+    pub energy: T,
+    /// The penalty's part of it, elastic slip included (N mm).
+    pub penalty_energy: T,
+    /// Force on the ball, upward (N).
+    pub force_n: T,
     /// Points in contact.
     pub active: usize,
+    /// Points in contact that slide.
+    pub sliding: usize,
     /// Largest current radius of a point in contact (mm).
     pub radius_mm: f64,
 }
 
-/// Second derivative of an edge's penalty energy: displacement dofs of its three
-/// nodes (radial, axial each), then the depth of the ball.
-pub type EdgeStiffness = [[f64; 7]; 7];
+impl<T: Real> Default for Sum<T> {
+    fn default() -> Self {
+        let zero = T::from(0.0);
+        Self { energy: zero, penalty_energy: zero, force_n: zero, active: 0, sliding: 0, radius_mm: 0.0 }
+    }
+}
 
-impl Surface {
+/// Derivative of an edge's nodal forces by the displacement of its three nodes
+/// (radial, axial each): `K[i][j] = d force_i / d u_j` (N/mm), not symmetric where points slide.
+pub type EdgeStiffness = [[f64; 6]; 6];
+
+/// Force of one point on the ball's surface, per reference area, and its derivative by the position.
+struct Traction<T> {
+    /// Gradient of the energy `[r, z]` (MPa).
+    force: [T; 2],
+    /// Its derivative (MPa/mm), `[force][position]`.
+    slope: [[T; 2]; 2],
+    energy: T,
+    penalty_energy: T,
+    friction: T,
+    slides: bool,
+}
+
+impl<T: Real> Surface<T> {
     /// Contact of `ball` with the edges of `top` that start within `reach_mm` of the axis.
     #[must_use]
     pub fn new(
-        ball: Ball,
-        nodes: &[[f64; 2]],
+        ball: Ball<T>,
+        interface: Interface<T>,
+        nodes: &[[T; 2]],
         top: &[[usize; 3]],
         reach_mm: f64,
         per_edge: usize,
-        penalty: f64,
+        penalty: T,
     ) -> Self {
         let rule = gauss(per_edge);
-        let edges: Vec<_> = top.iter().copied().filter(|e| nodes[e[0]][0] < reach_mm).collect();
+        let edges: Vec<_> = top.iter().copied().filter(|e| nodes[e[0]][0].value() < reach_mm).collect();
         let mut points = Vec::with_capacity(edges.len() * per_edge);
         for e in &edges {
             for &(x, w) in &rule {
                 let (shape, slope) = line3(x);
-                let sum = |f: &[f64; 3], k: usize| (0..3).map(|i| f[i] * nodes[e[i]][k]).sum::<f64>();
+                let sum = |f: &[f64; 3], k: usize| (0..3).fold(T::from(0.0), |s, i| s + nodes[e[i]][k] * f[i]);
                 let at = [sum(&shape, 0), sum(&shape, 1)];
-                points.push(Point { area: std::f64::consts::TAU * at[0] * sum(&slope, 0) * w, at, shape });
+                let area = std::f64::consts::TAU * at[0].value() * sum(&slope, 0).value() * w;
+                points.push(Point { area, at, shape });
             }
         }
-        Self { ball, edges, points, per_edge, penalty }
+        Self { ball, interface, edges, points, per_edge, penalty }
     }
 
     /// The ball.
     #[must_use]
-    pub fn ball(&self) -> Ball {
+    pub fn ball(&self) -> Ball<T> {
         self.ball
+    }
+
+    /// Friction and adhesion.
+    #[must_use]
+    pub fn interface(&self) -> Interface<T> {
+        self.interface
     }
 
     /// The edges, in the order of [`Surface::edge`].
@@ -85,54 +132,153 @@ impl Surface {
         &self.edges
     }
 
-    /// Adds one edge: nodal forces (gradient of `E`) to `force`, second
-    /// derivatives to `stiffness` when given. `u` holds the edge's dofs.
+    /// Points of one edge.
+    #[must_use]
+    pub fn per_edge(&self) -> usize {
+        self.per_edge
+    }
+
+    /// True when points keep a [`Grip`].
+    #[must_use]
+    pub fn has_friction(&self) -> bool {
+        self.interface.friction.value() > 0.0
+    }
+
+    /// Grips of an untouched surface under a ball whose centre is at `centre_mm`; empty without friction.
+    #[must_use]
+    pub fn grips(&self, centre_mm: T) -> Vec<Grip<T>> {
+        let free = |p: &Point<T>| {
+            let t = self.ball.touch(p.at, centre_mm);
+            Grip { depth_mm: t.depth_mm, arc_mm: t.arc_mm, traction_mpa: T::from(0.0) }
+        };
+        if self.has_friction() { self.points.iter().map(free).collect() } else { Vec::new() }
+    }
+
+    fn position(p: &Point<T>, u: &[T; 6]) -> [T; 2] {
+        let mut x = p.at;
+        for (a, n) in p.shape.iter().enumerate() {
+            x[0] += u[2 * a] * *n;
+            x[1] += u[2 * a + 1] * *n;
+        }
+        x
+    }
+
+    /// Adds one edge's nodal forces (gradient of the energy, N) to `force` and its derivative
+    /// to `stiffness` when given. `u` holds the edge's dofs, `old` the grips of its points at the
+    /// step's start, `new` receives those at its end; both are empty without friction.
+    #[expect(clippy::too_many_arguments, reason = "one loop serves residual, stiffness and history")]
     pub fn edge(
         &self,
         index: usize,
-        centre_mm: f64,
-        u: &[f64; 6],
-        force: &mut [f64; 6],
+        centre_mm: T,
+        u: &[T; 6],
+        old: &[Grip<T>],
+        mut new: Option<&mut [Grip<T>]>,
+        force: &mut [T; 6],
         mut stiffness: Option<&mut EdgeStiffness>,
-        sum: &mut Sum,
+        sum: &mut Sum<T>,
     ) {
-        for p in &self.points[index * self.per_edge..][..self.per_edge] {
-            let mut x = p.at;
-            for (a, n) in p.shape.iter().enumerate() {
-                x[0] += n * u[2 * a];
-                x[1] += n * u[2 * a + 1];
+        let points = &self.points[index * self.per_edge..][..self.per_edge];
+        for (i, p) in points.iter().enumerate() {
+            let x = Self::position(p, u);
+            let touch = self.ball.touch(x, centre_mm);
+            let traction = self.traction(&touch, old.get(i));
+            if let Some(grip) = new.as_deref_mut().and_then(|n| n.get_mut(i)) {
+                let traction_mpa = traction.as_ref().map_or(T::from(0.0), |t| t.friction);
+                *grip = Grip { depth_mm: touch.depth_mm, arc_mm: touch.arc_mm, traction_mpa };
             }
-            let Some(t) = self.ball.touch(x, centre_mm) else {
-                continue;
-            };
-            let k = self.penalty * p.area;
-            let g = t.depth_mm;
-            sum.energy += 0.5 * k * g * g;
-            sum.force_n -= k * g * t.normal[1];
-            sum.active += 1;
-            sum.radius_mm = sum.radius_mm.max(x[0]);
-            for (a, n) in p.shape.iter().enumerate() {
-                force[2 * a] -= k * g * n * t.normal[0];
-                force[2 * a + 1] -= k * g * n * t.normal[1];
+            let Some(t) = traction else { continue };
+            sum.energy += t.energy * p.area;
+            sum.penalty_energy += t.penalty_energy * p.area;
+            sum.force_n += t.force[1] * p.area;
+            if touch.depth_mm.value() > 0.0 {
+                sum.active += 1;
+                sum.sliding += usize::from(t.slides);
+                sum.radius_mm = sum.radius_mm.max(x[0].value());
             }
-            // d2(g^2/2) = n n' - g c (1 - n n'), and a deeper ball is the point moved up.
-            let bend = g * t.curvature;
-            let h = |i: usize, j: usize| {
-                let nn = t.normal[i] * t.normal[j];
-                k * (nn - bend * (f64::from(u8::from(i == j)) - nn))
-            };
-            let h = [[h(0, 0), h(0, 1)], [h(1, 0), h(1, 1)]];
-            sum.stiffness += h[1][1];
-            if let Some(s) = stiffness.as_deref_mut() {
-                for (a, na) in p.shape.iter().enumerate() {
-                    for i in 0..2 {
-                        for (b, nb) in p.shape.iter().enumerate() {
-                            for j in 0..2 {
-                                s[2 * a + i][2 * b + j] += na * nb * h[i][j];
-                            }
-                        }
-                        s[2 * a + i][6] += na * h[i][1];
-                    }
+            for (a, n) in p.shape.iter().enumerate() {
+                force[2 * a] += t.force[0] * (p.area * n);
+                force[2 * a + 1] += t.force[1] * (p.area * n);
+            }
+            if let Some(k) = stiffness.as_deref_mut() {
+                let slope = t.slope.map(|r| r.map(|x| x.value() * p.area));
+                add_stiffness(k, &p.shape, &slope);
+            }
+        }
+    }
+
+    /// `None` where nothing acts.
+    fn traction(&self, touch: &Touch<T>, old: Option<&Grip<T>>) -> Option<Traction<T>> {
+        let (g, n, zero) = (touch.depth_mm, touch.normal, T::from(0.0));
+        let (energy, pressure, slope, touching) = if g.value() > 0.0 {
+            (g * g * self.penalty * 0.5, g * self.penalty, self.penalty, true)
+        } else {
+            let (energy, pressure, slope) = self.interface.adhesion.as_ref()?.pull(g);
+            (energy, pressure, slope, false)
+        };
+        // force -p n; its derivative: p' n n' - p c (1 - n n'), the second for the turning normal
+        let bend = pressure * touch.curvature;
+        let h = |i: usize, j: usize| {
+            let nn = n[i] * n[j];
+            slope * nn - if i == j { bend * (-nn + 1.0) } else { -(bend * nn) }
+        };
+        let mut t = Traction {
+            force: [-(pressure * n[0]), -(pressure * n[1])],
+            slope: [[h(0, 0), h(0, 1)], [h(1, 0), h(1, 1)]],
+            energy,
+            penalty_energy: if touching { energy } else { zero },
+            friction: zero,
+            slides: false,
+        };
+        if let (true, Some(old)) = (touching, old) {
+            self.rub(touch, old, pressure, &mut t);
+        }
+        Some(t)
+    }
+
+    /// Adds friction. With `a` the arc, `grad a = s t`, `t = [-n_z, n_r]`, its second
+    /// derivative is `-c s (n t' + t n')` on the sphere and 0 on the shank.
+    fn rub(&self, touch: &Touch<T>, old: &Grip<T>, pressure: T, out: &mut Traction<T>) {
+        let (g, k, n) = (touch.depth_mm, self.penalty, touch.normal);
+        let along = [-n[1] * touch.arc_slope, n[0] * touch.arc_slope];
+        let moved = touch.arc_mm - old.arc_mm;
+        // trial traction and its derivative by the position
+        let (mut traction, mut by) = if old.depth_mm.value() > 0.0 {
+            (old.traction_mpa + k * moved, along.map(|a| a * k))
+        } else {
+            let span = g - old.depth_mm;
+            let part = g / span;
+            let by_depth = -(old.depth_mm / (span * span)) * moved * k;
+            (k * moved * part, [0, 1].map(|i| along[i] * k * part - n[i] * by_depth))
+        };
+        let limit = self.interface.friction * pressure;
+        out.slides = traction.value().abs() > limit.value();
+        if out.slides {
+            let sign = traction.value().signum();
+            traction = limit * sign;
+            by = n.map(|n| -(n * self.interface.friction * k * sign));
+        } else {
+            let slip_energy = traction * traction * 0.5 / k;
+            out.energy += slip_energy;
+            out.penalty_energy += slip_energy;
+        }
+        out.friction = traction;
+        for i in 0..2 {
+            out.force[i] += traction * along[i];
+            for j in 0..2 {
+                let turn = -(touch.curvature * (n[i] * along[j] + along[i] * n[j]));
+                out.slope[i][j] += along[i] * by[j] + traction * turn;
+            }
+        }
+    }
+}
+
+fn add_stiffness(k: &mut EdgeStiffness, shape: &[f64; 3], slope: &[[f64; 2]; 2]) {
+    for (a, na) in shape.iter().enumerate() {
+        for (b, nb) in shape.iter().enumerate() {
+            for i in 0..2 {
+                for j in 0..2 {
+                    k[2 * a + i][2 * b + j] += na * nb * slope[i][j];
                 }
             }
         }

@@ -6,4 +6,4 @@ mod solid;
 
 pub use quad8::{line3, quad8};
 pub use quadrature::gauss;
-pub use solid::{DOFS, LOWER, Quadrature, Solid};
+pub use solid::{DOFS, Matter, Quadrature, Solid, Stiffness};

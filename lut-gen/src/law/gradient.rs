@@ -7,7 +7,8 @@
 //!     |  0   0  Ftt |
 //! ```
 
-use super::Law;
+use super::{Law, Tangent};
+use crate::scalar::{Dual, Real};
 
 /// Axisymmetric deformation gradient `[Frr, Frz, Fzr, Fzz, Ftt]` (-).
 pub type Gradient = [f64; 5];
@@ -90,6 +91,47 @@ fn rotate_back(d: &InPlane, p: [f64; 3]) -> [f64; 5] {
     ]
 }
 
+/// Energy and stress with their derivative by the parameter that law and gradient carry.
+///
+/// In the principal frame the normal components of `dF` change the stretches, so that the
+/// law itself gives their part; the two shear components turn the frame, see [`respond`].
+/// Equal stretches need no division: there the limit is taken.
+pub fn first_piola_dual(law: &impl Law<Dual>, f: &[Dual; 5]) -> Option<(Dual, [Dual; 5])> {
+    let d = decompose(&f.map(Real::value))?;
+    let ([ca, sa], [cb, sb]) = (d.left, d.right);
+    let df = f.map(Real::derivative);
+    // R(a)^T dF R(b)
+    let rows = [[ca * df[0] + sa * df[2], ca * df[1] + sa * df[3]], [ca * df[2] - sa * df[0], ca * df[3] - sa * df[1]]];
+    let turned = rows.map(|r| [r[0] * cb + r[1] * sb, r[1] * cb - r[0] * sb]);
+    let (energy, p) = law.stress([Dual::new(d.s[0], turned[0][0]), Dual::new(d.s[1], turned[1][1]), f[4]]);
+    let (sum, difference) = (d.s[0] + d.s[1], d.s[0] - d.s[1]);
+    let x = if difference > EQUAL_STRETCH * sum {
+        (p[0].value - p[1].value) / difference
+    } else {
+        // along (1, -1): U_11 - 2 U_12 + U_22, less what the parameter itself does
+        let along = |s: f64| law.stress([Dual::new(d.s[0], s), Dual::new(d.s[1], -s), Dual::from(f[4].value)]).1;
+        let (moved, still) = (along(1.0), along(0.0));
+        0.5 * (moved[0].derivative - still[0].derivative - moved[1].derivative + still[1].derivative)
+    };
+    let y = (p[0].value + p[1].value) / sum;
+    let (same, crossed) = (0.5 * (x + y), 0.5 * (x - y));
+    let slope = [
+        p[0].derivative,
+        same * turned[0][1] + crossed * turned[1][0],
+        crossed * turned[0][1] + same * turned[1][0],
+        p[1].derivative,
+    ];
+    // R(a) slope R(b)^T
+    let back = [
+        [ca * slope[0] - sa * slope[2], ca * slope[1] - sa * slope[3]],
+        [sa * slope[0] + ca * slope[2], sa * slope[1] + ca * slope[3]],
+    ];
+    let rate = back.map(|r| [r[0] * cb - r[1] * sb, r[0] * sb + r[1] * cb]);
+    let value = rotate_back(&d, p.map(Real::value));
+    let rate = [rate[0][0], rate[0][1], rate[1][0], rate[1][1], p[2].derivative];
+    Some((energy, std::array::from_fn(|i| Dual::new(value[i], rate[i]))))
+}
+
 /// Energy, stress and exact tangent. `None` when `F` does not preserve orientation.
 ///
 /// In the principal frame the normal components couple by `d2U/dl_i dl_j`, the
@@ -97,7 +139,7 @@ fn rotate_back(d: &InPlane, p: [f64; 3]) -> [f64; 5] {
 /// `A_1212 = (x + y) / 2`, `A_1221 = (x - y) / 2` with
 /// `x = (p1 - p2) / (s1 - s2)` and `y = (p1 + p2) / (s1 + s2)`;
 /// for equal stretches `x` tends to `U_11 - U_12`.
-pub fn respond(law: &impl Law, f: &Gradient) -> Option<Response> {
+pub fn respond(law: &impl Tangent, f: &Gradient) -> Option<Response> {
     let d = decompose(f)?;
     let u = law.principal([d.s[0], d.s[1], f[4]]);
     let (p, h) = (u.stress, u.tangent);

@@ -1,15 +1,34 @@
-//! Material laws in principal stretches, and their turn into stress and tangent
-//! for an axisymmetric deformation gradient.
+//! Material laws: an elastic energy in principal stretches, and what time and cycles do to it.
 //!
-//! A law is an energy per unit reference volume `U(l1, l2, l3)` (MPa = N/mm^2)
-//! that is symmetric in the principal stretches. Everything an element needs
-//! follows from its first and second derivatives: see [`Law`] and [`respond`].
+//! An elastic law is an energy per unit reference volume `U(l1, l2, l3)` (MPa = N/mm^2) that is
+//! symmetric in the principal stretches: [`Hyperfoam`], [`Ogden`], [`Hencky`]. A [`Material`]
+//! is one of them, relaxing by a [`PronyTerm`] series and softening by [`OgdenRoxburgh`] or not.
+//! Everything is written over [`Real`], so that the same code carries derivatives by parameters.
 
+mod elastic;
+mod error;
 mod gradient;
+mod hencky;
 mod hyperfoam;
+mod material;
+mod ogden;
+mod parameter;
+mod prony;
+mod second;
+mod softening;
 
-pub use gradient::{Gradient, Response, first_piola, respond};
+pub use elastic::Elastic;
+pub use error::LawError;
+pub use gradient::{Gradient, Response, first_piola, first_piola_dual, respond};
+pub use hencky::Hencky;
 pub use hyperfoam::{Hyperfoam, Term};
+pub use material::Material;
+pub use ogden::{Ogden, OgdenTerm};
+pub use parameter::Parameter;
+pub use prony::{PronyTerm, Relaxation, relaxed};
+pub use softening::OgdenRoxburgh;
+
+use crate::scalar::Real;
 
 /// Energy and its derivatives by the principal stretches.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,33 +45,19 @@ pub struct Principal {
 ///
 /// Implementations must be symmetric in the stretches and stress-free at
 /// `l = [1, 1, 1]`. Stretches are positive; the caller never passes others.
-pub trait Law: Sync {
-    /// Energy, stresses and tangent at the principal stretches `l`.
-    fn principal(&self, l: [f64; 3]) -> Principal;
-
-    /// Energy and stresses only; cheaper where no tangent is needed.
-    fn stress(&self, l: [f64; 3]) -> (f64, [f64; 3]) {
-        let p = self.principal(l);
-        (p.energy, p.stress)
-    }
+pub trait Law<T: Real = f64>: Sync {
+    /// Energy (MPa) and nominal principal stresses (MPa) at the principal stretches `l`.
+    fn stress(&self, l: [T; 3]) -> (T, [T; 3]);
 
     /// Small-strain shear modulus `mu_0` (MPa); scales the contact penalty.
-    fn shear_modulus_mpa(&self) -> f64;
+    fn shear_modulus_mpa(&self) -> T;
 
     /// Small-strain Poisson's ratio; with `mu_0` it gives the Hertz limit.
-    fn poisson_ratio(&self) -> f64;
+    fn poisson_ratio(&self) -> T;
 }
 
-/// A material parameter outside the range in which the law is defined.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("hyperfoam term {term}: {parameter} = {value} {expected}")]
-pub struct LawError {
-    /// Index of the term, counted from 1.
-    pub term: usize,
-    /// Name of the parameter.
-    pub parameter: &'static str,
-    /// The value that was given.
-    pub value: f64,
-    /// What was expected of it.
-    pub expected: &'static str,
+/// A law with its second derivatives, as Newton's method needs it.
+pub trait Tangent: Law {
+    /// Energy, stresses and tangent at the principal stretches `l`.
+    fn principal(&self, l: [f64; 3]) -> Principal;
 }

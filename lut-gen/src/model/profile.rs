@@ -4,6 +4,7 @@ use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
 use super::chebyshev::polynomials;
+use super::relaxed::RampRelaxation;
 
 /// Largest number of terms a profile can have.
 pub const MAX_TERMS: usize = 24;
@@ -19,11 +20,12 @@ pub struct Sample {
     pub error: f64,
 }
 
-/// `F(d) = d^(3/2) [ H + s sum_k c_k T_k(2 s - 1) ]` with `s = sqrt(d / d_max)`.
+/// `F(d) = r(d) d^(3/2) [ H + s sum_k c_k T_k(2 s - 1) ]` with `s = sqrt(d / d_max)`.
 ///
 /// `H` is Hertz's factor `4/3 E* sqrt(R)`, exact for `d -> 0` whatever the
 /// height and the law (the contact is then small and the strain infinitesimal).
-/// What remains is smooth in `s`, the ratio of contact size to its largest.
+/// What remains is smooth in `s`, the ratio of contact size to its largest. `r` is what
+/// relaxation leaves of a Hertz contact under a ramp, 1 for an elastic material.
 /// Between 0 and `d_max` the function and its derivative are continuous.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthProfile {
@@ -33,13 +35,22 @@ pub struct DepthProfile {
     pub hertz: f64,
     /// Coefficients `c_k` (N/mm^1.5), at most [`MAX_TERMS`].
     pub coefficients: Vec<f64>,
+    /// Relaxation during the ramp, none for an elastic material.
+    pub relaxation: RampRelaxation,
 }
 
 impl DepthProfile {
     /// Least-squares fit with weights `1 / error`; also returns the root mean
     /// square of the relative residuals of the samples at or beyond `from_mm`.
     #[must_use]
-    pub fn fit(samples: &[Sample], depth_max_mm: f64, hertz: f64, terms: usize, from_mm: f64) -> (Self, f64) {
+    pub fn fit(
+        samples: &[Sample],
+        depth_max_mm: f64,
+        hertz: f64,
+        relaxation: RampRelaxation,
+        terms: usize,
+        from_mm: f64,
+    ) -> (Self, f64) {
         let terms = terms.min(MAX_TERMS).min(samples.len());
         let mut matrix = Mat::<f64>::zeros(samples.len(), terms);
         let mut right = Mat::<f64>::zeros(samples.len(), 1);
@@ -47,7 +58,7 @@ impl DepthProfile {
         for (i, p) in samples.iter().enumerate() {
             let s = (p.depth_mm / depth_max_mm).sqrt();
             polynomials(2.0 * s - 1.0, &mut value[..terms], &mut slope[..terms]);
-            let g = p.force_n / p.depth_mm.powf(1.5);
+            let g = p.force_n / (relaxation.factor(p.depth_mm).0 * p.depth_mm.powf(1.5));
             let weight = 1.0 / (p.error * g);
             for (k, t) in value[..terms].iter().enumerate() {
                 matrix[(i, k)] = weight * s * t;
@@ -55,7 +66,8 @@ impl DepthProfile {
             right[(i, 0)] = weight * (g - hertz);
         }
         let solution = matrix.qr().solve_lstsq(&right);
-        let profile = Self { depth_max_mm, hertz, coefficients: (0..terms).map(|k| solution[(k, 0)]).collect() };
+        let coefficients = (0..terms).map(|k| solution[(k, 0)]).collect();
+        let profile = Self { depth_max_mm, hertz, coefficients, relaxation };
         let misses: Vec<f64> = samples
             .iter()
             .filter(|p| p.depth_mm >= from_mm)
@@ -88,6 +100,8 @@ impl DepthProfile {
             dq += self.coefficients[k] * 2.0 * slope[k];
         }
         let (f, df) = assemble(d, s, self.hertz, q, dq);
+        let (r, dr) = self.relaxation.factor(d);
+        let (f, df) = (r * f, r * df + dr * f);
         (f + df * (depth_mm - d), df)
     }
 }

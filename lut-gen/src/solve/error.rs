@@ -18,32 +18,46 @@ pub enum SolveError {
     Law(#[from] crate::law::LawError),
     /// Newton's method failed even with the smallest step.
     #[error(
-        "no equilibrium beyond depth {depth_mm:.4} mm of {wanted_mm} mm ({law}): \
-         the step fell below {smallest_mm:.2e} mm after {iterations} iterations"
+        "no equilibrium beyond depth {depth_mm:.4} mm of {wanted_mm} mm (time {time_s:.4} s; {case}): \
+         the smallest step failed after {iterations} corrections"
     )]
     NoConvergence {
         /// Last depth with equilibrium (mm).
         depth_mm: f64,
         /// Depth wanted (mm).
         wanted_mm: f64,
-        /// Smallest step allowed (mm).
-        smallest_mm: f64,
-        /// Newton iterations spent.
+        /// Time of the last equilibrium (s).
+        time_s: f64,
+        /// Corrections spent.
         iterations: usize,
-        /// The law and its parameters.
-        law: String,
+        /// Material, specimen, ball, friction.
+        case: String,
     },
-    /// The iteration cap of the whole curve was reached.
-    #[error("gave up at depth {depth_mm:.4} mm of {wanted_mm} mm ({law}): {iterations} Newton iterations spent")]
+    /// The cap on factorisations of the whole path was reached.
+    #[error("gave up at depth {depth_mm:.4} mm of {wanted_mm} mm ({case}): {iterations} corrections spent")]
     TooManyIterations {
         /// Last depth with equilibrium (mm).
         depth_mm: f64,
         /// Depth wanted (mm).
         wanted_mm: f64,
-        /// Newton iterations spent.
+        /// Corrections spent.
         iterations: usize,
-        /// The law and its parameters.
-        law: String,
+        /// Material, specimen, ball, friction.
+        case: String,
+    },
+    /// A parameter that the simulation does not have.
+    #[error("{parameter} {expected}")]
+    Unknown {
+        /// Name of the parameter.
+        parameter: String,
+        /// What it is not.
+        expected: String,
+    },
+    /// The tangent at an equilibrium could not be solved with.
+    #[error("the tangent at depth {depth_mm:.4} mm is singular: no sensitivity there")]
+    Singular {
+        /// Depth (mm).
+        depth_mm: f64,
     },
     /// The factor did not fit into memory.
     #[error("not enough memory to factorise {unknowns} equations")]
@@ -51,4 +65,11 @@ pub enum SolveError {
         /// Number of equations.
         unknowns: usize,
     },
+}
+
+impl SolveError {
+    /// A parameter that makes no sense.
+    pub(crate) fn parameter(parameter: &'static str, value: f64, expected: &str) -> Self {
+        Self::Parameter { parameter, value, expected: expected.to_owned() }
+    }
 }

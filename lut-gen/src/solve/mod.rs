@@ -1,13 +1,21 @@
-//! Implicit quasi-static solution: sparse system, Newton's method, path in depth.
+//! Implicit quasi-static solution: sparse tangent, Newton's method, path through a motion.
 
+mod constraint;
 mod error;
+mod krylov;
+mod matrix;
+mod motion;
 mod newton;
 mod path;
 mod sparse;
+mod stepping;
 mod system;
 
 pub use error::SolveError;
-pub use newton::{Newton, Problem, Workspace};
-pub use path::{Path, Station, Stepping};
-pub use sparse::{Factor, HELD, Pattern};
-pub use system::{Base, State, System};
+pub use matrix::Matrix;
+pub use motion::{Motion, Segment, Target};
+pub use newton::{Configuration, Control, Newton, Problem, Workspace};
+pub use path::{Accepted, Course, Observer, Path, Station};
+pub use sparse::{Factor, HELD, Pattern, Stored};
+pub use stepping::Stepping;
+pub use system::{Base, History, State, Step, System};

@@ -1,49 +1,100 @@
-//! Newton's method for one depth.
+//! Newton's method for one step, with corrections by the last factor in between.
 
-use super::{Factor, SolveError, State, System};
-use crate::law::Law;
+use super::{History, Matrix, SolveError, State, Step, System};
+use crate::law::{Material, Relaxation};
 
 /// Settings of Newton's method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Newton {
     /// Converged when the residual's norm is below this part of the contact force's norm.
     pub tolerance: f64,
-    /// Iterations before the step is given up.
+    /// Factorisations before the step is given up.
     pub iterations: usize,
     /// Halvings of one correction before the step is given up.
     pub halvings: usize,
+    /// Iterations a correction that raised the residual is given to prove itself.
+    pub trust: usize,
+    /// A correction by an old factor is kept when the residual falls to this part of itself.
+    pub chord: f64,
 }
 
 impl Default for Newton {
     fn default() -> Self {
-        Self { tolerance: 1e-4, iterations: 14, halvings: 6 }
+        Self { tolerance: 1e-4, iterations: 14, halvings: 6, trust: 2, chord: 0.3 }
     }
+}
+
+/// What is prescribed at the end of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Control {
+    /// The depth (mm).
+    Depth(f64),
+    /// The force on the ball (N); the depth follows.
+    Force(f64),
+}
+
+/// A system with its material on the way from one equilibrium to the next.
+#[derive(Debug)]
+pub struct Problem<'a> {
+    /// The equations.
+    pub system: &'a System,
+    /// The material.
+    pub material: &'a Material,
+    /// History at the step's start.
+    pub old: &'a History,
+    /// Duration of the step (s).
+    pub dt_s: f64,
+    /// What is prescribed.
+    pub control: Control,
+}
+
+/// Displacement (mm) of the free dofs and depth of the ball (mm).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Configuration {
+    /// Displacement.
+    pub u: Vec<f64>,
+    /// Depth.
+    pub depth_mm: f64,
 }
 
 /// Scratch of the iteration, kept between steps.
 pub struct Workspace {
-    /// State at the last evaluated displacement.
+    /// State at the last accepted displacement.
     pub state: State,
-    /// Factor of the last stiffness.
-    pub factor: Factor,
+    /// Tangent of the last assembly.
+    pub matrix: Matrix,
+    trial: State,
     correction: Vec<f64>,
-    trial: Vec<f64>,
-    /// Iterations so far.
+    /// `du / d depth` of the last factor.
+    pub rate: Vec<f64>,
+    /// Largest norm of the contact force so far (N).
+    scale: f64,
+    /// Residual that the rounding of positions leaves (N).
+    rounding: f64,
+    factored: bool,
+    /// Corrections so far.
     pub iterations: usize,
+    /// Factorisations so far.
+    pub factorisations: usize,
 }
 
 impl Workspace {
-    /// Scratch for a system.
+    /// Scratch for a system; `symmetric` as in [`System::matrix`].
     ///
     /// # Errors
     /// [`SolveError::Memory`].
-    pub fn new(system: &System) -> Result<Self, SolveError> {
+    pub fn new(system: &System, symmetric: bool) -> Result<Self, SolveError> {
         Ok(Self {
             state: system.state(),
-            factor: system.factor()?,
+            matrix: system.matrix(symmetric)?,
+            trial: system.state(),
             correction: vec![0.0; system.unknowns()],
-            trial: vec![0.0; system.unknowns()],
+            rate: vec![0.0; system.unknowns()],
+            scale: 0.0,
+            rounding: 0.0,
+            factored: false,
             iterations: 0,
+            factorisations: 0,
         })
     }
 }
@@ -52,75 +103,213 @@ impl Workspace {
 /// rounding decides: reached before the tolerance where the contact force is tiny.
 const ROUNDING: f64 = 1e-12;
 
+/// Positions are known to this part of the height; the stiffness times that is a residual no
+/// correction removes. It matters for nearly incompressible blocks only.
+const ROUNDING_OF_POSITIONS: f64 = 2.0 * f64::EPSILON;
+
+/// Part of the largest contact force so far that the residual is measured by when the ball leaves.
+const LEAST_SCALE: f64 = 1e-3;
+
 fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+    dot(x, x).sqrt()
 }
 
 fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
-/// A system with its law at one depth.
-#[derive(Debug)]
-pub struct Problem<'a, L: Law> {
-    /// The equations.
-    pub system: &'a System,
-    /// The material.
-    pub law: &'a L,
-    /// Depth of the ball (mm).
-    pub depth_mm: f64,
+/// Where corrections on trust began.
+struct Anchor {
+    at: Configuration,
+    state: State,
+    correction: Vec<f64>,
+    climb: f64,
+    rest: f64,
+    age: usize,
 }
 
-impl<L: Law> Problem<'_, L> {
-    fn evaluate(&self, u: &[f64], state: &mut State) -> bool {
-        self.system.evaluate(self.law, u, self.depth_mm, true, state)
+/// Residual of one configuration, and how much of it is allowed.
+#[derive(Debug, Clone, Copy)]
+struct Balance {
+    /// Norm of the residual, with the miss of a prescribed force.
+    rest: f64,
+    /// Norm of the contact force.
+    contact: f64,
+}
+
+impl Problem<'_> {
+    fn step(&self, relaxation: &Relaxation, depth_mm: f64) -> Step<'_> {
+        Step { material: self.material, relaxation: relaxation.clone(), old: self.old, depth_mm }
+    }
+
+    fn balance(&self, state: &State) -> Balance {
+        let miss = match self.control {
+            Control::Depth(_) => 0.0,
+            Control::Force(wanted) => state.sum.force_n - wanted,
+        };
+        Balance { rest: norm(&state.residual).hypot(miss), contact: norm(&state.contact) }
     }
 }
 
 impl Newton {
-    /// Corrects `u` until it is in equilibrium. Returns the number of iterations,
-    /// or `None` when it did not converge (`u` is then spoilt).
-    pub fn equilibrate(&self, problem: &Problem<impl Law>, u: &mut [f64], w: &mut Workspace) -> Option<usize> {
-        if !problem.evaluate(u, &mut w.state) {
+    /// Corrects `at` until it is in equilibrium. Returns the number of factorisations,
+    /// or `None` when it did not converge (`at` is then spoilt).
+    pub fn equilibrate(&self, problem: &Problem, at: &mut Configuration, w: &mut Workspace) -> Option<usize> {
+        let relaxation = problem.material.relaxation(problem.dt_s);
+        if let Control::Depth(depth) = problem.control {
+            at.depth_mm = depth;
+        }
+        if !problem.system.evaluate(&problem.step(&relaxation, at.depth_mm), &at.u, &mut w.state, None) {
             return None;
         }
+        if w.factored && self.chords(problem, &relaxation, at, w) {
+            return Some(0);
+        }
         let mut first = None;
+        let mut anchor: Option<Anchor> = None;
         for k in 1..=self.iterations {
-            w.iterations += 1;
-            factorise(problem.system, w)?;
-            for (c, r) in w.correction.iter_mut().zip(&w.state.residual) {
-                *c = -r;
-            }
-            w.factor.solve(&mut w.correction);
-            let slope = dot(&w.correction, &w.state.residual).abs();
-            let start = *first.get_or_insert(slope);
-            self.advance(problem, u, w)?;
-            let now = norm(&w.state.residual);
-            if !now.is_finite() {
+            let step = problem.step(&relaxation, at.depth_mm);
+            w.factored = problem.system.assemble(&step, &at.u, &mut w.state, &mut w.matrix) && w.matrix.factorise();
+            if !w.factored {
                 return None;
             }
-            let balanced = now <= self.tolerance * norm(&w.state.contact);
-            if balanced || slope <= ROUNDING * start {
+            w.factorisations += 1;
+            w.rounding = ROUNDING_OF_POSITIONS * w.matrix.diagonal_norm() * problem.system.height_mm();
+            for (v, b) in w.rate.iter_mut().zip(&w.matrix.drive) {
+                *v = -b;
+            }
+            w.matrix.correct(&mut w.rate);
+            let climb = self.direction(problem, w);
+            let slope = dot(&w.correction, &w.state.residual).abs();
+            let start = *first.get_or_insert(slope);
+            self.proceed(problem, &relaxation, climb, at, w, &mut anchor)?;
+            let settled = slope <= ROUNDING * start;
+            if self.is_balanced(problem, w) || settled || (anchor.is_none() && self.chords(problem, &relaxation, at, w))
+            {
                 return Some(k);
             }
         }
         None
     }
 
-    /// Takes the correction, halved until the residual falls or the potential's
-    /// slope along the correction falls.
-    fn advance(&self, problem: &Problem<impl Law>, u: &mut [f64], w: &mut Workspace) -> Option<()> {
-        let slope = dot(&w.correction, &w.state.residual);
-        let before = norm(&w.state.residual);
-        let mut part = 1.0;
-        for _ in 0..=self.halvings {
-            for ((t, u), c) in w.trial.iter_mut().zip(&*u).zip(&w.correction) {
-                *t = u + part * c;
+    /// Takes a correction. The full one when it pays; else it is taken on trust for up to
+    /// `trust` iterations, because a residual of nearly incompressible or just touched points may
+    /// rise once and then fall to nothing; when it has not, back to the anchor, and shorter.
+    fn proceed(
+        &self,
+        problem: &Problem,
+        relaxation: &Relaxation,
+        climb: f64,
+        at: &mut Configuration,
+        w: &mut Workspace,
+        anchor: &mut Option<Anchor>,
+    ) -> Option<()> {
+        if let Some(a) = anchor {
+            let fallen = self.advance(problem, relaxation, climb, at, w, 0).is_some()
+                && problem.balance(&w.state).rest < 0.9 * a.rest;
+            if fallen {
+                *anchor = None;
+                return Some(());
             }
-            if problem.evaluate(&w.trial, &mut w.state) {
-                let after = dot(&w.correction, &w.state.residual);
-                if after.abs() <= 0.9 * slope.abs() || norm(&w.state.residual) < 0.9 * before {
-                    u.copy_from_slice(&w.trial);
+            a.age += 1;
+            if a.age < self.trust && self.leap(problem, relaxation, climb, at, w) {
+                return Some(());
+            }
+            let a = anchor.take()?;
+            *at = a.at;
+            w.state = a.state;
+            w.correction = a.correction;
+            return self.advance(problem, relaxation, a.climb, at, w, self.halvings);
+        }
+        if self.advance(problem, relaxation, climb, at, w, 0).is_some() {
+            return Some(());
+        }
+        let here = Anchor {
+            at: at.clone(),
+            state: w.state.clone(),
+            correction: w.correction.clone(),
+            climb,
+            rest: problem.balance(&w.state).rest,
+            age: 0,
+        };
+        if self.leap(problem, relaxation, climb, at, w) {
+            *anchor = Some(here);
+            return Some(());
+        }
+        self.advance(problem, relaxation, climb, at, w, self.halvings)
+    }
+
+    /// Takes the full correction whatever it does, as long as no element is turned inside out.
+    fn leap(
+        &self,
+        problem: &Problem,
+        relaxation: &Relaxation,
+        climb: f64,
+        at: &mut Configuration,
+        w: &mut Workspace,
+    ) -> bool {
+        let mut next = at.clone();
+        self.moved(at, w, 1.0, climb, &mut next);
+        let step = problem.step(relaxation, next.depth_mm);
+        if !problem.system.evaluate(&step, &next.u, &mut w.trial, None) || !problem.balance(&w.trial).rest.is_finite() {
+            return false;
+        }
+        std::mem::swap(&mut w.state, &mut w.trial);
+        *at = next;
+        true
+    }
+
+    /// Fills the correction of the displacement from the factor; returns that of the depth.
+    fn direction(&self, problem: &Problem, w: &mut Workspace) -> f64 {
+        w.iterations += 1;
+        for (c, r) in w.correction.iter_mut().zip(&w.state.residual) {
+            *c = -r;
+        }
+        w.matrix.correct(&mut w.correction);
+        let Control::Force(wanted) = problem.control else {
+            return 0.0;
+        };
+        let miss = wanted - w.state.sum.force_n - dot(&w.matrix.pull, &w.correction);
+        let climb = miss / (w.matrix.direct + dot(&w.matrix.pull, &w.rate));
+        for (c, v) in w.correction.iter_mut().zip(&w.rate) {
+            *c += climb * v;
+        }
+        climb
+    }
+
+    fn is_balanced(&self, problem: &Problem, w: &mut Workspace) -> bool {
+        let b = problem.balance(&w.state);
+        w.scale = w.scale.max(b.contact);
+        b.rest <= w.rounding.max(self.tolerance * b.contact.max(LEAST_SCALE * w.scale))
+    }
+
+    /// Takes the correction, halved until the residual falls or, at a prescribed depth, the
+    /// potential's slope along the correction falls.
+    fn advance(
+        &self,
+        problem: &Problem,
+        relaxation: &Relaxation,
+        climb: f64,
+        at: &mut Configuration,
+        w: &mut Workspace,
+        halvings: usize,
+    ) -> Option<()> {
+        let slope = dot(&w.correction, &w.state.residual);
+        let before = problem.balance(&w.state).rest;
+        let by_slope = matches!(problem.control, Control::Depth(_));
+        let mut part = 1.0;
+        let mut next = at.clone();
+        for _ in 0..=halvings {
+            self.moved(at, w, part, climb, &mut next);
+            if problem.system.evaluate(&problem.step(relaxation, next.depth_mm), &next.u, &mut w.trial, None) {
+                let after = dot(&w.correction, &w.trial.residual);
+                let rest = problem.balance(&w.trial).rest;
+                if (by_slope && after.abs() <= 0.9 * slope.abs()) || rest < 0.9 * before {
+                    if !rest.is_finite() {
+                        return None;
+                    }
+                    std::mem::swap(&mut w.state, &mut w.trial);
+                    *at = next;
                     return Some(());
                 }
             }
@@ -128,23 +317,35 @@ impl Newton {
         }
         None
     }
-}
 
-/// Factorises the stiffness; when it is not positive definite, with a growing
-/// multiple of its diagonal added (the correction is then a descent direction).
-fn factorise(system: &System, w: &mut Workspace) -> Option<()> {
-    let mut shift = 0.0;
-    for _ in 0..8 {
-        if w.factor.factorise(system.pattern(), &w.state.values) {
-            return Some(());
+    fn moved(&self, at: &Configuration, w: &Workspace, part: f64, climb: f64, next: &mut Configuration) {
+        for ((n, u), c) in next.u.iter_mut().zip(&at.u).zip(&w.correction) {
+            *n = u + part * c;
         }
-        let next = if shift == 0.0 { 1e-3 } else { 4.0 * shift };
-        let grow = (1.0 + next) / (1.0 + shift);
-        for &d in system.pattern().diagonal() {
-            let v = &mut w.state.values[d];
-            *v = if *v > 0.0 { *v * grow } else { v.abs().max(1e-12) };
-        }
-        shift = next;
+        next.depth_mm = at.depth_mm + part * climb;
     }
-    None
+
+    /// Corrections by the last factor as long as each one pays: they cost a tenth of a
+    /// factorisation. True when the step has converged.
+    fn chords(&self, problem: &Problem, relaxation: &Relaxation, at: &mut Configuration, w: &mut Workspace) -> bool {
+        let mut before = problem.balance(&w.state).rest;
+        let mut next = at.clone();
+        loop {
+            let climb = self.direction(problem, w);
+            self.moved(at, w, 1.0, climb, &mut next);
+            if !problem.system.evaluate(&problem.step(relaxation, next.depth_mm), &next.u, &mut w.trial, None) {
+                return false;
+            }
+            let rest = problem.balance(&w.trial).rest;
+            if rest.is_nan() || rest > self.chord * before {
+                return false;
+            }
+            before = rest;
+            std::mem::swap(&mut w.state, &mut w.trial);
+            std::mem::swap(at, &mut next);
+            if self.is_balanced(problem, w) {
+                return true;
+            }
+        }
+    }
 }

@@ -1,160 +1,278 @@
-//! The path in depth: adaptive steps, each started along the tangent.
+//! The path through a motion: adaptive steps, each started along the tangent.
 
-use super::newton::{Problem, Workspace};
-use super::{Newton, SolveError, State, System};
-use crate::law::Law;
-
-/// Control of the depth steps; lengths in units of the ball radius.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stepping {
-    /// First step.
-    pub first: f64,
-    /// Growth of the step after a step that converged within `easy` iterations.
-    pub growth: f64,
-    /// Iterations of an easy step.
-    pub easy: usize,
-    /// Largest step.
-    pub largest: f64,
-    /// Least number of stations over the whole depth, evenly in its square root, that
-    /// is in contact radius: each mesh line the contact edge crosses leaves its mark in the force.
-    pub stations: usize,
-    /// Smallest step before giving up.
-    pub smallest: f64,
-    /// Newton iterations of the whole path before giving up.
-    pub iterations: usize,
-}
-
-impl Default for Stepping {
-    fn default() -> Self {
-        Self { first: 0.02, growth: 1.5, easy: 6, largest: 0.08, stations: 24, smallest: 1e-5, iterations: 3000 }
-    }
-}
+use super::newton::{Configuration, Control, Problem, Workspace};
+use super::stepping::Stepping;
+use super::{History, Motion, Newton, SolveError, State, Step, System, Target};
+use crate::law::Material;
 
 /// One equilibrium on the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
+    /// Time since the motion's start (s).
+    pub time_s: f64,
     /// Depth of the ball (mm).
     pub depth_mm: f64,
-    /// Force on the ball from the contact (N).
+    /// Force on the ball from the contact, with the penalty's softness in it (N).
     pub force_n: f64,
     /// Reaction of the base (N).
     pub base_force_n: f64,
-    /// `dF/dd` along the path (N/mm).
+    /// `dF/dd` at fixed time (N/mm).
     pub slope: f64,
     /// Energy stored in the penalty (N mm).
     pub penalty_energy: f64,
     /// Largest radius in contact (mm).
     pub contact_radius_mm: f64,
+    /// Surface points in contact.
+    pub active: usize,
+    /// Of these, sliding ones; 0 without friction.
+    pub sliding: usize,
+    /// Index of the motion's segment.
+    pub segment: usize,
 }
 
 /// A solved path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
-    /// Equilibria in order of depth, without the trivial one at 0.
+    /// Equilibria in order of time, without the one at the motion's start.
     pub stations: Vec<Station>,
-    /// Newton iterations, failed ones included.
+    /// Corrections, failed steps included.
     pub iterations: usize,
+    /// Factorisations, failed steps included.
+    pub factorisations: usize,
     /// Steps that were given up and retried shorter.
     pub cuts: usize,
 }
 
-impl Stepping {
-    /// Follows the equilibrium from 0 to `depth_mm`.
+/// An accepted equilibrium, for those who watch.
+pub struct Accepted<'a> {
+    /// The equations.
+    pub system: &'a System,
+    /// The step that led here, with the history at its start.
+    pub step: &'a Step<'a>,
+    /// Duration of the step (s).
+    pub dt_s: f64,
+    /// Displacement of the free dofs (mm).
+    pub u: &'a [f64],
+    /// State at `u`.
+    pub state: &'a State,
+    /// True when the force is prescribed and the depth follows.
+    pub by_force: bool,
+    /// The equilibrium in numbers.
+    pub station: Station,
+}
+
+/// Follows a path and takes what it needs from every equilibrium.
+pub trait Observer {
+    /// Called once for every accepted equilibrium, in order.
     ///
     /// # Errors
-    /// [`SolveError::NoConvergence`] and [`SolveError::TooManyIterations`], named by `label`.
-    pub fn follow(
+    /// Ends the path.
+    fn accepted(&mut self, at: &Accepted) -> Result<(), SolveError>;
+}
+
+impl Observer for () {
+    fn accepted(&mut self, _: &Accepted) -> Result<(), SolveError> {
+        Ok(())
+    }
+}
+
+/// What is followed.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<'a> {
+    /// The equations.
+    pub system: &'a System,
+    /// The material.
+    pub material: &'a Material,
+    /// The motion of the ball.
+    pub motion: &'a Motion,
+    /// Newton's method.
+    pub newton: Newton,
+    /// Control of the steps.
+    pub stepping: Stepping,
+    /// Hertz's factor `F / d^1.5` (N/mm^1.5): a first guess of the depth under a prescribed force.
+    pub hertz: f64,
+    /// Names the case in errors.
+    pub label: &'a str,
+}
+
+/// Where the path stands.
+struct Here {
+    time_s: f64,
+    at: Configuration,
+    force_n: f64,
+    history: History,
+}
+
+impl Course<'_> {
+    /// Follows the equilibrium through the motion.
+    ///
+    /// # Errors
+    /// [`SolveError::NoConvergence`] and [`SolveError::TooManyIterations`], named by the label;
+    /// what the observer returns.
+    pub fn follow(&self, observer: &mut impl Observer) -> Result<Path, SolveError> {
+        let symmetric = self.material.is_symmetric() && !self.system.surface().has_friction();
+        let mut w = Workspace::new(self.system, symmetric)?;
+        let start = self.motion.start_mm;
+        let mut here = Here {
+            time_s: 0.0,
+            at: Configuration { u: vec![0.0; self.system.unknowns()], depth_mm: start },
+            force_n: 0.0,
+            history: self.system.untouched(self.material, start),
+        };
+        let mut out = Path { stations: Vec::new(), iterations: 0, factorisations: 0, cuts: 0 };
+        for index in 0..self.motion.segments.len() {
+            self.segment(index, &mut here, &mut w, &mut out, observer)?;
+        }
+        (out.iterations, out.factorisations) = (w.iterations, w.factorisations);
+        Ok(out)
+    }
+
+    fn segment(
         &self,
-        system: &System,
-        law: &impl Law,
-        newton: &Newton,
-        radius_mm: f64,
-        depth_mm: f64,
-        label: &str,
-    ) -> Result<Path, SolveError> {
-        let n = system.unknowns();
-        let mut w = Workspace::new(system)?;
-        let mut here = Point { depth: 0.0, u: vec![0.0; n], rate: vec![0.0; n] };
-        let mut step = self.first * radius_mm;
-        let mut out = Path { stations: Vec::new(), iterations: 0, cuts: 0 };
-        while here.depth < depth_mm * (1.0 - 1e-12) {
-            let rest = depth_mm - here.depth;
-            step = step.min(self.longest(here.depth, radius_mm, depth_mm));
+        index: usize,
+        here: &mut Here,
+        w: &mut Workspace,
+        out: &mut Path,
+        observer: &mut impl Observer,
+    ) -> Result<(), SolveError> {
+        let segment = self.motion.segments[index];
+        let (end, from) = match segment.end {
+            Target::DepthMm(d) => (d, here.at.depth_mm),
+            Target::ForceN(f) => (f, here.force_n),
+        };
+        let start_s = here.time_s;
+        let (mut done, mut step) = (0.0, self.stepping.first_of(self.material, self.motion, from, end, &segment));
+        while done < 1.0 - 1e-12 {
+            let rest = 1.0 - done;
+            let longest = self.stepping.longest(self.material, self.motion, from, end, &segment, done);
+            step = f64::min(step, longest);
             // two equal steps rather than a full one and a sliver
             let take = if step >= rest { rest } else { step.min(0.5 * rest) };
-            let depth = here.depth + take;
-            let mut u = here.ahead(take);
-            let problem = Problem { system, law, depth_mm: depth };
-            match newton.equilibrate(&problem, &mut u, &mut w) {
+            let to = if take == rest { 1.0 } else { done + take };
+            let aim = from + (end - from) * to;
+            let control = match segment.end {
+                Target::DepthMm(_) => Control::Depth(aim),
+                Target::ForceN(_) => Control::Force(aim),
+            };
+            match self.step(index, control, take * segment.duration_s, here, w, observer, out)? {
                 Some(used) => {
-                    let mut rate: Vec<f64> = w.state.drive.iter().map(|x| -x).collect();
-                    w.factor.solve(&mut rate);
-                    out.stations.push(station(depth, &w.state, &rate));
-                    here = Point { depth, u, rate };
-                    if used <= self.easy {
-                        step *= self.growth;
-                    } else if used > self.easy + 2 {
-                        step *= 0.8;
-                    }
+                    done = to;
+                    here.time_s = start_s + done * segment.duration_s;
+                    step = take * self.stepping.stretch(used);
                 }
                 None => {
                     out.cuts += 1;
                     step = 0.4 * take;
-                    if step < self.smallest * radius_mm {
-                        return Err(SolveError::NoConvergence {
-                            depth_mm: here.depth,
-                            wanted_mm: depth_mm,
-                            smallest_mm: self.smallest * radius_mm,
-                            iterations: w.iterations,
-                            law: label.to_owned(),
-                        });
+                    if step < self.stepping.smallest {
+                        return Err(self.lost(here, w));
                     }
                 }
             }
-            if w.iterations > self.iterations {
+            if w.factorisations > self.stepping.factorisations {
                 return Err(SolveError::TooManyIterations {
-                    depth_mm: here.depth,
-                    wanted_mm: depth_mm,
+                    depth_mm: here.at.depth_mm,
+                    wanted_mm: self.motion.deepest_mm(),
                     iterations: w.iterations,
-                    law: label.to_owned(),
+                    case: self.label.to_owned(),
                 });
             }
         }
-        out.iterations = w.iterations;
-        Ok(out)
+        Ok(())
     }
 
-    /// Longest step at a depth (mm).
-    fn longest(&self, here_mm: f64, radius_mm: f64, depth_mm: f64) -> f64 {
-        let next = (here_mm / depth_mm).sqrt() + 1.0 / self.stations as f64;
-        (depth_mm * next * next - here_mm).min(self.largest * radius_mm)
+    /// One step; returns the factorisations it took, or `None` when it must be shorter.
+    #[expect(clippy::too_many_arguments, reason = "the state of the path, taken apart for the borrow checker")]
+    fn step(
+        &self,
+        segment: usize,
+        control: Control,
+        dt_s: f64,
+        here: &mut Here,
+        w: &mut Workspace,
+        observer: &mut impl Observer,
+        out: &mut Path,
+    ) -> Result<Option<usize>, SolveError> {
+        let problem = Problem { system: self.system, material: self.material, old: &here.history, dt_s, control };
+        let Some(mut next) = self.ahead(&problem, here, w) else { return Ok(None) };
+        let Some(used) = self.newton.equilibrate(&problem, &mut next, w) else { return Ok(None) };
+        let relaxation = self.material.relaxation(dt_s);
+        let step = Step { material: self.material, relaxation, old: &here.history, depth_mm: next.depth_mm };
+        let mut history = here.history.clone();
+        if !history.matter.is_empty() || !history.grips.is_empty() {
+            let mut state = self.system.state();
+            // the state is known: this pass only collects what the points remember
+            let _ = self.system.evaluate(&step, &next.u, &mut state, Some(&mut history));
+        }
+        let station = self.station(segment, here.time_s + dt_s, next.depth_mm, w);
+        let by_force = matches!(control, Control::Force(_));
+        observer.accepted(&Accepted {
+            system: self.system,
+            step: &step,
+            dt_s,
+            u: &next.u,
+            state: &w.state,
+            by_force,
+            station,
+        })?;
+        out.stations.push(station);
+        here.force_n = station.force_n;
+        here.at = next;
+        here.history = history;
+        Ok(Some(used))
     }
-}
 
-/// An equilibrium and its tangent in depth.
-struct Point {
-    depth: f64,
-    u: Vec<f64>,
-    rate: Vec<f64>,
-}
-
-impl Point {
-    /// The tangent, which is at the same time the first Newton correction. A
-    /// quadratic start was measured to need a fifth more iterations: surface
-    /// points entering contact make the second derivative jump.
-    fn ahead(&self, s: f64) -> Vec<f64> {
-        self.u.iter().zip(&self.rate).map(|(u, v)| u + s * v).collect()
+    /// Where Newton's method starts: along the tangent in depth, which is at the same time its
+    /// first correction. A quadratic start was measured to need a fifth more iterations: surface
+    /// points entering contact make the second derivative jump. Under a prescribed force that
+    /// meets no contact yet, at the depth Hertz gives.
+    fn ahead(&self, problem: &Problem, here: &Here, w: &mut Workspace) -> Option<Configuration> {
+        let mut next = here.at.clone();
+        let climb = match problem.control {
+            Control::Depth(depth) => depth - here.at.depth_mm,
+            Control::Force(force) if here.force_n > 0.0 => {
+                let slope = w.matrix.direct + w.matrix.pull.iter().zip(&w.rate).map(|(p, v)| p * v).sum::<f64>();
+                (force - here.force_n) / slope
+            }
+            Control::Force(force) => {
+                next.depth_mm = (force.max(0.0) / self.hertz).powf(2.0 / 3.0);
+                let guess = Problem { control: Control::Depth(next.depth_mm), ..*problem };
+                self.newton.equilibrate(&guess, &mut next, w)?;
+                return Some(next);
+            }
+        };
+        if climb.is_finite() {
+            next.depth_mm += climb;
+            for (u, v) in next.u.iter_mut().zip(&w.rate) {
+                *u += climb * v;
+            }
+        }
+        Some(next)
     }
-}
 
-fn station(depth_mm: f64, state: &State, rate: &[f64]) -> Station {
-    let along: f64 = state.drive.iter().zip(rate).map(|(b, v)| b * v).sum();
-    Station {
-        depth_mm,
-        force_n: state.sum.force_n,
-        base_force_n: state.base_force_n,
-        slope: state.sum.stiffness + along,
-        penalty_energy: state.sum.energy,
-        contact_radius_mm: state.sum.radius_mm,
+    fn station(&self, segment: usize, time_s: f64, depth_mm: f64, w: &Workspace) -> Station {
+        let along: f64 = w.matrix.pull.iter().zip(&w.rate).map(|(b, v)| b * v).sum();
+        let sum = &w.state.sum;
+        Station {
+            time_s,
+            depth_mm,
+            force_n: sum.force_n,
+            base_force_n: w.state.base_force_n,
+            slope: w.matrix.direct + along,
+            penalty_energy: sum.penalty_energy,
+            contact_radius_mm: sum.radius_mm,
+            active: sum.active,
+            sliding: sum.sliding,
+            segment,
+        }
+    }
+
+    fn lost(&self, here: &Here, w: &Workspace) -> SolveError {
+        SolveError::NoConvergence {
+            depth_mm: here.at.depth_mm,
+            wanted_mm: self.motion.deepest_mm(),
+            time_s: here.time_s,
+            iterations: w.iterations,
+            case: self.label.to_owned(),
+        }
     }
 }

@@ -12,26 +12,39 @@ use faer::{Conj, MatMut, Par, Side};
 /// A degree of freedom that is held: it has no equation.
 pub const HELD: usize = usize::MAX;
 
-/// Pattern of the lower triangle in compressed columns, with one scatter list a group.
+/// Pattern of a square matrix in compressed columns: the lower triangle, or all of it.
 #[derive(Debug)]
 pub struct Pattern {
     symbolic: SymbolicSparseColMat<usize>,
     diagonal: Vec<usize>,
 }
 
+/// Which entries of a matrix are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stored {
+    /// The lower triangle of a symmetric matrix.
+    Lower,
+    /// Every entry.
+    All,
+}
+
 impl Pattern {
     /// Pattern of `n` equations in which the members of each group are coupled.
     ///
-    /// `groups` list equation numbers, [`HELD`] for none. Returns the pattern
-    /// and for every group the position in the value array of each entry of its
-    /// lower triangle (row by row), [`u32::MAX`] for entries of held members.
+    /// `groups` list equation numbers, [`HELD`] for none. Returns the pattern and for every
+    /// group the position in the value array of each of its entries, row by row ([`Stored::Lower`]:
+    /// of its lower triangle, whatever the order of the equations), [`u32::MAX`] for held members.
     #[must_use]
-    pub fn new<'a>(n: usize, groups: impl Iterator<Item = &'a [usize]> + Clone) -> (Self, Vec<Vec<u32>>) {
+    pub fn new<'a>(
+        n: usize,
+        groups: impl Iterator<Item = &'a [usize]> + Clone,
+        stored: Stored,
+    ) -> (Self, Vec<Vec<u32>>) {
         let mut columns: Vec<Vec<usize>> = vec![Vec::new(); n];
         for group in groups.clone() {
             for &a in group {
                 for &b in group {
-                    if a != HELD && b != HELD && a >= b {
+                    if a != HELD && b != HELD && (a >= b || stored == Stored::All) {
                         columns[b].push(a);
                     }
                 }
@@ -41,10 +54,10 @@ impl Pattern {
         let mut rows = Vec::new();
         let mut diagonal = Vec::with_capacity(n);
         start.push(0);
-        for column in &mut columns {
+        for (j, column) in columns.iter_mut().enumerate() {
             column.sort_unstable();
             column.dedup();
-            diagonal.push(rows.len());
+            diagonal.push(rows.len() + column.partition_point(|&i| i < j));
             rows.extend_from_slice(column);
             start.push(rows.len());
         }
@@ -52,15 +65,16 @@ impl Pattern {
             if a == HELD || b == HELD {
                 return u32::MAX;
             }
-            let (row, column) = (a.max(b), a.min(b));
+            let (row, column) = if stored == Stored::All { (a, b) } else { (a.max(b), a.min(b)) };
             let list = &rows[start[column]..start[column + 1]];
             list.binary_search(&row).map_or(u32::MAX, |k| (start[column] + k) as u32)
         };
         let scatter = groups
             .map(|group| {
-                let mut list = Vec::with_capacity(group.len() * (group.len() + 1) / 2);
+                let mut list = Vec::with_capacity(group.len() * group.len());
                 for i in 0..group.len() {
-                    for j in 0..=i {
+                    let columns = if stored == Stored::All { group.len() } else { i + 1 };
+                    for j in 0..columns {
                         list.push(place(group[i], group[j]));
                     }
                 }
@@ -82,6 +96,16 @@ impl Pattern {
     pub fn diagonal(&self) -> &[usize] {
         &self.diagonal
     }
+
+    /// First position of every column in the value array, and the end.
+    pub(super) fn starts(&self) -> &[usize] {
+        self.symbolic.col_ptr()
+    }
+
+    /// Row of every position.
+    pub(super) fn rows(&self) -> &[usize] {
+        self.symbolic.row_idx()
+    }
 }
 
 /// Cholesky factor with symbolic analysis done once.
@@ -92,7 +116,7 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// Analyses the pattern (approximate minimum degree ordering); `None` when
+    /// Analyses a pattern of [`Stored::Lower`] (approximate minimum degree ordering); `None` when
     /// memory does not suffice.
     #[must_use]
     pub fn new(pattern: &Pattern) -> Option<Self> {

@@ -1,11 +1,13 @@
-//! The block as a system of equations: residual and stiffness at a displacement.
+//! The block as a system of equations: residual, stiffness and history at a displacement.
 
-use super::SolveError;
-use super::sparse::{Factor, HELD, Pattern};
-use crate::contact::{Sum, Surface};
-use crate::element::{DOFS, LOWER, Quadrature, Solid};
-use crate::law::Law;
+use super::matrix::Matrix;
+use super::sparse::HELD;
+use super::{SolveError, constraint};
+use crate::contact::{Grip, Sum, Surface};
+use crate::element::{DOFS, Matter, Quadrature, Solid};
+use crate::law::{Material, Relaxation};
 use crate::mesh::BlockMesh;
+use crate::scalar::Real;
 
 /// How the bottom of the block is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -18,54 +20,68 @@ pub enum Base {
 }
 
 /// Equations of a block under a ball. Free dofs are numbered 0..unknowns.
-#[derive(Debug)]
-pub struct System {
-    height_mm: f64,
-    solids: Vec<Solid>,
-    surface: Surface,
+#[derive(Debug, Clone)]
+pub struct System<T = f64> {
+    height_mm: T,
+    solids: Vec<Solid<T>>,
+    surface: Surface<T>,
     /// Equation of dof `2 node + (0 radial, 1 axial)`, [`HELD`] for held ones.
     equation: Vec<usize>,
     unknowns: usize,
-    pattern: Pattern,
-    solid_scatter: Vec<Vec<u32>>,
-    edge_scatter: Vec<Vec<u32>>,
+}
+
+/// What the block remembers of the last equilibrium.
+#[derive(Debug, Clone, PartialEq)]
+pub struct History<T = f64> {
+    /// [`Material::history`] numbers of every material point, element by element.
+    pub matter: Vec<T>,
+    /// One grip for every point of the surface; empty without friction.
+    pub grips: Vec<Grip<T>>,
+}
+
+/// One step in time: from a history, within a duration, to a depth.
+#[derive(Debug)]
+pub struct Step<'a, T = f64> {
+    /// The material.
+    pub material: &'a Material<T>,
+    /// What the duration does to its Maxwell elements.
+    pub relaxation: Relaxation<T>,
+    /// History at the step's start.
+    pub old: &'a History<T>,
+    /// Depth of the ball at the step's end (mm).
+    pub depth_mm: T,
 }
 
 /// Residual, energy and sums of one configuration.
 #[derive(Debug, Clone)]
-pub struct State {
+pub struct State<T = f64> {
     /// Residual of the free equations: internal minus contact force (N).
-    pub residual: Vec<f64>,
+    pub residual: Vec<T>,
     /// Nodal contact force of the free equations (N).
-    pub contact: Vec<f64>,
-    /// `d residual / d depth` at fixed displacement (N/mm).
-    pub drive: Vec<f64>,
-    /// Values of the stiffness in the system's pattern (N/mm).
-    pub values: Vec<f64>,
-    /// Strain energy plus penalty energy (N mm).
-    pub potential: f64,
+    pub contact: Vec<T>,
+    /// Strain energy of the elastic law plus energy of the contact (N mm).
+    pub potential: T,
     /// Sums over the contact.
-    pub sum: Sum,
+    pub sum: Sum<T>,
     /// Axial force of the block on its base (N), positive downward.
-    pub base_force_n: f64,
+    pub base_force_n: T,
 }
 
-impl System {
-    /// Builds the equations. `surface` lists its edges over the nodes of `mesh`.
+impl<T: Real> System<T> {
+    /// Builds the equations over `nodes`, the (possibly dual) positions of the mesh's nodes (mm),
+    /// and `height_mm`, its height. `surface` lists its edges over the same nodes.
     #[must_use]
-    pub fn new(mesh: &BlockMesh, base: Base, surface: Surface, quadrature: Quadrature) -> Self {
-        let (equation, unknowns) = number(mesh, base);
-        let solids: Vec<Solid> =
-            mesh.elements.iter().map(|e| Solid::new(*e, &e.map(|n| mesh.nodes[n]), quadrature)).collect();
-        let dofs = |nodes: &[usize]| -> Vec<usize> {
-            nodes.iter().flat_map(|n| [equation[2 * n], equation[2 * n + 1]]).collect()
-        };
-        let mut groups: Vec<Vec<usize>> = solids.iter().map(|s| dofs(&s.nodes)).collect();
-        let count = groups.len();
-        groups.extend(surface.edges().iter().map(|e| dofs(e)));
-        let (pattern, mut solid_scatter) = Pattern::new(unknowns, groups.iter().map(Vec::as_slice));
-        let edge_scatter = solid_scatter.split_off(count);
-        Self { height_mm: mesh.height_mm, solids, surface, equation, unknowns, pattern, solid_scatter, edge_scatter }
+    pub fn over(
+        mesh: &BlockMesh,
+        nodes: &[[T; 2]],
+        height_mm: T,
+        base: Base,
+        surface: Surface<T>,
+        quadrature: Quadrature,
+    ) -> Self {
+        let (equation, unknowns) = constraint::number(mesh, base);
+        let solids = mesh.elements.iter().map(|e| Solid::new(*e, &e.map(|n| nodes[n]), quadrature)).collect();
+        Self { height_mm, solids, surface, equation, unknowns }
     }
 
     /// Number of free equations.
@@ -74,135 +90,185 @@ impl System {
         self.unknowns
     }
 
-    /// Pattern of the stiffness.
+    /// Height of the block (mm).
     #[must_use]
-    pub fn pattern(&self) -> &Pattern {
-        &self.pattern
+    pub fn height_mm(&self) -> T {
+        self.height_mm
     }
 
-    /// Symbolic factorisation of the stiffness.
-    ///
-    /// # Errors
-    /// [`SolveError::Memory`].
-    pub fn factor(&self) -> Result<Factor, SolveError> {
-        Factor::new(&self.pattern).ok_or(SolveError::Memory { unknowns: self.unknowns })
+    /// The elements.
+    #[must_use]
+    pub fn solids(&self) -> &[Solid<T>] {
+        &self.solids
+    }
+
+    /// The contact.
+    #[must_use]
+    pub fn surface(&self) -> &Surface<T> {
+        &self.surface
+    }
+
+    /// Equation of dof `2 node + (0 radial, 1 axial)`, [`HELD`] for held ones.
+    #[must_use]
+    pub fn equation(&self) -> &[usize] {
+        &self.equation
     }
 
     /// An empty state of the right size.
     #[must_use]
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> State<T> {
+        let zero = T::from(0.0);
         State {
-            residual: vec![0.0; self.unknowns],
-            contact: vec![0.0; self.unknowns],
-            drive: vec![0.0; self.unknowns],
-            values: vec![0.0; self.pattern.entries()],
-            potential: 0.0,
+            residual: vec![zero; self.unknowns],
+            contact: vec![zero; self.unknowns],
+            potential: zero,
             sum: Sum::default(),
-            base_force_n: 0.0,
+            base_force_n: zero,
         }
     }
 
-    fn gather<const N: usize>(&self, nodes: &[usize], u: &[f64]) -> ([usize; N], [f64; N]) {
-        let dofs: [usize; N] = std::array::from_fn(|i| self.equation[2 * nodes[i / 2] + i % 2]);
-        (dofs, dofs.map(|d| if d == HELD { 0.0 } else { u[d] }))
-    }
-
-    /// Evaluates residual and sums at displacement `u` and depth, and the stiffness
-    /// if wanted. False when an element is turned inside out.
+    /// The history of a block that was never touched, with the ball at a depth (mm).
     #[must_use]
-    pub fn evaluate(&self, law: &impl Law, u: &[f64], depth_mm: f64, stiffness: bool, out: &mut State) -> bool {
-        out.residual.fill(0.0);
-        out.contact.fill(0.0);
-        out.drive.fill(0.0);
-        out.sum = Sum::default();
-        out.base_force_n = 0.0;
-        if stiffness {
-            out.values.fill(0.0);
+    pub fn untouched(&self, material: &Material<T>, depth_mm: T) -> History<T> {
+        let points: usize = self.solids.iter().map(Solid::points).sum();
+        History {
+            matter: vec![T::from(0.0); points * material.history()],
+            grips: self.surface.grips(self.centre_mm(depth_mm)),
         }
-        match self.solids(law, u, stiffness, out) {
-            Some(energy) => out.potential = energy,
-            None => return false,
+    }
+
+    fn centre_mm(&self, depth_mm: T) -> T {
+        self.height_mm + self.surface.ball().radius_mm - depth_mm
+    }
+
+    /// Equations and values of the dofs of some nodes; held ones have the value 0.
+    pub fn gather<const N: usize>(&self, nodes: &[usize], u: &[T]) -> ([usize; N], [T; N]) {
+        let dofs: [usize; N] = std::array::from_fn(|i| self.equation[2 * nodes[i / 2] + i % 2]);
+        (dofs, dofs.map(|d| if d == HELD { T::from(0.0) } else { u[d] }))
+    }
+
+    /// Evaluates residual and sums at the displacement `u`; `new` receives the history.
+    /// False when an element is turned inside out.
+    #[must_use]
+    pub fn evaluate(&self, step: &Step<T>, u: &[T], out: &mut State<T>, mut new: Option<&mut History<T>>) -> bool {
+        self.clear(out);
+        let each = step.material.history();
+        let mut at = 0;
+        for solid in &self.solids {
+            let (dofs, local) = self.gather::<DOFS>(&solid.nodes, u);
+            let range = at..at + each * solid.points();
+            at = range.end;
+            let matter =
+                Matter { material: step.material, step: &step.relaxation, history: &step.old.matter[range.clone()] };
+            let kept = new.as_deref_mut().map(|h| &mut h.matter[range]);
+            let mut force = [T::from(0.0); DOFS];
+            let Some(energy) = solid.force(&matter, &local, &mut force, kept) else { return false };
+            out.potential += energy;
+            spread(&dofs, &force, out);
         }
-        self.edges(u, depth_mm, stiffness, out);
-        out.potential += out.sum.energy;
-        for (r, c) in out.residual.iter_mut().zip(&out.contact) {
-            *r += c;
+        let per = if self.surface.has_friction() { self.surface.per_edge() } else { 0 };
+        for (index, edge) in self.surface.edges().iter().enumerate() {
+            let (dofs, local) = self.gather::<6>(edge, u);
+            let mut force = [T::from(0.0); 6];
+            let grips = index * per..(index + 1) * per;
+            let kept = new.as_deref_mut().map(|h| &mut h.grips[grips.clone()]);
+            let centre = self.centre_mm(step.depth_mm);
+            self.surface.edge(index, centre, &local, &step.old.grips[grips], kept, &mut force, None, &mut out.sum);
+            press(&dofs, &force, out);
         }
+        close(out);
         true
     }
 
-    fn solids(&self, law: &impl Law, u: &[f64], stiffness: bool, out: &mut State) -> Option<f64> {
-        let mut energy = 0.0;
-        for (solid, scatter) in self.solids.iter().zip(&self.solid_scatter) {
-            let (dofs, local) = self.gather::<DOFS>(&solid.nodes, u);
-            let mut force = [0.0; DOFS];
-            if stiffness {
-                let mut lower = [0.0; LOWER];
-                energy += solid.stiffness(law, &local, &mut force, &mut lower)?;
-                for (&place, &k) in scatter.iter().zip(&lower) {
-                    if place != u32::MAX {
-                        out.values[place as usize] += k;
-                    }
-                }
-            } else {
-                energy += solid.force(law, &local, &mut force)?;
-            }
-            for (i, (&d, f)) in dofs.iter().zip(force).enumerate() {
-                if d != HELD {
-                    out.residual[d] += f;
-                } else if i % 2 == 1 {
-                    // the only held axial dofs are those of the base
-                    out.base_force_n += f;
-                }
-            }
-        }
-        Some(energy)
+    fn clear(&self, out: &mut State<T>) {
+        let zero = T::from(0.0);
+        out.residual.fill(zero);
+        out.contact.fill(zero);
+        out.sum = Sum::default();
+        out.potential = zero;
+        out.base_force_n = zero;
+    }
+}
+
+impl System {
+    /// Builds the equations of a mesh.
+    #[must_use]
+    pub fn new(mesh: &BlockMesh, base: Base, surface: Surface, quadrature: Quadrature) -> Self {
+        Self::over(mesh, &mesh.nodes, mesh.height_mm, base, surface, quadrature)
     }
 
-    fn edges(&self, u: &[f64], depth_mm: f64, stiffness: bool, out: &mut State) {
-        let centre = self.height_mm + self.surface.ball().radius_mm - depth_mm;
-        for (index, (edge, scatter)) in self.surface.edges().iter().zip(&self.edge_scatter).enumerate() {
+    /// An empty tangent; `symmetric` must be false with friction or an unsymmetric material.
+    ///
+    /// # Errors
+    /// [`SolveError::Memory`].
+    pub fn matrix(&self, symmetric: bool) -> Result<Matrix, SolveError> {
+        let dofs = |nodes: &[usize]| -> Vec<usize> {
+            nodes.iter().flat_map(|n| [self.equation[2 * n], self.equation[2 * n + 1]]).collect()
+        };
+        let solids: Vec<_> = self.solids.iter().map(|s| dofs(&s.nodes)).collect();
+        let edges: Vec<_> = self.surface.edges().iter().map(|e| dofs(e)).collect();
+        Matrix::new(self.unknowns, &solids, &edges, symmetric)
+    }
+
+    /// As [`System::evaluate`], with the tangent.
+    #[must_use]
+    pub fn assemble(&self, step: &Step, u: &[f64], out: &mut State, matrix: &mut Matrix) -> bool {
+        self.clear(out);
+        matrix.clear();
+        let symmetric = matrix.is_symmetric();
+        let each = step.material.history();
+        let mut at = 0;
+        for (index, solid) in self.solids.iter().enumerate() {
+            let (dofs, local) = self.gather::<DOFS>(&solid.nodes, u);
+            let range = at..at + each * solid.points();
+            at = range.end;
+            let matter = Matter { material: step.material, step: &step.relaxation, history: &step.old.matter[range] };
+            let (mut force, mut k) = ([0.0; DOFS], [[0.0; DOFS]; DOFS]);
+            let Some(energy) = solid.stiffness(&matter, &local, &mut force, &mut k, symmetric) else { return false };
+            out.potential += energy;
+            spread(&dofs, &force, out);
+            matrix.add_solid(index, &k);
+        }
+        let per = if self.surface.has_friction() { self.surface.per_edge() } else { 0 };
+        for (index, edge) in self.surface.edges().iter().enumerate() {
             let (dofs, local) = self.gather::<6>(edge, u);
-            let mut force = [0.0; 6];
-            let mut k = [[0.0; 7]; 7];
-            let before = out.sum.active;
-            let wanted = stiffness.then_some(&mut k);
-            self.surface.edge(index, centre, &local, &mut force, wanted, &mut out.sum);
-            if out.sum.active == before {
-                continue;
+            let (mut force, mut k) = ([0.0; 6], [[0.0; 6]; 6]);
+            let old = &step.old.grips[index * per..(index + 1) * per];
+            let energy = out.sum.energy;
+            let centre = self.centre_mm(step.depth_mm);
+            self.surface.edge(index, centre, &local, old, None, &mut force, Some(&mut k), &mut out.sum);
+            if out.sum.energy != energy {
+                press(&dofs, &force, out);
+                matrix.add_edge(index, &dofs, &k);
             }
-            for (i, &d) in dofs.iter().enumerate() {
-                if d != HELD {
-                    out.contact[d] += force[i];
-                    out.drive[d] += k[i][6];
-                }
-            }
-            if stiffness {
-                let mut at = scatter.iter();
-                for (i, row) in k.iter().enumerate().take(6) {
-                    for (v, &place) in row[..=i].iter().zip(at.by_ref()) {
-                        if place != u32::MAX {
-                            out.values[place as usize] += v;
-                        }
-                    }
-                }
-            }
+        }
+        close(out);
+        true
+    }
+}
+
+/// Nodal forces of a solid: the only held axial dofs are those of the base.
+fn spread<T: Real>(dofs: &[usize; DOFS], force: &[T; DOFS], out: &mut State<T>) {
+    for (i, (&d, &f)) in dofs.iter().zip(force).enumerate() {
+        if d != HELD {
+            out.residual[d] += f;
+        } else if i % 2 == 1 {
+            out.base_force_n += f;
         }
     }
 }
 
-/// Equation numbers: the axis does not move radially, the base as told.
-fn number(mesh: &BlockMesh, base: Base) -> (Vec<usize>, usize) {
-    let mut next = 0;
-    let mut equation = Vec::with_capacity(2 * mesh.nodes.len());
-    for x in &mesh.nodes {
-        // the lines are scaled, so that the lowest may miss zero by rounding
-        let bottom = x[1] <= 1e-9 * mesh.height_mm;
-        let held = [x[0] == 0.0 || (bottom && base == Base::Bonded), bottom];
-        for h in held {
-            equation.push(if h { HELD } else { next });
-            next += usize::from(!h);
+fn press<T: Real>(dofs: &[usize; 6], force: &[T; 6], out: &mut State<T>) {
+    for (&d, &f) in dofs.iter().zip(force) {
+        if d != HELD {
+            out.contact[d] += f;
         }
     }
-    (equation, next)
+}
+
+fn close<T: Real>(out: &mut State<T>) {
+    out.potential += out.sum.energy;
+    for (r, c) in out.residual.iter_mut().zip(&out.contact) {
+        *r += *c;
+    }
 }

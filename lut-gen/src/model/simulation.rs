@@ -1,0 +1,261 @@
+//! A ball of any motion on a specimen of any material.
+
+use super::specimen::SIZES;
+use super::{Record, Resolution, Specimen};
+use crate::contact::{Ball, Interface, Surface};
+use crate::element::Quadrature;
+use crate::law::{Law, Material, Parameter};
+use crate::mesh::{BlockMesh, Sizes};
+use crate::scalar::{Dual, Real};
+use crate::solve::{Base, Course, Motion, Newton, Observer, Path, SolveError, Stepping, System};
+use crate::verify::hertz_force_n;
+
+/// Everything that decides the force on the ball.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulation {
+    /// Material of the block.
+    pub material: Material,
+    /// The block.
+    pub specimen: Specimen,
+    /// The ball.
+    pub ball: Ball,
+    /// Friction and adhesion between them.
+    pub interface: Interface,
+    /// What the ball does.
+    pub motion: Motion,
+    /// Mesh.
+    pub resolution: Resolution,
+}
+
+/// Penalty in units of expected mean pressure over ball radius: the mean
+/// penetration stays near `R / 400`, about half a percent of the depth at
+/// any depth, and its effect on the force is removed to first order.
+const PENALTY: f64 = 400.0;
+
+/// Least pressure the penalty is scaled with, in units of `mu`.
+const LEAST_PRESSURE: f64 = 1.0;
+
+/// Factor on the penalty when a solve fails, and how often that is tried. A soft
+/// penalty lets a thin or low-exponent surface slide off the ball's flank.
+const STIFFER: f64 = 4.0;
+const ATTEMPTS: i32 = 3;
+
+/// Contact quadrature points per element edge.
+const POINTS_PER_EDGE: usize = 8;
+
+/// Surface within this many ball radii of the axis can touch the ball.
+const REACH: f64 = 2.5;
+
+/// A mesh with the equations over it.
+pub(super) struct Assembly<T = f64> {
+    pub system: System<T>,
+    pub material: Material<T>,
+}
+
+impl Simulation {
+    /// The path of the finest mesh.
+    ///
+    /// # Errors
+    /// See [`SolveError`]; [`SolveError::NoConvergence`] names the case.
+    pub fn solve(&self) -> Result<Record, SolveError> {
+        Ok(Record::new(self.path(self.resolution.finest(), &mut ())?.0))
+    }
+
+    /// As [`Simulation::solve`]; the observer sees every accepted equilibrium. When a path fails
+    /// it is begun again with a stiffer penalty: the observer is then `restarted` first.
+    ///
+    /// # Errors
+    /// As [`Simulation::solve`], and what the observer returns.
+    pub fn watch(&self, observer: &mut impl Watcher) -> Result<Record, SolveError> {
+        Ok(Record::new(self.path(self.resolution.finest(), observer)?.0))
+    }
+
+    /// The mesh of one refinement.
+    #[must_use]
+    pub fn mesh(&self, refinement: f64) -> BlockMesh {
+        let sizes = Sizes { refinement, ..SIZES };
+        BlockMesh::new(self.specimen.radius_mm, self.specimen.height_mm, self.ball.radius_mm, &sizes)
+    }
+
+    /// Largest depth (mm) of the motion; under a prescribed force, the one Hertz gives for it.
+    #[must_use]
+    pub fn depth_mm(&self) -> f64 {
+        let by_force = (self.motion.largest_force_n() / self.hertz_factor()).powf(2.0 / 3.0);
+        self.motion.deepest_mm().max(by_force.min(0.5 * self.specimen.height_mm))
+    }
+
+    /// Hertz's factor `F / d^(3/2)` (N/mm^1.5) of the limit `d -> 0`, see [`hertz_force_n`].
+    #[must_use]
+    pub fn hertz_factor(&self) -> f64 {
+        let law = &self.material.elastic;
+        hertz_force_n(law.shear_modulus_mpa(), law.poisson_ratio(), self.ball.radius_mm, 1.0)
+    }
+
+    /// One line that names material, specimen, ball and interface.
+    #[must_use]
+    pub fn label(&self) -> String {
+        let base = match self.specimen.base {
+            Base::Bonded => "bonded",
+            Base::Sliding => "sliding",
+        };
+        let adhesion = self
+            .interface
+            .adhesion
+            .map_or(String::new(), |a| format!(", adhesion {} N/mm over {} mm", a.work_n_per_mm, a.range_mm));
+        format!(
+            "{}; height {} mm, {base} base, ball {} mm, friction {}{adhesion}",
+            self.material.label(),
+            self.specimen.height_mm,
+            self.ball.radius_mm,
+            self.interface.friction,
+        )
+    }
+
+    pub(super) fn check(&self) -> Result<(), SolveError> {
+        let positive = [
+            ("height_mm", self.specimen.height_mm),
+            ("radius_mm of the specimen", self.specimen.radius_mm),
+            ("radius_mm of the ball", self.ball.radius_mm),
+        ];
+        for (name, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(SolveError::parameter(name, value, "must be positive"));
+            }
+        }
+        self.motion.check()?;
+        self.interface.check()?;
+        let deepest = self.motion.deepest_mm();
+        if deepest >= 0.95 * self.specimen.height_mm {
+            let expected = format!("must stay below 95 % of the height, {} mm", self.specimen.height_mm);
+            return Err(SolveError::Parameter { parameter: "depth_mm", value: deepest, expected });
+        }
+        if self.specimen.radius_mm < 1.5 * self.ball.radius_mm {
+            let expected = format!("must be at least 1.5 ball radii, {} mm", 1.5 * self.ball.radius_mm);
+            return Err(SolveError::parameter("radius_mm of the specimen", self.specimen.radius_mm, &expected));
+        }
+        self.resolution.check()
+    }
+
+    /// Solves on the mesh of one refinement, with a stiffer penalty if need be; also returns the
+    /// number of unknowns.
+    pub(super) fn path(&self, refinement: f64, observer: &mut impl Watcher) -> Result<(Path, usize), SolveError> {
+        self.check()?;
+        let mesh = self.mesh(refinement);
+        let stepping = Stepping::of_ball(self.ball.radius_mm);
+        let mut outcome = self.follow(&mesh, 1.0, Newton::default(), stepping, observer);
+        for attempt in 1..ATTEMPTS {
+            if outcome.is_ok() {
+                break;
+            }
+            observer.restarted();
+            outcome = self.follow(&mesh, STIFFER.powi(attempt), Newton::default(), stepping, observer);
+        }
+        outcome
+    }
+
+    /// Follows the motion on a given mesh of the specimen with the default penalty times `stiffer`:
+    /// for those who study the method itself.
+    ///
+    /// # Errors
+    /// As [`Simulation::solve`]; nothing is tried a second time.
+    pub fn follow(
+        &self,
+        mesh: &BlockMesh,
+        stiffer: f64,
+        newton: Newton,
+        stepping: Stepping,
+        observer: &mut impl Watcher,
+    ) -> Result<(Path, usize), SolveError> {
+        let Assembly { system, material } = self.assembly(mesh, stiffer);
+        observer.begins(self, mesh, stiffer, &system)?;
+        let label = self.label();
+        let course = Course {
+            system: &system,
+            material: &material,
+            motion: &self.motion,
+            newton,
+            stepping,
+            hertz: self.hertz_factor(),
+            label: &label,
+        };
+        Ok((course.follow(observer)?, system.unknowns()))
+    }
+
+    /// The equations with plain numbers.
+    pub(super) fn assembly(&self, mesh: &BlockMesh, stiffer: f64) -> Assembly {
+        self.equations(mesh, &mesh.nodes, mesh.height_mm, self.ball, self.interface, self.material.clone(), stiffer)
+    }
+
+    /// The equations with the derivative by one parameter. The nodes move with the height in
+    /// proportion, and stay where they are when the ball's radius changes.
+    pub(super) fn lifted(&self, mesh: &BlockMesh, stiffer: f64, by: Parameter) -> Assembly<Dual> {
+        let seed = |p: Parameter, value: f64| Dual::new(value, f64::from(u8::from(p == by)));
+        let height = seed(Parameter::Height, mesh.height_mm);
+        let scale = height / mesh.height_mm;
+        let nodes: Vec<[Dual; 2]> = mesh.nodes.iter().map(|x| [Dual::from(x[0]), scale * x[1]]).collect();
+        let ball = Ball { radius_mm: seed(Parameter::BallRadius, self.ball.radius_mm) };
+        let interface = Interface {
+            friction: seed(Parameter::Friction, self.interface.friction),
+            adhesion: self.interface.adhesion.map(|a| crate::contact::Adhesion {
+                work_n_per_mm: seed(Parameter::AdhesionWork, a.work_n_per_mm),
+                range_mm: a.range_mm,
+            }),
+        };
+        self.equations(mesh, &nodes, height, ball, interface, self.material.lift(by), stiffer)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "all of it is the case, in one kind of number")]
+    fn equations<T: Real>(
+        &self,
+        mesh: &BlockMesh,
+        nodes: &[[T; 2]],
+        height_mm: T,
+        ball: Ball<T>,
+        interface: Interface<T>,
+        material: Material<T>,
+        stiffer: f64,
+    ) -> Assembly<T> {
+        let pressure = pressure_mpa(&material, self.depth_mm(), height_mm);
+        let penalty = pressure / ball.radius_mm * (PENALTY * stiffer);
+        let reach = REACH * self.ball.radius_mm;
+        let surface = Surface::new(ball, interface, nodes, &mesh.top, reach, POINTS_PER_EDGE, penalty);
+        let system = System::over(mesh, nodes, height_mm, self.specimen.base, surface, Quadrature::Reduced);
+        Assembly { system, material }
+    }
+}
+
+/// Pressure scale of the penalty (MPa): stress of a column that is free to bulge as its Poisson's
+/// ratio says, at the compression of the ball's neighbourhood (a quarter) plus that of the block.
+fn pressure_mpa<T: Real>(material: &Material<T>, depth_mm: f64, height_mm: T) -> T {
+    let l = -(T::from(depth_mm) / height_mm) + 0.75;
+    let l = if l.value() < 0.2 { T::from(0.2) } else { l };
+    let side = (-(material.elastic.poisson_ratio() * l.ln())).exp();
+    let stress = -material.elastic.stress([l, side, side]).1[0];
+    let least = material.shear_modulus_mpa() * LEAST_PRESSURE;
+    if stress.value() > least.value() { stress } else { least }
+}
+
+/// An observer of one or more attempts at a path.
+pub trait Watcher: Observer {
+    /// A path begins on a mesh, with the default penalty times `stiffer`.
+    ///
+    /// # Errors
+    /// Ends the simulation.
+    fn begins(
+        &mut self,
+        simulation: &Simulation,
+        mesh: &BlockMesh,
+        stiffer: f64,
+        system: &System,
+    ) -> Result<(), SolveError>;
+
+    /// The attempt failed; what was collected is void.
+    fn restarted(&mut self);
+}
+
+impl Watcher for () {
+    fn begins(&mut self, _: &Simulation, _: &BlockMesh, _: f64, _: &System) -> Result<(), SolveError> {
+        Ok(())
+    }
+    fn restarted(&mut self) {}
+}

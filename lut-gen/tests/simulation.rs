@@ -1,0 +1,212 @@
+//! Materials, interfaces and motions in whole solves: against closed forms and against themselves.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use lut_gen::contact::{Adhesion, Ball, Interface};
+use lut_gen::law::{Hencky, Hyperfoam, Material, Ogden, OgdenRoxburgh, PronyTerm, relaxed};
+use lut_gen::model::{Resolution, Simulation, Specimen};
+use lut_gen::solve::{Base, Motion};
+
+fn block(material: Material, motion: Motion) -> Simulation {
+    Simulation {
+        material,
+        specimen: Specimen { height_mm: 10.0, radius_mm: 20.0, base: Base::Bonded },
+        ball: Ball { radius_mm: 4.0 },
+        interface: Interface::default(),
+        motion,
+        resolution: Resolution::Refined(0.5),
+    }
+}
+
+fn foam() -> Material {
+    Hyperfoam::one_term(0.1, 8.0).unwrap().into()
+}
+
+/// When shear and bulk relax alike, a held frictionless indentation relaxes like the modulus: the
+/// elastic stress does not move while the depth is held. The ramp is so fast (a hundredth of the
+/// relaxation time) that it counts as a step at its middle; the softened penalty is left, to 0.2 %.
+#[test]
+fn a_held_ball_relaxes_like_the_modulus() {
+    let series = vec![PronyTerm { g: 0.5, k: 0.5, tau_s: 2.0 }];
+    let (ramp, hold) = (0.02, 10.0);
+    let motion = Motion::ramp(2.0, 2.0 / ramp).hold(hold);
+    let record = block(foam().relaxing(series.clone()).unwrap(), motion).solve().unwrap();
+    let elastic = block(foam(), Motion::ramp(2.0, 1.0)).solve().unwrap();
+    let instant = *elastic.force_n.last().unwrap();
+    let mut compared = 0;
+    for (s, force) in record.stations.iter().zip(&record.force_n).filter(|(s, _)| s.segment == 1) {
+        let (ratio, expected) = (force / instant, relaxed(&series, s.time_s - 0.5 * ramp));
+        assert!((ratio / expected - 1.0).abs() < 2e-3, "{} s: {ratio} {expected}", s.time_s);
+        compared += 1;
+    }
+    assert!(compared > 8);
+}
+
+/// A ramp fast against the relaxation is the instantaneous response, a slow one the long-time
+/// response, and in between the force falls with the rate.
+#[test]
+fn rate_lies_between_the_instantaneous_and_the_long_time_response() {
+    let series = vec![PronyTerm { g: 0.4, k: 0.4, tau_s: 1.0 }];
+    let relaxing = foam().relaxing(series).unwrap();
+    let at = |rate: f64| block(relaxing.clone(), Motion::ramp(2.0, rate)).curve(&[1.0, 2.0]).unwrap();
+    let elastic = block(foam(), Motion::ramp(2.0, 1.0)).curve(&[1.0, 2.0]).unwrap();
+    let (fast, slow) = (at(2e4), at(2e-4));
+    for i in 0..2 {
+        // what relaxes within 1e-4 of the relaxation time, and what is left after 1e4 of them
+        assert!((fast.force_n[i] / elastic.force_n[i] - 1.0).abs() < 2e-4, "{:?}", fast.force_n);
+        assert!((slow.force_n[i] / elastic.force_n[i] / 0.6 - 1.0).abs() < 1e-3, "{:?}", slow.force_n);
+    }
+    let mut last = fast.force_n[1];
+    for rate in [100.0, 10.0, 2.0, 0.5, 0.05] {
+        let curve = at(rate);
+        assert!(curve.force_n[1] < last, "{rate} mm/s");
+        // the smooth profile follows the stations at every rate, down to contacts of few points
+        assert!(curve.discretisation < 0.006, "{rate} mm/s: {}", curve.discretisation);
+        last = curve.force_n[1];
+    }
+}
+
+/// The force is proportional to mu with friction, rate and thickness; it is not with adhesion
+/// (the work of adhesion sets a scale of its own) and for Ogden with fixed `D`.
+#[test]
+fn where_the_force_is_linear_in_mu_and_where_not() {
+    let ratio = |case: &dyn Fn(f64) -> Simulation| {
+        let force = |mu| *case(mu).solve().unwrap().force_n.last().unwrap();
+        force(0.2) / force(0.1) / 2.0 - 1.0
+    };
+    let scaled = |mu| Material::from(Hyperfoam::one_term(mu, 8.0).unwrap());
+    let series = vec![PronyTerm { g: 0.4, k: 0.1, tau_s: 1.0 }];
+    let friction = |mu| Simulation {
+        interface: Interface { friction: 0.2, adhesion: None },
+        specimen: Specimen { height_mm: 5.0, radius_mm: 20.0, base: Base::Bonded },
+        ..block(scaled(mu).relaxing(series.clone()).unwrap(), Motion::ramp(2.0, 1.0))
+    };
+    // to Newton's tolerance
+    assert!(ratio(&friction).abs() < 1e-5, "{}", ratio(&friction));
+    let adhesion = |mu| Simulation {
+        interface: Interface { friction: 0.0, adhesion: Some(Adhesion { work_n_per_mm: 5e-3, range_mm: 0.1 }) },
+        ..block(scaled(mu), Motion::ramp(1.0, 1.0))
+    };
+    assert!(ratio(&adhesion) > 0.02, "{}", ratio(&adhesion));
+    let ogden = |mu| block(Ogden::one_term(mu, 4.0, 1.0).unwrap().into(), Motion::ramp(1.0, 1.0));
+    assert!(ratio(&ogden) < -0.01, "{}", ratio(&ogden));
+}
+
+/// Reduced quadratic elements do not lock: an Ogden block with `K = 1e5 mu` at small depth against
+/// the same with `K = 50 mu` differs as the plane modulus `2 mu / (1 - nu)` does, not by orders.
+#[test]
+fn nearly_incompressible_blocks_do_not_lock() {
+    let force = |bulk: f64| {
+        let law = Ogden::one_term(0.1, 2.0, 2.0 / bulk).unwrap();
+        let case = Simulation {
+            specimen: Specimen { height_mm: 40.0, radius_mm: 60.0, base: Base::Sliding },
+            ..block(law.into(), Motion::ramp(0.5, 1.0))
+        };
+        let hertz = case.hertz_factor() * 0.5_f64.powf(1.5);
+        let curve = case.curve(&[0.5]).unwrap();
+        curve.force_n[0] / hertz
+    };
+    let (soft, stiff) = (force(5.0), force(1e4));
+    // Hertz to first order in a/R (2 % here) and a/h; locking would multiply the force
+    assert!((stiff - 1.0).abs() < 0.05, "{stiff}");
+    assert!((stiff / soft - 1.0).abs() < 0.01, "{stiff} {soft}");
+}
+
+/// Friction stiffens: zero friction is the limit of little, and more than enough sticks everywhere.
+#[test]
+fn friction_goes_from_sliding_to_sticking() {
+    let at = |friction: f64| {
+        let case = Simulation {
+            interface: Interface { friction, adhesion: None },
+            ..block(Hencky::new(0.1, 0.0).unwrap().into(), Motion::ramp(1.5, 1.0))
+        };
+        let record = case.solve().unwrap();
+        (*record.force_n.last().unwrap(), *record.stations.last().unwrap())
+    };
+    let (none, tiny, some, much, more) = (at(0.0), at(1e-4), at(0.1), at(1.0), at(2.0));
+    assert!((tiny.0 / none.0 - 1.0).abs() < 1e-4, "{} {}", tiny.0, none.0);
+    assert!(some.0 > 1.001 * none.0 && much.0 > 1.001 * some.0, "{} {} {}", none.0, some.0, much.0);
+    assert!(some.1.sliding > 0 && more.1.sliding * 10 < more.1.active, "{:?} {:?}", some.1, more.1);
+    assert!((more.0 / much.0 - 1.0).abs() < 2e-3);
+}
+
+/// Friction dissipates in a cycle, an elastic frictionless block does not.
+#[test]
+fn a_cycle_dissipates_with_friction_only() {
+    let work = |friction: f64| {
+        let case = Simulation {
+            interface: Interface { friction, adhesion: None },
+            ..block(Hencky::new(0.1, 0.0).unwrap().into(), Motion::ramp(1.5, 1.0).to_depth(0.0, 1.0))
+        };
+        let record = case.solve().unwrap();
+        let mut before = (0.0, 0.0);
+        let (mut done, mut loss) = (0.0, 0.0);
+        for s in &record.stations {
+            let part = 0.5 * (s.force_n + before.1) * (s.depth_mm - before.0);
+            done += part.max(0.0);
+            loss += part;
+            before = (s.depth_mm, s.force_n);
+        }
+        assert!(before.1.abs() < 1e-9, "the ball has left");
+        loss / done
+    };
+    // the trapezoidal rule on 24 stations
+    assert!(work(0.0).abs() < 2e-3, "{}", work(0.0));
+    assert!(work(0.2) > work(0.0).abs() + 1e-3, "{} {}", work(0.0), work(0.2));
+}
+
+/// Creep under a held force: the depth rises to that of the long-time modulus.
+#[test]
+fn a_held_force_creeps_to_the_long_time_depth() {
+    let relaxing = foam().relaxing(vec![PronyTerm { g: 0.3, k: 0.3, tau_s: 0.5 }]).unwrap();
+    let record = block(relaxing, Motion::from_touch().to_force(0.5, 0.01).hold(10.0)).solve().unwrap();
+    let depth = |i: usize| record.stations[i].depth_mm;
+    let held: Vec<usize> = (0..record.stations.len()).filter(|&i| record.stations[i].segment == 1).collect();
+    assert!(held.windows(2).all(|w| depth(w[1]) >= depth(w[0])));
+    assert!(held.iter().all(|&i| (record.stations[i].force_n - 0.5).abs() < 1e-4));
+    let long = Hyperfoam::one_term(0.07, 8.0).unwrap();
+    let slow = block(long.into(), Motion::from_touch().to_force(0.5, 1.0)).solve().unwrap();
+    let end = slow.stations.last().unwrap().depth_mm;
+    // the same potential at the end; the penalty was scaled for the stiffer material
+    assert!((depth(record.stations.len() - 1) / end - 1.0).abs() < 4e-3, "{} {end}", depth(record.stations.len() - 1));
+}
+
+/// Softening: the second loading is softer than the first up to the depth reached before, the
+/// first is that of the material without softening.
+#[test]
+fn cycles_soften_up_to_the_largest_depth() {
+    let softening = OgdenRoxburgh::new(1.6, 0.0005, 0.1).unwrap();
+    let motion = Motion::ramp(1.5, 1.0).to_depth(0.0, 1.0).to_depth(2.0, 1.0);
+    let record = block(foam().softening(softening), motion).solve().unwrap();
+    let virgin = block(foam(), Motion::ramp(2.0, 1.0)).curve(&[0.75, 1.0, 1.45, 2.0]).unwrap();
+    let at = |segment: usize, depth: f64| {
+        let s: Vec<_> = (0..record.stations.len()).filter(|&i| record.stations[i].segment == segment).collect();
+        let k = s.iter().position(|&i| record.stations[i].depth_mm >= depth - 1e-9).unwrap();
+        let (a, b) = (s[k - 1], s[k]);
+        let part = (depth - record.stations[a].depth_mm) / (record.stations[b].depth_mm - record.stations[a].depth_mm);
+        record.force_n[a] + part * (record.force_n[b] - record.force_n[a])
+    };
+    for (depth, force) in virgin.depth_mm.iter().zip(&virgin.force_n) {
+        if *depth < 1.4 {
+            assert!((at(0, *depth) / force - 1.0).abs() < 0.01, "first loading at {depth}");
+            assert!(at(2, *depth) < 0.93 * force, "second loading at {depth}: {} {force}", at(2, *depth));
+        }
+    }
+    assert!((at(2, 2.0) / virgin.force_n[3] - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn senseless_motions_are_refused_by_name() {
+    let say = |motion| block(foam(), motion).solve().unwrap_err().to_string();
+    assert_eq!(say(Motion::from_touch()), "segments of the motion = 0 but at least one is needed");
+    assert_eq!(say(Motion::ramp(2.0, 0.0)), "duration_s of a segment = inf must be positive");
+    assert_eq!(say(Motion::ramp(9.8, 1.0)), "depth_mm = 9.8 must stay below 95 % of the height, 10 mm");
+    let curve = |motion| block(foam(), motion).curve(&[1.0]).unwrap_err().to_string();
+    assert_eq!(
+        curve(Motion::ramp(2.0, 1.0).hold(1.0)),
+        "segments of the motion = 2 but a curve needs one ramp from touch"
+    );
+    assert_eq!(curve(Motion::from_touch().to_force(1.0, 1.0)), "force_n = 1 is no depth: a curve needs a depth ramp");
+    let rough =
+        Simulation { interface: Interface { friction: -0.1, adhesion: None }, ..block(foam(), Motion::ramp(1.0, 1.0)) };
+    assert_eq!(rough.solve().unwrap_err().to_string(), "friction = -0.1 must lie in 0..2");
+}
