@@ -1,7 +1,7 @@
 //! Element, contact and system: patch test, consistent derivatives, symmetry.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Adhesion, Ball, Interface, Surface};
+use lut_gen::contact::{Adhesion, Ball, Interface, Penalty, Surface};
 use lut_gen::element::{DOFS, Matter, Quadrature, Solid, gauss, quad8};
 use lut_gen::law::{Hyperfoam, Material, PronyTerm, Relaxation, Term};
 use lut_gen::mesh::{BlockMesh, Sizes, graded};
@@ -152,7 +152,8 @@ fn touched(interface: Interface) -> (System, Vec<f64>) {
     };
     let ball = Ball { radius_mm: 2.0 };
     let mesh = BlockMesh::new(6.0, 4.0, ball.radius_mm, &sizes);
-    let surface = Surface::new(ball, interface, &mesh.nodes, &mesh.top, 5.0, 6, 10.0);
+    let surface =
+        Surface::new(ball, interface, &mesh.nodes, &mesh.top, 5.0, 6, Penalty { stiffness: 10.0, growth: 2.0 });
     let system = System::new(&mesh, Base::Sliding, surface, Quadrature::Reduced);
     let u = (0..system.unknowns()).map(|i| 0.02 * (2.3 * i as f64).sin()).collect();
     (system, u)

@@ -1,7 +1,7 @@
 //! Whole indentations: Hertz, convergence, scaling, balance, errors.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Ball, Interface, Surface};
+use lut_gen::contact::{Ball, Interface, Penalty, Surface};
 use lut_gen::element::Quadrature;
 use lut_gen::law::{Hyperfoam, Term};
 use lut_gen::mesh::{BlockMesh, Sizes};
@@ -50,7 +50,8 @@ fn force_over_hertz(nu: f64, depth_mm: f64) -> f64 {
     let ball = Ball { radius_mm: 1.0 };
     let law = Hyperfoam::new(vec![Term { mu_mpa: 0.1, alpha: 2.0, nu }]).unwrap();
     let mesh = BlockMesh::new(60.0, 60.0, ball.radius_mm, &sizes);
-    let surface = Surface::new(ball, Interface::default(), &mesh.nodes, &mesh.top, 0.3, 8, 1000.0 * 0.1);
+    let surface =
+        Surface::new(ball, Interface::default(), &mesh.nodes, &mesh.top, 0.3, 8, Penalty::linear(1000.0 * 0.1));
     let system = System::new(&mesh, Base::Bonded, surface, Quadrature::Reduced);
     let stepping = Stepping { first: 0.001, stations: 8, ..Stepping::of_ball(1.0) };
     let (material, motion) = (law.into(), Motion::ramp(depth_mm, 1.0));

@@ -2,8 +2,10 @@
 
 mod ball;
 mod interface;
+mod penalty;
 mod surface;
 
 pub use ball::{Ball, Touch};
 pub use interface::{Adhesion, Interface};
+pub use penalty::Penalty;
 pub use surface::{EdgeStiffness, Grip, Sum, Surface};

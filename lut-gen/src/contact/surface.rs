@@ -1,6 +1,6 @@
 //! Contact integrated over the undeformed top surface.
 
-use super::{Ball, Interface, Touch};
+use super::{Ball, Interface, Penalty, Touch};
 use crate::element::{gauss, line3};
 use crate::scalar::Real;
 
@@ -28,14 +28,13 @@ pub struct Grip<T = f64> {
 
 /// The part of the block's top that can touch the ball.
 ///
-/// Contact is the energy `E = k/2 integral <g>^2 dA` over the reference area with penetration
-/// `g`; pressure is `k g` per reference area. Integrating between the nodes lets the contact
-/// edge move smoothly through an element.
+/// The pressure per reference area is `p(g)` of a [`Penalty`] of the penetration `g`, the gradient
+/// of an energy. Integrating between the nodes lets the contact edge move smoothly through an element.
 ///
-/// Friction is Coulomb's law with an elastic slip of the same stiffness `k` along the ball's
+/// Friction is Coulomb's law with an elastic slip of the stiffness `p / g` along the ball's
 /// meridian, the arc length of the point below the ball being its slip coordinate:
-/// `t = clamp(t_old + k (arc - arc_old), -mu p, mu p)`. A point that entered within the step
-/// takes the part of its motion after its entry.
+/// `t = clamp(t_old + p/g (arc - arc_old), -mu p, mu p)`, so that points stick up to a slip of
+/// `mu g`. A point that entered within the step takes the part of its motion after its entry.
 #[derive(Debug, Clone)]
 pub struct Surface<T = f64> {
     ball: Ball<T>,
@@ -43,8 +42,7 @@ pub struct Surface<T = f64> {
     edges: Vec<[usize; 3]>,
     points: Vec<Point<T>>,
     per_edge: usize,
-    /// Penalty `k` (MPa/mm).
-    penalty: T,
+    penalty: Penalty<T>,
 }
 
 /// Sums over the surface at one configuration.
@@ -52,7 +50,7 @@ pub struct Surface<T = f64> {
 pub struct Sum<T = f64> {
     /// Energy of penalty and adhesion (N mm).
     pub energy: T,
-    /// The penalty's part of it, elastic slip included (N mm).
+    /// Complementary energy of the penalty, elastic slip included (N mm).
     pub penalty_energy: T,
     /// Force on the ball, upward (N).
     pub force_n: T,
@@ -72,8 +70,16 @@ impl<T: Real> Default for Sum<T> {
 }
 
 /// Derivative of an edge's nodal forces by the displacement of its three nodes
-/// (radial, axial each): `K[i][j] = d force_i / d u_j` (N/mm), not symmetric where points slide.
-pub type EdgeStiffness = [[f64; 6]; 6];
+/// (radial, axial each): `K[i][j] = d force_i / d u_j` (N/mm).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct EdgeStiffness {
+    /// All of it, not symmetric where points slide.
+    pub whole: [[f64; 6]; 6],
+    /// Without the dependence of the sliding traction on the pressure: symmetric, and definite
+    /// where the surface is. The symmetric part of the whole is not: it has a negative
+    /// eigenvalue near `-k mu^2 / 4` at every sliding point.
+    pub symmetric: [[f64; 6]; 6],
+}
 
 /// Force of one point on the ball's surface, per reference area, and its derivative by the position.
 struct Traction<T> {
@@ -81,6 +87,8 @@ struct Traction<T> {
     force: [T; 2],
     /// Its derivative (MPa/mm), `[force][position]`.
     slope: [[T; 2]; 2],
+    /// The same without what sliding makes of the pressure.
+    symmetric: [[T; 2]; 2],
     energy: T,
     penalty_energy: T,
     friction: T,
@@ -97,7 +105,7 @@ impl<T: Real> Surface<T> {
         top: &[[usize; 3]],
         reach_mm: f64,
         per_edge: usize,
-        penalty: T,
+        penalty: Penalty<T>,
     ) -> Self {
         let rule = gauss(per_edge);
         let edges: Vec<_> = top.iter().copied().filter(|e| nodes[e[0]][0].value() < reach_mm).collect();
@@ -201,8 +209,9 @@ impl<T: Real> Surface<T> {
                 force[2 * a + 1] += t.force[1] * (p.area * n);
             }
             if let Some(k) = stiffness.as_deref_mut() {
-                let slope = t.slope.map(|r| r.map(|x| x.value() * p.area));
-                add_stiffness(k, &p.shape, &slope);
+                let scaled = |slope: [[T; 2]; 2]| slope.map(|r| r.map(|x| x.value() * p.area));
+                add_stiffness(&mut k.whole, &p.shape, &scaled(t.slope));
+                add_stiffness(&mut k.symmetric, &p.shape, &scaled(t.symmetric));
             }
         }
     }
@@ -210,12 +219,9 @@ impl<T: Real> Surface<T> {
     /// `None` where nothing acts.
     fn traction(&self, touch: &Touch<T>, old: Option<&Grip<T>>) -> Option<Traction<T>> {
         let (g, n, zero) = (touch.depth_mm, touch.normal, T::from(0.0));
-        let (energy, pressure, slope, touching) = if g.value() > 0.0 {
-            (g * g * self.penalty * 0.5, g * self.penalty, self.penalty, true)
-        } else {
-            let (energy, pressure, slope) = self.interface.adhesion.as_ref()?.pull(g);
-            (energy, pressure, slope, false)
-        };
+        let touching = g.value() > 0.0;
+        let (energy, pressure, slope) =
+            if touching { self.penalty.push(g) } else { self.interface.adhesion.as_ref()?.pull(g) };
         // force -p n; its derivative: p' n n' - p c (1 - n n'), the second for the turning normal
         let bend = pressure * touch.curvature;
         let h = |i: usize, j: usize| {
@@ -225,38 +231,41 @@ impl<T: Real> Surface<T> {
         let mut t = Traction {
             force: [-(pressure * n[0]), -(pressure * n[1])],
             slope: [[h(0, 0), h(0, 1)], [h(1, 0), h(1, 1)]],
+            symmetric: [[h(0, 0), h(0, 1)], [h(1, 0), h(1, 1)]],
             energy,
-            penalty_energy: if touching { energy } else { zero },
+            penalty_energy: if touching { pressure * g - energy } else { zero },
             friction: zero,
             slides: false,
         };
         if let (true, Some(old)) = (touching, old) {
-            self.rub(touch, old, pressure, &mut t);
+            self.rub(touch, old, pressure, slope, &mut t);
         }
         Some(t)
     }
 
     /// Adds friction. With `a` the arc, `grad a = s t`, `t = [-n_z, n_r]`, its second
     /// derivative is `-c s (n t' + t n')` on the sphere and 0 on the shank.
-    fn rub(&self, touch: &Touch<T>, old: &Grip<T>, pressure: T, out: &mut Traction<T>) {
-        let (g, k, n) = (touch.depth_mm, self.penalty, touch.normal);
+    fn rub(&self, touch: &Touch<T>, old: &Grip<T>, pressure: T, slope: T, out: &mut Traction<T>) {
+        let (g, n) = (touch.depth_mm, touch.normal);
         let along = [-n[1] * touch.arc_slope, n[0] * touch.arc_slope];
+        let (k, by_depth) = self.penalty.secant(g);
         let moved = touch.arc_mm - old.arc_mm;
-        // trial traction and its derivative by the position
-        let (mut traction, mut by) = if old.depth_mm.value() > 0.0 {
-            (old.traction_mpa + k * moved, along.map(|a| a * k))
-        } else {
-            let span = g - old.depth_mm;
-            let part = g / span;
-            let by_depth = -(old.depth_mm / (span * span)) * moved * k;
-            (k * moved * part, [0, 1].map(|i| along[i] * k * part - n[i] * by_depth))
-        };
+        // the part of the motion that counts, and its derivative by the depth
+        let entered = old.depth_mm.value() <= 0.0;
+        let span = g - old.depth_mm;
+        let (part, by_entry) =
+            if entered { (g / span, -(old.depth_mm / (span * span))) } else { (T::from(1.0), T::from(0.0)) };
+        // trial traction and its derivative by the position; dg/dx = -n
+        let before = if entered { T::from(0.0) } else { old.traction_mpa };
+        let mut traction = before + k * part * moved;
+        let turn = (by_depth * part + k * by_entry) * moved;
+        let mut by = [0, 1].map(|i| along[i] * k * part - n[i] * turn);
         let limit = self.interface.friction * pressure;
         out.slides = traction.value().abs() > limit.value();
         if out.slides {
             let sign = traction.value().signum();
             traction = limit * sign;
-            by = n.map(|n| -(n * self.interface.friction * k * sign));
+            by = n.map(|n| -(n * self.interface.friction * slope * sign));
         } else {
             let slip_energy = traction * traction * 0.5 / k;
             out.energy += slip_energy;
@@ -266,14 +275,15 @@ impl<T: Real> Surface<T> {
         for i in 0..2 {
             out.force[i] += traction * along[i];
             for j in 0..2 {
-                let turn = -(touch.curvature * (n[i] * along[j] + along[i] * n[j]));
-                out.slope[i][j] += along[i] * by[j] + traction * turn;
+                let turn = -(touch.curvature * (n[i] * along[j] + along[i] * n[j])) * traction;
+                out.slope[i][j] += along[i] * by[j] + turn;
+                out.symmetric[i][j] += if out.slides { turn } else { along[i] * along[j] * k * part + turn };
             }
         }
     }
 }
 
-fn add_stiffness(k: &mut EdgeStiffness, shape: &[f64; 3], slope: &[[f64; 2]; 2]) {
+fn add_stiffness(k: &mut [[f64; 6]; 6], shape: &[f64; 3], slope: &[[f64; 2]; 2]) {
     for (a, na) in shape.iter().enumerate() {
         for (b, nb) in shape.iter().enumerate() {
             for i in 0..2 {

@@ -2,7 +2,7 @@
 
 use super::specimen::SIZES;
 use super::{Record, Resolution, Specimen};
-use crate::contact::{Ball, Interface, Surface};
+use crate::contact::{Ball, Interface, Penalty, Surface};
 use crate::element::Quadrature;
 use crate::law::{Law, Material, Parameter};
 use crate::mesh::{BlockMesh, Sizes};
@@ -27,13 +27,18 @@ pub struct Simulation {
     pub resolution: Resolution,
 }
 
-/// Penalty in units of expected mean pressure over ball radius: the mean
-/// penetration stays near `R / 400`, about half a percent of the depth at
-/// any depth, and its effect on the force is removed to first order.
-const PENALTY: f64 = 400.0;
+/// Ball radii over penetration: at the pressure of first contact, and at the largest expected. Its
+/// effect on the force is removed to first order.
+const STIFF: f64 = 400.0;
+const STIFFEST: f64 = 200.0;
 
-/// Least pressure the penalty is scaled with, in units of `mu`.
-const LEAST_PRESSURE: f64 = 1.0;
+/// Pressure of first contact, in units of `mu`.
+const FIRST_PRESSURE: f64 = 1.0;
+
+/// Compression of the ball's neighbourhood beyond that of the whole block, and the least stretch
+/// the largest pressure is estimated at.
+const NEIGHBOURHOOD: f64 = 0.25;
+const LEAST_STRETCH: f64 = 0.25;
 
 /// Factor on the penalty when a solve fails, and how often that is tried. A soft
 /// penalty lets a thin or low-exponent surface slide off the ball's flank.
@@ -215,8 +220,10 @@ impl Simulation {
         material: Material<T>,
         stiffer: f64,
     ) -> Assembly<T> {
-        let pressure = pressure_mpa(&material, self.depth_mm(), height_mm);
-        let penalty = pressure / ball.radius_mm * (PENALTY * stiffer);
+        let first = material.shear_modulus_mpa() * FIRST_PRESSURE;
+        let largest = pressure_mpa(&material, self.depth_mm(), height_mm);
+        let gap = ball.radius_mm / (STIFF * stiffer);
+        let penalty = Penalty::through((first, gap), (largest, self.ball.radius_mm / (STIFFEST * stiffer)));
         let reach = REACH * self.ball.radius_mm;
         let surface = Surface::new(ball, interface, nodes, &mesh.top, reach, POINTS_PER_EDGE, penalty);
         let system = System::over(mesh, nodes, height_mm, self.specimen.base, surface, Quadrature::Reduced);
@@ -224,15 +231,13 @@ impl Simulation {
     }
 }
 
-/// Pressure scale of the penalty (MPa): stress of a column that is free to bulge as its Poisson's
-/// ratio says, at the compression of the ball's neighbourhood (a quarter) plus that of the block.
+/// Largest pressure expected (MPa): stress of a column that is free to bulge as its Poisson's
+/// ratio says, at the compression of the ball's neighbourhood plus that of the block.
 fn pressure_mpa<T: Real>(material: &Material<T>, depth_mm: f64, height_mm: T) -> T {
-    let l = -(T::from(depth_mm) / height_mm) + 0.75;
-    let l = if l.value() < 0.2 { T::from(0.2) } else { l };
+    let l = -(T::from(depth_mm) / height_mm) + (1.0 - NEIGHBOURHOOD);
+    let l = if l.value() < LEAST_STRETCH { T::from(LEAST_STRETCH) } else { l };
     let side = (-(material.elastic.poisson_ratio() * l.ln())).exp();
-    let stress = -material.elastic.stress([l, side, side]).1[0];
-    let least = material.shear_modulus_mpa() * LEAST_PRESSURE;
-    if stress.value() > least.value() { stress } else { least }
+    -material.elastic.stress([l, side, side]).1[0]
 }
 
 /// An observer of one or more attempts at a path.

@@ -3,12 +3,14 @@
 use super::SolveError;
 use super::krylov::gmres;
 use super::sparse::{Factor, HELD, Pattern, Stored};
+use crate::contact::EdgeStiffness;
 
 /// Stiffness `K = d residual / d u` with its factor.
 ///
 /// Symmetric problems store the lower triangle. Where friction or unequal relaxation of shear
-/// and bulk makes `K` unsymmetric, all of it is stored; its symmetric part is factorised and
-/// preconditions the iteration that solves with the whole.
+/// and bulk makes `K` unsymmetric, all of it is stored as well as a symmetric neighbour (the symmetric
+/// part of the solids and [`EdgeStiffness::symmetric`]), which is factorised and preconditions the
+/// iteration that solves with the whole.
 pub struct Matrix {
     lower: Pattern,
     lower_values: Vec<f64>,
@@ -30,8 +32,8 @@ pub struct Matrix {
 struct Whole {
     pattern: Pattern,
     values: Vec<f64>,
-    /// Where each entry goes in the lower triangle of the symmetric part.
-    lower_of: Vec<u32>,
+    solid_scatter: Vec<Vec<u32>>,
+    edge_scatter: Vec<Vec<u32>>,
 }
 
 /// Largest part of the right-hand side left by the iteration.
@@ -47,13 +49,12 @@ impl Matrix {
     pub fn new(n: usize, solids: &[Vec<usize>], edges: &[Vec<usize>], symmetric: bool) -> Result<Self, SolveError> {
         let groups = solids.iter().chain(edges).map(Vec::as_slice);
         let (lower, mut scatter) = Pattern::new(n, groups.clone(), Stored::Lower);
-        let whole = (!symmetric).then(|| {
-            let (pattern, all) = Pattern::new(n, groups, Stored::All);
-            scatter = all;
-            let lower_of = positions(&pattern, &lower);
-            Whole { values: vec![0.0; pattern.entries()], pattern, lower_of }
-        });
         let edge_scatter = scatter.split_off(solids.len());
+        let whole = (!symmetric).then(|| {
+            let (pattern, mut scatter) = Pattern::new(n, groups, Stored::All);
+            let edge_scatter = scatter.split_off(solids.len());
+            Whole { values: vec![0.0; pattern.entries()], pattern, solid_scatter: scatter, edge_scatter }
+        });
         let factor = Factor::new(&lower).ok_or(SolveError::Memory { unknowns: n })?;
         Ok(Self {
             lower_values: vec![0.0; lower.entries()],
@@ -83,32 +84,33 @@ impl Matrix {
 
     /// Sets everything to 0.
     pub fn clear(&mut self) {
-        self.values().fill(0.0);
+        self.lower_values.fill(0.0);
+        if let Some(w) = &mut self.whole {
+            w.values.fill(0.0);
+        }
         self.drive.fill(0.0);
         self.pull.fill(0.0);
         self.direct = 0.0;
     }
 
-    fn values(&mut self) -> &mut [f64] {
-        match &mut self.whole {
-            Some(w) => &mut w.values,
-            None => &mut self.lower_values,
-        }
-    }
-
-    /// Adds the stiffness of a solid (its lower triangle suffices in a symmetric matrix).
+    /// Adds the stiffness of a solid; in a symmetric matrix its lower triangle suffices.
     pub fn add_solid<const N: usize>(&mut self, index: usize, k: &[[f64; N]; N]) {
-        let scatter = std::mem::take(&mut self.solid_scatter[index]);
-        self.add(&scatter, k);
-        self.solid_scatter[index] = scatter;
+        let Some(w) = &mut self.whole else {
+            return add_lower(&mut self.lower_values, &self.solid_scatter[index], k);
+        };
+        add_all(&mut w.values, &w.solid_scatter[index], k);
+        let half: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (k[i][j] + k[j][i])));
+        add_lower(&mut self.lower_values, &self.solid_scatter[index], &half);
     }
 
     /// Adds the stiffness of an edge, and its part in `drive`, `pull` and `direct`: a deeper ball
     /// is the surface moved up, and the force on the ball is the sum of the axial nodal forces.
-    pub fn add_edge(&mut self, index: usize, dofs: &[usize; 6], k: &[[f64; 6]; 6]) {
-        let scatter = std::mem::take(&mut self.edge_scatter[index]);
-        self.add(&scatter, k);
-        self.edge_scatter[index] = scatter;
+    pub fn add_edge(&mut self, index: usize, dofs: &[usize; 6], k: &EdgeStiffness) {
+        add_lower(&mut self.lower_values, &self.edge_scatter[index], &k.symmetric);
+        if let Some(w) = &mut self.whole {
+            add_all(&mut w.values, &w.edge_scatter[index], &k.whole);
+        }
+        let k = &k.whole;
         for (i, &d) in dofs.iter().enumerate() {
             let (row, column) = (k[i][1] + k[i][3] + k[i][5], k[1][i] + k[3][i] + k[5][i]);
             if d != HELD {
@@ -121,39 +123,15 @@ impl Matrix {
         }
     }
 
-    fn add<const N: usize>(&mut self, scatter: &[u32], k: &[[f64; N]; N]) {
-        let symmetric = self.whole.is_none();
-        let values = self.values();
-        let mut at = scatter.iter();
-        for (i, row) in k.iter().enumerate() {
-            let columns = if symmetric { i + 1 } else { N };
-            for (v, &place) in row[..columns].iter().zip(at.by_ref()) {
-                if place != u32::MAX {
-                    values[place as usize] += v;
-                }
-            }
-        }
-    }
-
     /// Norm of the diagonal (N/mm).
     #[must_use]
     pub fn diagonal_norm(&self) -> f64 {
         self.lower.diagonal().iter().map(|&d| self.lower_values[d].powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Factorises the (symmetric part of the) stiffness; while it is not positive definite,
+    /// Factorises the stiffness or its symmetric neighbour; while it is not positive definite,
     /// with a growing multiple of its diagonal added. False when that does not help either.
     pub fn factorise(&mut self) -> bool {
-        if let Some(w) = &self.whole {
-            self.lower_values.fill(0.0);
-            for (v, &place) in w.values.iter().zip(&w.lower_of) {
-                self.lower_values[place as usize] += 0.5 * v;
-            }
-            // a diagonal entry is met once, the others twice
-            for &d in self.lower.diagonal() {
-                self.lower_values[d] *= 2.0;
-            }
-        }
         self.shift = 0.0;
         for _ in 0..8 {
             if self.factor.factorise(&self.lower, &self.lower_values) {
@@ -170,17 +148,12 @@ impl Matrix {
         false
     }
 
-    /// A direction that reduces the residual: solves with the whole matrix where it is
-    /// unsymmetric and definite, else with the (shifted) factor.
+    /// Newton's direction: solves with the whole matrix where it is unsymmetric, else with the factor,
+    /// which is that of a shifted matrix where the matrix is not definite.
     pub fn correct(&mut self, x: &mut [f64]) {
-        if self.shift > 0.0 || !self.iterate(x) {
+        if !self.iterate(x) {
             self.factor.solve(x);
         }
-    }
-
-    /// Solves with the last factor, whatever the matrix has become since.
-    pub fn chord(&mut self, x: &mut [f64]) {
-        self.factor.solve(x);
     }
 
     /// Solves `K x = b` in place with the matrix itself, shift or not. False when the iteration fails.
@@ -222,16 +195,21 @@ fn multiply(pattern: &Pattern, values: &[f64], v: &[f64], out: &mut [f64]) {
     }
 }
 
-/// For each entry of `all`, its place in the lower triangle.
-fn positions(all: &Pattern, lower: &Pattern) -> Vec<u32> {
-    let mut out = Vec::with_capacity(all.entries());
-    for (j, w) in all.starts().windows(2).enumerate() {
-        for &i in &all.rows()[w[0]..w[1]] {
-            let (row, column) = (i.max(j), i.min(j));
-            let (a, b) = (lower.starts()[column], lower.starts()[column + 1]);
-            let at = lower.rows()[a..b].partition_point(|&r| r < row);
-            out.push((a + at) as u32);
+fn add_lower<const N: usize>(values: &mut [f64], scatter: &[u32], k: &[[f64; N]; N]) {
+    let mut at = scatter.iter();
+    for (i, row) in k.iter().enumerate() {
+        for (v, &place) in row[..=i].iter().zip(at.by_ref()) {
+            if place != u32::MAX {
+                values[place as usize] += v;
+            }
         }
     }
-    out
+}
+
+fn add_all<const N: usize>(values: &mut [f64], scatter: &[u32], k: &[[f64; N]; N]) {
+    for (v, &place) in k.iter().flatten().zip(scatter) {
+        if place != u32::MAX {
+            values[place as usize] += v;
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use super::matrix::Matrix;
 use super::sparse::HELD;
 use super::{SolveError, constraint};
-use crate::contact::{Grip, Sum, Surface};
+use crate::contact::{EdgeStiffness, Grip, Sum, Surface};
 use crate::element::{DOFS, Matter, Quadrature, Solid};
 use crate::law::{Material, Relaxation};
 use crate::mesh::BlockMesh;
@@ -232,7 +232,7 @@ impl System {
         let per = if self.surface.has_friction() { self.surface.per_edge() } else { 0 };
         for (index, edge) in self.surface.edges().iter().enumerate() {
             let (dofs, local) = self.gather::<6>(edge, u);
-            let (mut force, mut k) = ([0.0; 6], [[0.0; 6]; 6]);
+            let (mut force, mut k) = ([0.0; 6], EdgeStiffness::default());
             let old = &step.old.grips[index * per..(index + 1) * per];
             let energy = out.sum.energy;
             let centre = self.centre_mm(step.depth_mm);
