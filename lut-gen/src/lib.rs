@@ -14,6 +14,8 @@
 //! | [`contact`] | analytic ball with shank, penalty integrated over the surface, Coulomb friction, adhesion |
 //! | [`solve`] | sparse tangent, Newton's method, adaptive path through a motion of depth or force |
 //! | [`model`] | a ball of any motion on a specimen of any material ([`model::Simulation`]) with sensitivities, the elastic indentation ([`model::Indentation`]) and the continuous [`model::ForceModel`] over exponent, depth and height |
+//! | [`field`] | stretches, stresses and contact pressure at one equilibrium, and their files for ParaView |
+//! | [`dynamics`] | the thesis' explicit method (appendix B), lumped mass and central differences, with an inertia report |
 //! | [`table`] | the thesis' grid and the bytes the board reads |
 //! | [`verify`] | closed forms and difference quotients |
 //!
@@ -38,7 +40,9 @@
 //! ```
 
 pub mod contact;
+pub mod dynamics;
 pub mod element;
+pub mod field;
 pub mod law;
 pub mod mesh;
 pub mod model;

@@ -13,7 +13,7 @@ use protocol::lut::Table;
 use serde_json::{Value, json};
 
 use crate::report::number;
-use crate::report::table::sample_curves;
+use crate::report::table::{middle_field, sample_curves};
 
 use super::progress::Progress;
 
@@ -32,7 +32,7 @@ pub struct Arguments {
     /// rows: one row an exponent, mu continuous; columns: all pairs, as in the thesis
     #[arg(long, value_enum, default_value_t = FormArgument::Rows)]
     form: FormArgument,
-    /// File to write; a picture of sample curves is written beside it
+    /// File to write; pictures of sample curves and of a specimen's inside are written beside it
     #[arg(long, value_name = "FILE", default_value = "out/lut.bin")]
     out: PathBuf,
     /// Print one JSON object on standard output
@@ -103,11 +103,14 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     save(&arguments.out, &bytes)?;
     let picture = arguments.out.with_extension("svg");
     save(&picture, sample_curves(&grids).as_bytes())?;
+    let inside = arguments.out.with_extension("field.svg");
+    save(&inside, middle_field(&grids[0]).into_diagnostic()?.as_bytes())?;
     let table = parsed(&arguments.out, &bytes)?;
     if arguments.json {
         let mut answer = described(&table, bytes.len());
         answer["file"] = json!(arguments.out.display().to_string());
         answer["picture"] = json!(picture.display().to_string());
+        answer["field_picture"] = json!(inside.display().to_string());
         answer["fe_solves"] = json!(grids.iter().map(|grid| grid.solves).sum::<usize>());
         answer["seconds"] = json!(start.elapsed().as_secs_f64());
         println!("{answer}");
@@ -115,6 +118,7 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
         print(&table, bytes.len());
         println!("table       {}", arguments.out.display());
         println!("picture     {}", picture.display());
+        println!("inside      {}", inside.display());
         println!("time        {:.1} s", start.elapsed().as_secs_f64());
     }
     Ok(())

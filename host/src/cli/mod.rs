@@ -2,6 +2,7 @@
 
 pub mod board;
 pub mod demo;
+pub mod field;
 pub mod flash;
 pub mod identify;
 pub mod log;
@@ -36,6 +37,8 @@ enum Command {
     Identify(identify::Arguments),
     /// Compute a look-up table by finite elements, or explain one
     Lut(lut::Arguments),
+    /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
+    Field(field::Arguments),
 }
 
 /// Exit status for bad input.
@@ -51,6 +54,7 @@ pub fn main() -> ExitCode {
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),
+        Command::Field(arguments) => field::run(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -2,6 +2,11 @@
 
 use std::fmt::Write;
 
+use lut_gen::contact::Ball;
+use lut_gen::field::FieldError;
+use lut_gen::law::Hyperfoam;
+use lut_gen::model::{Indentation, Resolution, Specimen};
+use lut_gen::solve::SolveError;
 use protocol::lut::Table;
 
 use super::figures::{
@@ -10,7 +15,7 @@ use super::figures::{
 use super::summary::{HEAD, HOST_TIME};
 use super::{DemoError, Summary};
 use crate::plant::Foam;
-use crate::report::Page;
+use crate::report::{Page, field};
 
 /// Writes `report.html` and `overview.svg` into the demo's folder.
 pub(super) fn write(summary: &Summary, foams: &[Foam], table: &Table<'_>) -> Result<(), DemoError> {
@@ -63,8 +68,31 @@ fn page(summary: &Summary, foams: &[Foam], table: &Table<'_>) -> Page {
     );
     identification(&mut page, summary, foams, table);
     display(&mut page, summary);
+    inside(&mut page, foams, table);
     conditions(&mut page, summary, foams, table);
     page
+}
+
+/// The stiffest foam under the ball, at the largest depth of the table: what its curve is made from.
+fn inside(page: &mut Page, foams: &[Foam], table: &Table<'_>) {
+    let Some(foam) = foams.iter().max_by(|a, b| a.curve.peak_n().total_cmp(&b.curve.peak_n())) else { return };
+    let depth_mm = f64::from(table.depth_max_mm());
+    let solved = Hyperfoam::one_term(foam.mu_mpa, foam.alpha)
+        .map_err(SolveError::from)
+        .map_err(FieldError::from)
+        .and_then(|law| {
+            let (specimen, ball) = (Specimen::of_height(foam.height_mm), Ball { radius_mm: super::BALL_RADIUS_MM });
+            Indentation { law, specimen, ball, depth_mm, resolution: Resolution::Standard }.fields_at(&[depth_mm])
+        });
+    page.section("Inside a foam");
+    match solved {
+        Ok(fields) => {
+            for one in &fields {
+                page.figure(&field::mises(&format!("{} under the ball", foam.name), one), &field::caption(one));
+            }
+        }
+        Err(cause) => page.warning(&format!("The inside of {} is not shown: {cause}.", foam.name)),
+    }
 }
 
 fn identification(page: &mut Page, summary: &Summary, foams: &[Foam], table: &Table<'_>) {

@@ -198,7 +198,7 @@ fn ball(radius_mm: f64) -> Ball {
 }
 
 /// The block under a pairing's ball; a free height is set to the middle of its bounds.
-fn block(experiment: &Experiment, selection: &Selection, pairing: &Pairing) -> Block {
+pub(super) fn block(experiment: &Experiment, selection: &Selection, pairing: &Pairing) -> Block {
     let specimen = &experiment.specimens[pairing.specimen];
     let height_mm = match pairing.height {
         Height::Known(mm) => mm,

@@ -12,6 +12,7 @@ pub mod contact;
 pub mod data;
 pub mod fe;
 pub mod fit;
+mod inside;
 pub mod interval;
 pub mod model;
 pub mod multistart;
@@ -22,6 +23,7 @@ pub mod simplex;
 use std::time::Instant;
 
 pub use answer::json;
+pub use inside::deepest_field;
 
 use crate::experiment::motion::{self, Motion};
 use crate::experiment::{BaseLaw, Experiment, Length, Test, replicate};

@@ -2,10 +2,10 @@
 
 use crate::experiment::Experiment;
 use crate::identify::fit::{Fit, Parameter, RunFit};
-use crate::identify::{Identification, Outcome};
+use crate::identify::{Identification, Outcome, deepest_field};
 
 use super::figure::{Axis, Figure, Series, Stroke};
-use super::{Page, map, number};
+use super::{Page, field, map, number};
 
 /// Most measured samples drawn per run; more only make the file large.
 const DRAWN_SAMPLES: usize = 90;
@@ -65,6 +65,7 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Identification) {
     if let Some(fit) = &found.fit {
         page.section("Data and fit");
         overview(page, experiment, found, fit);
+        inside(page, experiment, found);
         page.section("Runs");
         for run in &fit.runs {
             one_run(page, experiment, found, run);
@@ -74,6 +75,21 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Identification) {
             &map::svg("Objective over alpha and mu", &fit.search),
             "Sum of absolute force differences (Eq. 14) on the first grid of MultiStart, contact points and free heights at their best; lines: simplex paths.",
         );
+    }
+}
+
+/// The specimen at the deepest point, computed with what was found.
+fn inside(page: &mut Page, experiment: &Experiment, found: &Identification) {
+    match deepest_field(experiment, found) {
+        None => {}
+        Some(Err(cause)) => page.warning(&format!("The inside of the specimen is not shown: {cause}.")),
+        Some(Ok(field)) => {
+            page.section("Inside the specimen");
+            page.figure(
+                &field::mises("Mises stress at the deepest point, with the parameters found", &field),
+                &field::caption(&field),
+            );
+        }
     }
 }
 

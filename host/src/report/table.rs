@@ -1,9 +1,13 @@
 //! The picture of a look-up table.
 
+use lut_gen::field::FieldError;
+use lut_gen::law::Hyperfoam;
+use lut_gen::model::Indentation;
+use lut_gen::solve::SolveError;
 use lut_gen::table::ForceGrid;
 
 use super::figure::{Axis, Figure, Series, Stroke};
-use super::number;
+use super::{field, number};
 
 /// Exponents drawn, as shares of the axis.
 const SHARES: [f64; 4] = [0.0, 0.2, 0.5, 1.0];
@@ -26,4 +30,25 @@ pub fn sample_curves(grids: &[ForceGrid]) -> String {
         }
     }
     figure.svg()
+}
+
+/// The middle material of a table at its largest depth, as an `<svg>` element: what its curves are made from.
+///
+/// # Errors
+/// When the solve fails, or the material is out of the law's range.
+pub fn middle_field(grid: &ForceGrid) -> Result<String, FieldError> {
+    let spec = &grid.spec;
+    let middle = |axis: &[f64]| axis.get(axis.len() / 2).copied().unwrap_or(f64::NAN);
+    let (mu_mpa, alpha) = (middle(&spec.mu_mpa), middle(&spec.alpha));
+    let depth_mm = spec.depth_mm.last().copied().unwrap_or(f64::NAN);
+    let indentation = Indentation {
+        law: Hyperfoam::one_term(mu_mpa, alpha).map_err(SolveError::from)?,
+        specimen: spec.specimen,
+        ball: spec.ball,
+        depth_mm,
+        resolution: spec.resolution,
+    };
+    let title = format!("Middle of the table: mu {} MPa, alpha {}", number(mu_mpa), number(alpha));
+    let fields = indentation.fields_at(&[depth_mm])?;
+    Ok(fields.iter().map(|inside| field::mises(&title, inside)).collect())
 }

@@ -152,6 +152,18 @@ impl<T: Real> Surface<T> {
         self.interface.friction.value() > 0.0
     }
 
+    /// Pressure per reference area (MPa) at a point of the surface in its current position: the
+    /// penalty's inside the ball, adhesion's (negative) outside.
+    #[must_use]
+    pub fn pressure_mpa(&self, x: [T; 2], centre_mm: T) -> T {
+        let g = self.ball.touch(x, centre_mm).depth_mm;
+        match &self.interface.adhesion {
+            _ if g.value() > 0.0 => g * self.penalty,
+            Some(adhesion) => adhesion.pull(g).1,
+            None => T::from(0.0),
+        }
+    }
+
     /// Grips of an untouched surface under a ball whose centre is at `centre_mm`; empty without friction.
     #[must_use]
     pub fn grips(&self, centre_mm: T) -> Vec<Grip<T>> {

@@ -52,7 +52,7 @@ const POINTS_PER_EDGE: usize = 8;
 const REACH: f64 = 2.5;
 
 /// A mesh with the equations over it.
-pub(super) struct Assembly<T = f64> {
+pub(crate) struct Assembly<T = f64> {
     pub system: System<T>,
     pub material: Material<T>,
 }
@@ -116,7 +116,7 @@ impl Simulation {
         )
     }
 
-    pub(super) fn check(&self) -> Result<(), SolveError> {
+    pub(crate) fn check(&self) -> Result<(), SolveError> {
         let positive = [
             ("height_mm", self.specimen.height_mm),
             ("radius_mm of the specimen", self.specimen.radius_mm),
@@ -187,7 +187,7 @@ impl Simulation {
     }
 
     /// The equations with plain numbers.
-    pub(super) fn assembly(&self, mesh: &BlockMesh, stiffer: f64) -> Assembly {
+    pub(crate) fn assembly(&self, mesh: &BlockMesh, stiffer: f64) -> Assembly {
         self.equations(mesh, &mesh.nodes, mesh.height_mm, self.ball, self.interface, self.material.clone(), stiffer)
     }
 

@@ -48,7 +48,8 @@ impl Resolution {
         }
     }
 
-    pub(super) fn finest(self) -> f64 {
+    /// Divisor of the element sizes of the finest mesh.
+    pub(crate) fn finest(self) -> f64 {
         self.refinements().into_iter().fold(0.0, f64::max)
     }
 
