@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use faer::{Mat, Side};
-use lut_gen::contact::{Ball, Interface, Surface};
+use lut_gen::contact::{Ball, Interface, Penalty, Surface};
 use lut_gen::dynamics::{Body, CentralDifference, Forces, UpdatedElement, critical_step_s, lumped_mass};
 use lut_gen::element::{DOFS, Matter, Quadrature, Solid};
 use lut_gen::law::{Hyperfoam, Material, Term};
@@ -89,7 +89,7 @@ struct Single {
 }
 
 fn far_from(mesh: &BlockMesh) -> Surface {
-    Surface::new(Ball { radius_mm: 1.0 }, Interface::default(), &mesh.nodes, &mesh.top, 0.0, 2, 1.0)
+    Surface::new(Ball { radius_mm: 1.0 }, Interface::default(), &mesh.nodes, &mesh.top, 0.0, 2, Penalty::linear(1.0))
 }
 
 fn single() -> Single {

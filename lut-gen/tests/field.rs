@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use lut_gen::contact::{Adhesion, Ball, Interface, Surface};
+use lut_gen::contact::{Adhesion, Ball, Interface, Penalty, Surface};
 use lut_gen::element::{gauss, line3};
 use lut_gen::field::{Field, FieldError, Step, vtu};
 use lut_gen::law::{Hyperfoam, PronyTerm, Term, first_piola, relaxed};
@@ -13,7 +13,15 @@ use lut_gen::solve::Motion;
 
 fn homogeneous(law: &Hyperfoam, radial: f64, axial: f64) -> Result<Field, FieldError> {
     let mesh = BlockMesh::from_lines(&[0.0, 1.0, 2.5], &[0.0, 1.5, 2.0]);
-    let surface = Surface::new(Ball { radius_mm: 1.0 }, Interface::default(), &mesh.nodes, &mesh.top, 2.0, 4, 1.0);
+    let surface = Surface::new(
+        Ball { radius_mm: 1.0 },
+        Interface::default(),
+        &mesh.nodes,
+        &mesh.top,
+        2.0,
+        4,
+        Penalty::linear(1.0),
+    );
     let u = mesh.nodes.iter().map(|x| [(radial - 1.0) * x[0], (axial - 1.0) * x[1]]).collect();
     let stress = |_, f: &_| first_piola(law, f).map(|(_, p)| p);
     Field::new(&mesh, u, stress, &surface, Step { time_s: 0.0, depth_mm: -1.0, force_n: 0.0 })

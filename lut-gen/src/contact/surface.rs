@@ -158,7 +158,7 @@ impl<T: Real> Surface<T> {
     pub fn pressure_mpa(&self, x: [T; 2], centre_mm: T) -> T {
         let g = self.ball.touch(x, centre_mm).depth_mm;
         match &self.interface.adhesion {
-            _ if g.value() > 0.0 => g * self.penalty,
+            _ if g.value() > 0.0 => self.penalty.push(g).1,
             Some(adhesion) => adhesion.pull(g).1,
             None => T::from(0.0),
         }

@@ -47,12 +47,12 @@ fn highest_square(body: &Body, step: &Step, x: &[[f64; 2]], index: usize) -> Opt
 /// Adds the stiffness of the contact on top of an element: inner, middle and outer node of the edge are the
 /// element's fourth, seventh and third.
 fn add_contact(body: &Body, step: &Step, x: &[[f64; 2]], edge: usize, k: &mut Stiffness) {
-    let mut stiffness: EdgeStiffness = [[0.0; 6]; 6];
+    let mut stiffness = EdgeStiffness::default();
     let u = body.edge_displacement(&body.surface.edges()[edge], x);
     let (centre, old) = (body.centre_mm(step.depth_mm), &step.old.grips[body.grips(edge)]);
     body.surface.edge(edge, centre, &u, old, None, &mut [0.0; 6], Some(&mut stiffness), &mut Sum::default());
     let dof = |i: usize| 2 * [3, 6, 2][i / 2] + i % 2;
-    for (i, row) in stiffness.iter().enumerate() {
+    for (i, row) in stiffness.whole.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
             k[dof(i)][dof(j)] += value;
         }
