@@ -3,10 +3,10 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use lut_gen::contact::Ball;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{Axis, ForceModel, Indentation, ModelSpec, Resolution, Scale, Specimen};
-use lut_gen::solve::Base;
+use lut_gen::contact::{Ball, Interface};
+use lut_gen::law::{Hyperfoam, Material, PronyTerm};
+use lut_gen::model::{Axis, ForceModel, Indentation, ModelSpec, Resolution, Scale, Simulation, Specimen};
+use lut_gen::solve::{Base, Motion};
 use lut_gen::table::{ForceGrid, Form, GridSpec, display_displacement_mm, foams, library, lut, write};
 use protocol::lut::{Role, Table, axis_name};
 
@@ -112,16 +112,44 @@ fn senseless_specs_are_refused_by_name() {
     assert_eq!(text, "alpha = 3 must be a rising list of positive values");
 }
 
-fn small_grid(height: f64) -> ForceGrid {
+fn small_spec(height: f64) -> GridSpec {
     let thesis = GridSpec::thesis(Specimen::of_height(height), BALL);
-    let spec = GridSpec {
+    GridSpec {
         alpha: vec![4.0, 10.0, 16.0],
         mu_mpa: vec![0.01, 0.1, 0.3],
         depth_mm: (1..=20).map(|i| 0.1 * f64::from(i)).collect(),
         resolution: COARSE,
         ..thesis
+    }
+}
+
+fn small_grid(height: f64) -> ForceGrid {
+    ForceGrid::build(&small_spec(height), &|_, _| {}).unwrap()
+}
+
+/// A grid of relaxing foams under a ball that rubs is still proportional to mu: one solve an
+/// exponent, and every column is the force of a simulation of its own.
+#[test]
+fn a_grid_may_relax_and_rub() {
+    let relaxation = vec![PronyTerm { g: 0.4, k: 0.2, tau_s: 0.5 }];
+    let rough = GridSpec { friction: 0.2, relaxation: relaxation.clone(), rate_mm_s: 2.0, ..small_spec(12.7) };
+    let grid = ForceGrid::build(&rough, &|_, _| {}).unwrap();
+    assert_eq!(grid.solves, 6);
+    let case = Simulation {
+        material: Material::from(Hyperfoam::one_term(0.3, 10.0).unwrap()).relaxing(relaxation).unwrap(),
+        specimen: Specimen::of_height(12.7),
+        ball: BALL,
+        interface: Interface { friction: 0.2, adhesion: None },
+        motion: Motion::ramp(2.0, 2.0),
+        resolution: COARSE,
     };
-    ForceGrid::build(&spec, &|_, _| {}).unwrap()
+    let curve = case.curve(&rough.depth_mm).unwrap();
+    for (per_mpa, force) in grid.force_per_mpa[1].iter().zip(&curve.force_n) {
+        // to Newton's tolerance
+        assert!((0.3 * per_mpa / force - 1.0).abs() < 1e-5);
+    }
+    let text = "hyperfoam N=1 nu=0, g 0.4 k 0.2 tau 0.5 s at 2 mm/s; ball R 4 mm, block W 25 h 12.7 mm, base bonded, friction 0.2";
+    assert!(grid.provenance.contains(text), "{}", grid.provenance);
 }
 
 #[test]
@@ -193,4 +221,28 @@ fn display_curve_inverts_uniaxial_compression() {
     }
     assert_eq!(display_displacement_mm(mu, alpha, h, -1.0).unwrap(), 0.0);
     assert!(display_displacement_mm(0.0, alpha, h, 1.0).is_err());
+}
+
+/// Thirty exponents from twelve nodes: every curve within the stated bound of a solve of its own.
+#[test]
+fn a_grid_of_many_exponents_is_interpolated_within_its_bound() {
+    let thesis = GridSpec::thesis(Specimen::of_height(12.7), BALL);
+    let spec = GridSpec { resolution: COARSE, ..thesis };
+    let grid = ForceGrid::build(&spec, &|_, _| {}).unwrap();
+    assert_eq!((grid.solves, grid.force_per_mpa.len()), (18, 30));
+    for i in [2, 8, 21] {
+        let law = Hyperfoam::one_term(1.0, spec.alpha[i]).unwrap();
+        let problem = Indentation { law, specimen: spec.specimen, ball: BALL, depth_mm: 4.0, resolution: COARSE };
+        let curve = problem.solve_at(&spec.depth_mm).unwrap();
+        let peak = curve.force_n[199];
+        let worst = grid.force_per_mpa[i].iter().zip(&curve.force_n).map(|(a, b)| (a - b).abs() / peak);
+        let worst = worst.fold(0.0, f64::max);
+        println!("alpha {}: {worst:.1e}, stated {:.1e}", spec.alpha[i], grid.error.interpolation);
+        // the bound is measured at three other exponents; the mesh is coarse and scatters
+        assert!(
+            worst < 2.0 * grid.error.interpolation && grid.error.interpolation < 2e-3,
+            "alpha {}: {worst}",
+            spec.alpha[i]
+        );
+    }
 }

@@ -79,6 +79,15 @@ impl Axis {
         if (-1.0..=1.0).contains(&x) { (x, 2.0 * self.scale.slope(v) / (b - a)) } else { (x.clamp(-1.0, 1.0), 0.0) }
     }
 
+    /// The interpolant of the given coefficients at a value of the parameter.
+    #[must_use]
+    pub fn evaluate(&self, coefficients: &[f64], v: f64) -> f64 {
+        let n = coefficients.len();
+        let (mut value, mut slope) = (vec![0.0; n], vec![0.0; n]);
+        polynomials(self.local(v).0, &mut value, &mut slope);
+        coefficients.iter().zip(&value).map(|(c, t)| c * t).sum()
+    }
+
     /// Coefficients of the interpolant of the values at the nodes.
     #[must_use]
     pub fn coefficients(&self, values: &[f64]) -> Vec<f64> {

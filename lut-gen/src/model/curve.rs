@@ -45,12 +45,21 @@ pub struct Curve {
 /// Terms of the depth profile.
 pub(super) const TERMS: usize = 10;
 
+/// Largest relative difference of contact force and base reaction: ten times what Newton's
+/// tolerance leaves at the first stations.
+const IMBALANCE: f64 = 0.02;
+
+/// Largest relative scatter of the equilibria about the smooth curve: beyond, the curve's shape is
+/// not that of an indentation (measured in the promised region: 0.0002 to 0.03).
+const SCATTER: f64 = 0.05;
+
 impl Simulation {
     /// Force over depth of a motion that is one ramp from touch, at the given depths (mm), each
     /// at most its end.
     ///
     /// # Errors
-    /// See [`SolveError`]; [`SolveError::Parameter`] when the motion is more than a ramp, when
+    /// See [`SolveError`]; [`SolveError::Unreliable`] when forces do not balance or scatter;
+    /// [`SolveError::Parameter`] when the motion is more than a ramp, when
     /// there is adhesion (its curve does not start like Hertz's), or a depth lies beyond the ramp.
     pub fn curve(&self, depths: &[f64]) -> Result<Curve, SolveError> {
         let depth_max_mm = self.ramp()?;
@@ -77,6 +86,8 @@ impl Simulation {
             fits.push(self.profile(&record, depth_max_mm, refinement));
         }
         let (profile, discretisation) = combine(&fits);
+        self.trust("the largest difference of contact force and base reaction", stats.imbalance, IMBALANCE)?;
+        self.trust("the scatter of the equilibria about a smooth curve", discretisation, SCATTER)?;
         stats.seconds = start.elapsed().as_secs_f64();
         Ok(Curve {
             depth_mm: depths.to_vec(),
@@ -84,6 +95,18 @@ impl Simulation {
             profile,
             discretisation,
             stats,
+        })
+    }
+
+    fn trust(&self, measure: &'static str, value: f64, limit: f64) -> Result<(), SolveError> {
+        if value <= limit {
+            return Ok(());
+        }
+        Err(SolveError::Unreliable {
+            measure,
+            value,
+            limit,
+            case: format!("{}, depth {} mm", self.label(), self.depth_mm()),
         })
     }
 

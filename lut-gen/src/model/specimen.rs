@@ -65,13 +65,15 @@ impl Resolution {
     }
 }
 
-/// Element sizes in ball radii.
+/// Element sizes in ball radii: of some fifty combinations, the one whose force error over exponents
+/// 1 to 24, heights 5 to 25 mm and balls 4 to 8 mm was smallest for its time (docs/performance.md).
+/// Flat elements at the surface help little: what counts is their width under the contact's edge.
 pub(super) const SIZES: Sizes = Sizes {
     axis: 0.05,
     growth_under: 0.06,
     near: 1.1,
-    growth_far: 0.4,
-    surface: 0.05,
-    growth_down: 0.25,
+    growth_far: 0.6,
+    surface: 0.1,
+    growth_down: 0.35,
     refinement: 1.0,
 };

@@ -45,6 +45,18 @@ pub enum SolveError {
         /// Material, specimen, ball, friction.
         case: String,
     },
+    /// A path was found, but it contradicts itself.
+    #[error("the curve is not to be trusted ({case}): {measure} is {value:.3}, above {limit}")]
+    Unreliable {
+        /// What was measured.
+        measure: &'static str,
+        /// Its value.
+        value: f64,
+        /// The most that is accepted.
+        limit: f64,
+        /// Material, specimen, ball, friction.
+        case: String,
+    },
     /// A parameter that the simulation does not have.
     #[error("{parameter} {expected}")]
     Unknown {

@@ -36,8 +36,10 @@ struct Whole {
     edge_scatter: Vec<Vec<u32>>,
 }
 
-/// Largest part of the right-hand side left by the iteration.
-const KRYLOV_TOLERANCE: f64 = 1e-11;
+/// Largest part of the right-hand side left by the iteration: of a correction, which the next one
+/// corrects, and of a solution.
+const OF_A_CORRECTION: f64 = 1e-4;
+const OF_A_SOLUTION: f64 = 1e-11;
 /// Iterations after which the iteration is given up.
 const KRYLOV_STEPS: usize = 120;
 
@@ -151,7 +153,7 @@ impl Matrix {
     /// Newton's direction: solves with the whole matrix where it is unsymmetric, else with the factor,
     /// which is that of a shifted matrix where the matrix is not definite.
     pub fn correct(&mut self, x: &mut [f64]) {
-        if !self.iterate(x) {
+        if !self.iterate(x, OF_A_CORRECTION) {
             self.factor.solve(x);
         }
     }
@@ -162,7 +164,7 @@ impl Matrix {
             self.factor.solve(x);
             return true;
         }
-        self.iterate(x)
+        self.iterate(x, OF_A_SOLUTION)
     }
 
     /// Column `j` of the matrix as assembled, for checks.
@@ -177,12 +179,12 @@ impl Matrix {
         }
     }
 
-    fn iterate(&mut self, x: &mut [f64]) -> bool {
+    fn iterate(&mut self, x: &mut [f64], tolerance: f64) -> bool {
         let Some(w) = &self.whole else {
             return false;
         };
         let factor = &mut self.factor;
-        gmres(|v, out| multiply(&w.pattern, &w.values, v, out), |v| factor.solve(v), x, KRYLOV_TOLERANCE, KRYLOV_STEPS)
+        gmres(|v, out| multiply(&w.pattern, &w.values, v, out), |v| factor.solve(v), x, tolerance, KRYLOV_STEPS)
     }
 }
 

@@ -20,7 +20,7 @@ pub struct Newton {
 
 impl Default for Newton {
     fn default() -> Self {
-        Self { tolerance: 1e-4, iterations: 14, halvings: 6, trust: 2, chord: 0.3 }
+        Self { tolerance: 3e-4, iterations: 14, halvings: 6, trust: 2, chord: 0.3 }
     }
 }
 
@@ -107,6 +107,9 @@ const ROUNDING: f64 = 1e-12;
 /// correction removes. It matters for nearly incompressible blocks only.
 const ROUNDING_OF_POSITIONS: f64 = 2.0 * f64::EPSILON;
 
+/// Residual, as part of the contact force, above which rounding is no excuse.
+const NEAR: f64 = 3e-3;
+
 /// Part of the largest contact force so far that the residual is measured by when the ball leaves.
 const LEAST_SCALE: f64 = 1e-3;
 
@@ -183,7 +186,7 @@ impl Newton {
             let slope = dot(&w.correction, &w.state.residual).abs();
             let start = *first.get_or_insert(slope);
             self.proceed(problem, &relaxation, climb, at, w, &mut anchor)?;
-            let settled = slope <= ROUNDING * start;
+            let settled = slope <= ROUNDING * start && self.is_near(problem, w);
             if self.is_balanced(problem, w) || settled || (anchor.is_none() && self.chords(problem, &relaxation, at, w))
             {
                 return Some(k);
@@ -280,7 +283,14 @@ impl Newton {
     fn is_balanced(&self, problem: &Problem, w: &mut Workspace) -> bool {
         let b = problem.balance(&w.state);
         w.scale = w.scale.max(b.contact);
-        b.rest <= w.rounding.max(self.tolerance * b.contact.max(LEAST_SCALE * w.scale))
+        let scale = b.contact.max(LEAST_SCALE * w.scale);
+        b.rest <= (self.tolerance * scale).max(w.rounding.min(NEAR * scale))
+    }
+
+    /// Near enough to equilibrium to blame the rest on rounding.
+    fn is_near(&self, problem: &Problem, w: &Workspace) -> bool {
+        let b = problem.balance(&w.state);
+        b.rest <= NEAR * b.contact.max(LEAST_SCALE * w.scale)
     }
 
     /// Takes the correction, halved until the residual falls or, at a prescribed depth, the

@@ -4,10 +4,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use crate::contact::Ball;
-use crate::law::Hyperfoam;
-use crate::model::{Curve, ErrorBound, Indentation, Resolution, Specimen};
-use crate::solve::{Base, SolveError};
+use crate::contact::{Ball, Interface};
+use crate::law::{Hyperfoam, Material, PronyTerm};
+use crate::model::{Axis, Curve, DepthProfile, ErrorBound, Resolution, Scale, Simulation, Specimen};
+use crate::solve::{Base, Motion, SolveError};
 
 /// What a grid covers.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,12 @@ pub struct GridSpec {
     pub specimen: Specimen,
     /// The ball.
     pub ball: Ball,
+    /// Coefficient of Coulomb friction between them.
+    pub friction: f64,
+    /// Relaxation of every material of the grid; none for elastic foams.
+    pub relaxation: Vec<PronyTerm>,
+    /// Rate of the indentation (mm/s); it decides nothing without relaxation.
+    pub rate_mm_s: f64,
     /// Shear moduli (MPa), rising; force is proportional to them.
     pub mu_mpa: Vec<f64>,
     /// Exponents, rising; one finite-element solve each.
@@ -28,7 +34,7 @@ pub struct GridSpec {
 
 impl GridSpec {
     /// The thesis' grid (section 3.2.2): mu 0.0005 to 0.3 MPa and alpha 1 to 24,
-    /// both divided uniformly by 30 points, 200 depths to 4 mm.
+    /// both divided uniformly by 30 points, 200 depths to 4 mm at 1 mm/s; elastic, without friction.
     #[must_use]
     pub fn thesis(specimen: Specimen, ball: Ball) -> Self {
         let even = |low: f64, high: f64, n: usize| -> Vec<f64> {
@@ -37,6 +43,9 @@ impl GridSpec {
         Self {
             specimen,
             ball,
+            friction: 0.0,
+            relaxation: Vec::new(),
+            rate_mm_s: 1.0,
             mu_mpa: even(0.0005, 0.3, 30),
             alpha: even(1.0, 24.0, 30),
             depth_mm: even(0.02, 4.0, 200),
@@ -52,9 +61,8 @@ pub struct ForceGrid {
     pub spec: GridSpec,
     /// Force per MPa of shear modulus (N/MPa): `[alpha][depth]`.
     pub force_per_mpa: Vec<Vec<f64>>,
-    /// Discretisation: the largest difference to solves on a mesh refined by 1.5,
-    /// at the ends and the middle of the exponents. Interpolation: the largest
-    /// error of straight lines between depths. Both relative to a curve's peak.
+    /// Error of the forces relative to a curve's peak: of the mesh, and of interpolation between depths
+    /// and, in a grid of many exponents, between the solves.
     pub error: ErrorBound,
     /// Model, mesh and engine version, one line.
     pub provenance: String,
@@ -65,52 +73,119 @@ pub struct ForceGrid {
 impl ForceGrid {
     /// Solves the grid in parallel; `progress(done, total)` is called after every solve.
     ///
+    /// A grid of few exponents is solved at each. One of many is solved at Chebyshev nodes in
+    /// `ln alpha` and interpolated; solves left out in between state the error of that.
+    ///
     /// # Errors
     /// The first failing solve, or an empty or falling axis.
     pub fn build(spec: &GridSpec, progress: &(dyn Fn(usize, usize) + Send + Sync)) -> Result<Self, SolveError> {
         rising("mu_mpa", &spec.mu_mpa)?;
         rising("alpha", &spec.alpha)?;
         rising("depth_mm", &spec.depth_mm)?;
-        let n = spec.alpha.len();
-        let mut plan: Vec<(usize, Resolution)> = (0..n).map(|i| (i, spec.resolution)).collect();
-        let mut checked = vec![0, n / 2, n - 1];
-        checked.dedup();
-        plan.extend(checked.iter().map(|&i| (i, spec.resolution.finer())));
+        let plan = Plan::of(spec);
         let done = AtomicUsize::new(0);
+        let total = plan.jobs.len();
         let curves: Result<Vec<Curve>, SolveError> = plan
+            .jobs
             .par_iter()
-            .map(|&(i, resolution)| {
-                let curve = problem(spec, spec.alpha[i], resolution)?.solve_at(&spec.depth_mm)?;
-                progress(done.fetch_add(1, Ordering::Relaxed) + 1, plan.len());
+            .map(|&(alpha, resolution)| {
+                let curve = problem(spec, alpha, resolution)?.curve(&spec.depth_mm)?;
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
                 Ok(curve)
             })
             .collect::<Vec<_>>()
             .into_iter()
             .collect();
         let curves = curves?;
-        let mut error = ErrorBound::default();
-        for (&i, fine) in checked.iter().zip(&curves[n..]) {
-            error.discretisation = error.discretisation.max(difference(&curves[i], fine));
-        }
-        for curve in &curves[..n] {
-            error.interpolation = error.interpolation.max(chord_error(curve));
-        }
+        let (own, checks) = curves.split_at(plan.own);
+        let profiles = plan.profiles(spec, own);
         Ok(Self {
-            provenance: provenance(spec, curves[0].stats.unknowns),
+            provenance: provenance(spec, own[0].stats.unknowns),
+            force_per_mpa: profiles.iter().map(|p| spec.depth_mm.iter().map(|&d| p.force_n(d)).collect()).collect(),
+            error: plan.error(spec, own, &profiles, checks),
             spec: spec.clone(),
-            force_per_mpa: curves.into_iter().take(n).map(|c| c.force_n).collect(),
-            error,
-            solves: plan.len(),
+            solves: total,
         })
     }
 }
 
-fn problem(spec: &GridSpec, alpha: f64, resolution: Resolution) -> Result<Indentation, SolveError> {
-    Ok(Indentation {
-        law: Hyperfoam::one_term(1.0, alpha)?,
+/// Most exponents of a grid that are each solved for themselves.
+const SOLVED: usize = 14;
+
+/// Chebyshev nodes over the exponents of a larger grid: three more than reach 0.02 % over 1 to 24.
+const NODES: usize = 12;
+
+/// The solves of a grid: its own first, then those that state its error.
+struct Plan {
+    jobs: Vec<(f64, Resolution)>,
+    own: usize,
+    /// The axis of the nodes, when exponents are interpolated.
+    axis: Option<Axis>,
+    /// Own solves that are repeated on a finer mesh.
+    refined: Vec<usize>,
+}
+
+impl Plan {
+    fn of(spec: &GridSpec) -> Self {
+        let n = spec.alpha.len();
+        let (low, high) = (spec.alpha[0], spec.alpha[n - 1]);
+        let axis = (n > SOLVED).then_some(Axis { low, high, nodes: NODES, scale: Scale::Log });
+        let own: Vec<f64> = match &axis {
+            Some(axis) => (0..NODES).map(|k| axis.node(k)).collect(),
+            None => spec.alpha.clone(),
+        };
+        let mut refined = vec![0, own.len() / 2, own.len() - 1];
+        refined.dedup();
+        let mut jobs: Vec<(f64, Resolution)> = own.iter().map(|&a| (a, spec.resolution)).collect();
+        jobs.extend(refined.iter().map(|&i| (own[i], spec.resolution.finer())));
+        if axis.is_some() {
+            // exponents of the grid, near both ends and in the middle
+            jobs.extend([1, n / 2, n - 2].map(|i| (spec.alpha[i], spec.resolution)));
+        }
+        Self { own: own.len(), jobs, axis, refined }
+    }
+
+    /// The profile of every exponent of the grid.
+    fn profiles(&self, spec: &GridSpec, own: &[Curve]) -> Vec<DepthProfile> {
+        let Some(axis) = &self.axis else {
+            return own.iter().map(|c| c.profile.clone()).collect();
+        };
+        let lines: Vec<Vec<f64>> = (0..own[0].profile.coefficients.len())
+            .map(|k| axis.coefficients(&own.iter().map(|c| c.profile.coefficients[k]).collect::<Vec<_>>()))
+            .collect();
+        let at = |alpha: f64| DepthProfile {
+            coefficients: lines.iter().map(|line| axis.evaluate(line, alpha)).collect(),
+            ..own[0].profile.clone()
+        };
+        spec.alpha.iter().map(|&a| at(a)).collect()
+    }
+
+    /// Discretisation: the largest difference to solves on a mesh refined by 1.5. Interpolation:
+    /// that of straight lines between depths and, where exponents are interpolated, to the solves
+    /// left out. All relative to a curve's peak.
+    fn error(&self, spec: &GridSpec, own: &[Curve], profiles: &[DepthProfile], checks: &[Curve]) -> ErrorBound {
+        let (fine, left_out) = checks.split_at(self.refined.len());
+        let worst = |list: &mut dyn Iterator<Item = f64>| list.fold(0.0, f64::max);
+        let discretisation =
+            worst(&mut self.refined.iter().zip(fine).map(|(&i, f)| difference(&own[i].force_n, &f.force_n)));
+        let chords = worst(&mut profiles.iter().map(|p| chord_error(&spec.depth_mm, p)));
+        let between = worst(&mut self.jobs[self.own + fine.len()..].iter().zip(left_out).map(|((alpha, _), curve)| {
+            let at = spec.alpha.iter().position(|a| a == alpha).unwrap_or(0);
+            let forces: Vec<f64> = spec.depth_mm.iter().map(|&d| profiles[at].force_n(d)).collect();
+            difference(&forces, &curve.force_n)
+        }));
+        ErrorBound { discretisation, interpolation: chords + between }
+    }
+}
+
+/// The force stays proportional to the modulus with friction and relaxation, so one solve serves it.
+fn problem(spec: &GridSpec, alpha: f64, resolution: Resolution) -> Result<Simulation, SolveError> {
+    Ok(Simulation {
+        material: Material::from(Hyperfoam::one_term(1.0, alpha)?).relaxing(spec.relaxation.clone())?,
         specimen: spec.specimen,
         ball: spec.ball,
-        depth_mm: spec.depth_mm[spec.depth_mm.len() - 1],
+        interface: Interface { friction: spec.friction, adhesion: None },
+        motion: Motion::ramp(spec.depth_mm[spec.depth_mm.len() - 1], spec.rate_mm_s),
         resolution,
     })
 }
@@ -126,23 +201,21 @@ fn rising(parameter: &'static str, axis: &[f64]) -> Result<(), SolveError> {
     }
 }
 
-/// Largest difference of two curves at the same depths, relative to the peak.
-fn difference(a: &Curve, b: &Curve) -> f64 {
-    let peak = b.force_n.iter().copied().fold(0.0, f64::max);
-    let pairs = a.force_n.iter().zip(&b.force_n);
-    pairs.map(|(x, y)| (x - y).abs() / peak).fold(0.0, f64::max)
+/// Largest difference of two curves at the same depths, relative to the peak of the second.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let peak = b.iter().copied().fold(0.0, f64::max);
+    a.iter().zip(b).map(|(x, y)| (x - y).abs() / peak).fold(0.0, f64::max)
 }
 
 /// Largest error of straight lines between the depths, from depth 0 on, relative to the peak.
-fn chord_error(curve: &Curve) -> f64 {
-    let peak = curve.force_n.iter().copied().fold(0.0, f64::max);
+fn chord_error(depths: &[f64], profile: &DepthProfile) -> f64 {
     let (mut d0, mut f0, mut worst) = (0.0, 0.0, 0.0_f64);
-    for (&d, &f) in curve.depth_mm.iter().zip(&curve.force_n) {
-        let middle = curve.profile.force_n(0.5 * (d0 + d));
-        worst = worst.max((0.5 * (f0 + f) - middle).abs() / peak);
+    for &d in depths {
+        let f = profile.force_n(d);
+        worst = worst.max((0.5 * (f0 + f) - profile.force_n(0.5 * (d0 + d))).abs());
         (d0, f0) = (d, f);
     }
-    worst
+    worst / depths.iter().map(|&d| profile.force_n(d)).fold(0.0, f64::max)
 }
 
 fn provenance(spec: &GridSpec, unknowns: usize) -> String {
@@ -150,9 +223,14 @@ fn provenance(spec: &GridSpec, unknowns: usize) -> String {
         Base::Bonded => "bonded",
         Base::Sliding => "sliding",
     };
+    let relaxation: Vec<String> =
+        spec.relaxation.iter().map(|t| format!(", g {} k {} tau {} s", t.g, t.k, t.tau_s)).collect();
+    let rate = if relaxation.is_empty() { String::new() } else { format!(" at {} mm/s", spec.rate_mm_s) };
+    let friction = if spec.friction == 0.0 { "frictionless".to_owned() } else { format!("friction {}", spec.friction) };
     format!(
-        "lut-gen {}; hyperfoam N=1 nu=0; ball R {} mm, block W {} h {} mm, base {base}, frictionless; axisymmetric Q8R, {unknowns} unknowns",
+        "lut-gen {}; hyperfoam N=1 nu=0{}{rate}; ball R {} mm, block W {} h {} mm, base {base}, {friction}; axisymmetric Q8R, {unknowns} unknowns",
         env!("CARGO_PKG_VERSION"),
+        relaxation.concat(),
         spec.ball.radius_mm,
         spec.specimen.radius_mm,
         spec.specimen.height_mm,
