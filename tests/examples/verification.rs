@@ -31,14 +31,18 @@ fn closed_form_table(checks: &[Check]) -> String {
     let mut out =
         String::from("| check | case | source | difference [%] | allowed [%] | |\n|---|---|---|---|---|---|\n");
     for c in checks {
-        let (error, allowed) = (figure(100.0 * c.error), figure(100.0 * c.tolerance));
+        let (error, allowed) = (figure(100.0 * c.error), figure(100.0 * c.tolerance).replace("< ", ""));
         let verdict = if c.met() { "met" } else { "MISSED" };
         let _ = writeln!(out, "| {} | {} | {} | {error} | {allowed} | {verdict} |", c.quantity, c.case, c.source);
     }
     out
 }
 
-/// Two decimals, and what vanishes in them as a power of ten: rounding errors differ between machines.
+/// Two decimals, and what vanishes in them as a bound, a power of ten: rounding errors differ between machines.
 fn figure(percent: f64) -> String {
-    if percent < 0.005 { format!("< 1e{:.0}", percent.max(1e-300).log10().ceil()) } else { format!("{percent:.2}") }
+    if percent < 0.005 {
+        format!("< 1e{:.0}", (percent.max(1e-300).log10() - 1e-9).ceil())
+    } else {
+        format!("{percent:.2}")
+    }
 }

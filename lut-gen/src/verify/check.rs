@@ -103,7 +103,7 @@ pub fn thin_layer() -> Result<Vec<Check>, SolveError> {
         };
         out.push(Check {
             quantity: "sphere on a thin layer, chi 0.3 to 1: force",
-            source: "Lebedev and Ufliand 1958, doi:10.1016/0021-8928(58)90034-X",
+            source: "Lebedev and Ufliand, J. Appl. Math. Mech. 22, 1958, 442-450",
             case: case.clone(),
             error: indented.largest(exact),
             tolerance: TOLERANCE,

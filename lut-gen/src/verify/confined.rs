@@ -2,10 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::element::{DOFS, LOWER, Quadrature, Solid};
-use crate::law::Hyperfoam;
+use crate::element::{DOFS, Matter, Quadrature, Solid};
+use crate::law::{Hyperfoam, Material};
 use crate::mesh::BlockMesh;
-use crate::solve::{Factor, HELD, Pattern, SolveError};
+use crate::solve::{Factor, HELD, Pattern, SolveError, Stored};
 
 /// Nominal stress (MPa, negative in compression) of a Hyperfoam whose sides are held, at the axial stretch `l`:
 /// with `J = l`, and `b = nu / (1 - 2 nu)`,
@@ -72,17 +72,18 @@ impl ConfinedBlock {
         let homogeneous: Vec<f64> = mesh.nodes.iter().flat_map(|x| [0.0, (l - 1.0) * x[1]]).collect();
         let disorder = |i: usize| if equation[i] == HELD { 0.0 } else { DISORDER_MM * (2.3 * i as f64).sin() };
         let mut u: Vec<f64> = homogeneous.iter().enumerate().map(|(i, x)| x + disorder(i)).collect();
+        let material = Material::from(law.clone());
         let block = Block::new(&mesh, &equation, unknowns);
         let mut factor = Factor::new(&block.pattern).ok_or(SolveError::Memory { unknowns })?;
         let failed = |iterations| SolveError::NoConvergence {
             depth_mm: 0.0,
             wanted_mm: (1.0 - l) * height,
-            smallest_mm: 0.0,
+            time_s: 0.0,
             iterations,
-            law: format!("confined compression of {law:?}"),
+            case: format!("confined compression of {law:?}"),
         };
         for iterations in 1..=30 {
-            let (force, values) = block.evaluate(law, &u).ok_or_else(|| failed(iterations))?;
+            let (force, values) = block.evaluate(&material, &u).ok_or_else(|| failed(iterations))?;
             let mut change = vec![0.0; unknowns];
             for (&e, f) in equation.iter().zip(&force).filter(|(e, _)| **e != HELD) {
                 change[e] = -f;
@@ -125,21 +126,24 @@ impl Block {
         let solids: Vec<Solid> = mesh.elements.iter().map(solid).collect();
         let dofs = |s: &Solid| s.nodes.iter().flat_map(|n| [equation[2 * n], equation[2 * n + 1]]).collect();
         let groups: Vec<Vec<usize>> = solids.iter().map(dofs).collect();
-        let (pattern, scatter) = Pattern::new(unknowns, groups.iter().map(Vec::as_slice));
+        let (pattern, scatter) = Pattern::new(unknowns, groups.iter().map(Vec::as_slice), Stored::Lower);
         Self { solids, pattern, scatter }
     }
 
     /// Internal force of every dof (N) and the stiffness' values at the displacement of every dof.
-    fn evaluate(&self, law: &Hyperfoam, u: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+    fn evaluate(&self, material: &Material, u: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let step = material.relaxation(0.0);
+        let matter = Matter { material, step: &step, history: &[] };
         let (mut force, mut values) = (vec![0.0; u.len()], vec![0.0; self.pattern.entries()]);
         for (solid, scatter) in self.solids.iter().zip(&self.scatter) {
             let dof = |i: usize| 2 * solid.nodes[i / 2] + i % 2;
             let local: [f64; DOFS] = std::array::from_fn(|i| u[dof(i)]);
-            let (mut f, mut lower) = ([0.0; DOFS], [0.0; LOWER]);
-            solid.stiffness(law, &local, &mut f, &mut lower)?;
+            let (mut f, mut k) = ([0.0; DOFS], [[0.0; DOFS]; DOFS]);
+            solid.stiffness(&matter, &local, &mut f, &mut k, true)?;
             for (i, f) in f.into_iter().enumerate() {
                 force[dof(i)] += f;
             }
+            let lower = k.iter().enumerate().flat_map(|(i, row)| &row[..=i]);
             for (&place, k) in scatter.iter().zip(lower).filter(|(p, _)| **p != u32::MAX) {
                 values[place as usize] += k;
             }

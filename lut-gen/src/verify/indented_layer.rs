@@ -1,11 +1,11 @@
 //! Finite elements of a thin layer under a large ball, at small strain.
 
 use super::thin_layer::ThinLayer;
-use crate::contact::{Ball, Surface};
+use crate::contact::{Ball, Interface, Penalty, Surface};
 use crate::element::Quadrature;
 use crate::law::{Hyperfoam, Law, Term};
 use crate::mesh::{BlockMesh, graded};
-use crate::solve::{Newton, SolveError, Station, Stepping, System};
+use crate::solve::{Course, Motion, Newton, SolveError, Station, Stepping, System};
 
 /// Ball radius over thickness: a contact as wide as the layer is thick is then 1/400 of the ball,
 /// and strains are of that order.
@@ -46,12 +46,22 @@ impl IndentedLayer {
         let mesh = BlockMesh::from_lines(&r, &z);
         // Hertz's mean pressure, 4/(3 pi) E* sqrt(d / R)
         let pressure = 8.0 / 9.42 * law.shear_modulus_mpa() / (1.0 - layer.nu) * (depth_mm / ball.radius_mm).sqrt();
-        let surface = Surface::new(ball, &mesh.nodes, &mesh.top, 1.6 * chi * h, 8, STIFFNESS * pressure / depth_mm);
+        let penalty = Penalty::linear(STIFFNESS * pressure / depth_mm);
+        let surface = Surface::new(ball, Interface::default(), &mesh.nodes, &mesh.top, 1.6 * chi * h, 8, penalty);
         let system = System::new(&mesh, layer.base, surface, Quadrature::Reduced);
         // steps in units of the depth, not of the ball
-        let stepping = Stepping { first: 0.002, largest: 1.0, stations: STATIONS, ..Stepping::default() };
-        let label = format!("thin layer, nu {}", layer.nu);
-        let path = stepping.follow(&system, &law, &Newton::default(), depth_mm, depth_mm, &label)?;
+        let stepping = Stepping { first: 0.002, largest: 1.0, stations: STATIONS, ..Stepping::of_ball(depth_mm) };
+        let (material, motion) = (law.into(), Motion::ramp(depth_mm, depth_mm));
+        let course = Course {
+            system: &system,
+            material: &material,
+            motion: &motion,
+            newton: Newton::default(),
+            stepping,
+            hertz: 1.0,
+            label: &format!("thin layer, nu {}", layer.nu),
+        };
+        let path = course.follow(&mut ())?;
         let stations = path.stations.windows(3).map(|w| (w[1].depth_mm, w[1].force_n + energy_slope(w))).collect();
         Ok(Self { layer, radius_mm: ball.radius_mm, stations })
     }

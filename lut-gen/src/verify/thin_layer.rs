@@ -44,8 +44,7 @@ impl ThinLayer {
     /// sliding: M = 2 sinh^2 s / (sinh 2s + 2 s)
     /// ```
     ///
-    /// (Aleksandrov and Pozharskii, Three-Dimensional Contact Problems, 2001, chapter 1,
-    /// doi:10.1007/978-94-015-9683-1).
+    /// (Aleksandrov and Pozharskii, Three-Dimensional Contact Problems, 2001, chapter 1).
     #[must_use]
     pub fn compliance(&self, s: f64) -> f64 {
         // numerator and denominator times exp(-2 s), which would overflow otherwise
@@ -61,8 +60,7 @@ impl ThinLayer {
 
     /// The exact small-strain contact of a paraboloid `r^2 / 2R` with contact radius `contact_mm`.
     ///
-    /// Lebedev and Ufliand's integral equation (J. Appl. Math. Mech. 22, 1958, 442-450,
-    /// doi:10.1016/0021-8928(58)90034-X): with the load's transform `A(k) = int_0^a p(t) cos kt dt`
+    /// Lebedev and Ufliand's integral equation (J. Appl. Math. Mech. 22, 1958, 442-450): with the load's transform `A(k) = int_0^a p(t) cos kt dt`
     ///
     /// ```text
     /// p(t) - 2/pi int_0^a p(s) int_0^inf (1 - M(kh)) cos kt cos ks dk ds = 2/pi (d - t^2 / R)

@@ -45,19 +45,18 @@ impl Comparison {
     /// [`ReferenceError`] when the solver refuses or fails.
     pub fn of(reference: Reference) -> Result<Self, ReferenceError> {
         let fail = |problem| ReferenceError { file: reference.name.clone(), problem };
-        if reference.friction > 0.0 {
-            return Err(fail(format!("friction = {} is not solved here", reference.friction)));
-        }
-        let problem = Indentation {
+        let smooth = Indentation {
             law: reference.law.clone(),
             specimen: reference.specimen,
             ball: reference.ball,
             depth_mm: reference.depth_mm(),
             resolution: Resolution::Standard,
         };
+        let mut problem = smooth.simulation();
+        problem.interface.friction = reference.friction;
         let compared: Vec<(f64, f64)> = reference.rows.iter().copied().filter(|r| r.0 >= FROM_MM - 1e-9).collect();
         let depths: Vec<f64> = compared.iter().map(|r| r.0).collect();
-        let curve = problem.solve_at(&depths).map_err(|e| fail(e.to_string()))?;
+        let curve = problem.curve(&depths).map_err(|e| fail(e.to_string()))?;
         let peak = reference.peak_n();
         let rows = compared.iter().zip(&curve.force_n).map(|(&(depth_mm, force), ours)| Row {
             depth_mm,
@@ -102,11 +101,11 @@ impl Row {
 /// The comparisons as a table in Markdown.
 #[must_use]
 pub fn table(comparisons: &[Comparison]) -> String {
-    let mut out = String::from("| curve | alpha | nu | R | h | base | worst | at | allowed there | share |");
+    let mut out = String::from("| curve | alpha | nu | R | h | base | friction | worst | at | allowed there | share |");
     for d in SHOWN_MM {
         let _ = write!(out, " {d} mm |");
     }
-    out.push_str(" unknowns | iterations |\n|---|---|---|---|---|---|---|---|---|---|");
+    out.push_str(" unknowns | iterations |\n|---|---|---|---|---|---|---|---|---|---|---|");
     out.push_str(&"---|".repeat(SHOWN_MM.len() + 2));
     out.push('\n');
     for c in comparisons {
@@ -119,14 +118,15 @@ pub fn table(comparisons: &[Comparison]) -> String {
         let (worst, tightest) = (c.worst(), c.tightest());
         let _ = write!(
             out,
-            "| {} | {} | {} | {} | {} | {} | {:+.2} | {} | {:.2} | {:.0} % |",
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.2} | {:.0} % |",
             r.name,
             list(&|t| t.alpha),
             list(&|t| t.nu),
             r.ball.radius_mm,
             r.specimen.height_mm,
             if r.specimen.base == Base::Bonded { "bonded" } else { "sliding" },
-            worst.error_percent,
+            r.friction,
+            signed(worst.error_percent),
             worst.depth_mm,
             worst.allowed_percent,
             100.0 * tightest.share(),
@@ -134,7 +134,7 @@ pub fn table(comparisons: &[Comparison]) -> String {
         for d in SHOWN_MM {
             match c.rows.iter().find(|row| (row.depth_mm - d).abs() < 1e-6) {
                 Some(row) => {
-                    let _ = write!(out, " {:+.2} |", row.error_percent);
+                    let _ = write!(out, " {} |", signed(row.error_percent));
                 }
                 None => out.push_str(" |"),
             }
@@ -142,4 +142,10 @@ pub fn table(comparisons: &[Comparison]) -> String {
         let _ = writeln!(out, " {} | {} |", c.stats.unknowns, c.stats.iterations);
     }
     out
+}
+
+/// Two decimals with their sign, which zero has not.
+fn signed(percent: f64) -> String {
+    let text = format!("{percent:+.2}");
+    if text == "+0.00" || text == "-0.00" { "0.00".into() } else { text }
 }
