@@ -115,10 +115,11 @@ impl ThinLayer {
     /// not bonded: a = -0.347 (3 - 2 nu)/(1 - nu),                    b = 0.056 (5 - 2 nu)/(1 - nu)
     /// ```
     ///
-    /// Its error is that of its expansion, for `a` is nearly the exact moment [`ThinLayer::first_moment`] when
-    /// bonded: the exact coefficient of `chi^2` is `7/6` of the published one (as in Garcia and Garcia, Biophys.
-    /// J. 114 (2018) 2923-2932, doi:10.1016/j.bpj.2018.05.012). The force is low by 2 to 4 % at `chi = 0.35` and by 7 to 15 % at
-    /// `chi = 0.8`. "Not bonded" is no frictionless base, whose moment does not depend on `nu`.
+    /// Bonded, its error is that of its expansion, for `a` is nearly the exact moment, less [`ThinLayer::first_moment`]:
+    /// the exact coefficient of `chi^2` is `7/6` of the published one (as in Garcia and Garcia, Biophys. J. 114 (2018)
+    /// 2923-2932, doi:10.1016/j.bpj.2018.05.012). For nu 0.2 to 0.45 the force is low by 1.5 to 3.5 % at `chi = 0.35` and by
+    /// 7.5 to 12.5 % at 0.8. The sign of the last term is that of the general formula; the special case nu = 0.5 is printed
+    /// with the other one. "Not bonded" is no frictionless base, whose moment does not depend on `nu`.
     #[must_use]
     pub fn dimitriadis_force_n(&self, radius_mm: f64, depth_mm: f64) -> f64 {
         let nu = self.nu;
