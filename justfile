@@ -40,3 +40,11 @@ bless:
 figures:
     cargo run --release -- demo --out out/demo
     cp out/demo/overview.svg docs/figures/demo.svg
+
+# The tables of docs/verification.md, made again.
+verification:
+    cargo run --release -p tests --example verification
+
+# Times against CalculiX (Debian's calculix-ccx) into docs/performance.md; some five minutes.
+versus-calculix:
+    bench/versus-calculix/run

@@ -20,7 +20,7 @@
 //! | [`verify`] | closed forms and difference quotients |
 //!
 //! Assumptions: quasi-static, homogeneous isotropic block with free sides. Verification and
-//! measured errors: `docs/physics.md`.
+//! measured errors: `docs/physics.md` and `docs/verification.md`.
 //!
 //! ```
 //! use lut_gen::contact::Ball;

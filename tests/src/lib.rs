@@ -1,4 +1,7 @@
-//! Shared ground of the cross-crate tests: where golden files lie, and one sample of every message.
+//! Shared ground of the cross-crate tests: where golden files lie, one sample of every message,
+//! force curves of other codes, and the documents that commands rewrite.
 
+pub mod document;
 pub mod golden;
+pub mod reference;
 pub mod samples;

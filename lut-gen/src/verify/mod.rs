@@ -1,7 +1,16 @@
-//! Closed forms and difference quotients that tests, and users of new laws, check against.
+//! Closed forms and difference quotients that tests, and users of new laws, check against, and
+//! the finite elements beside them ([`closed_forms`], the second table of docs/verification.md).
 
+mod check;
+mod confined;
 mod difference;
 mod hertz;
+mod indented_layer;
+mod thin_layer;
 
+pub use check::{Check, closed_forms, confined_compression, thin_layer};
+pub use confined::{ConfinedBlock, confined_stress_mpa, confining_stress_mpa};
 pub use difference::{central_gradient, worst_mismatch};
 pub use hertz::hertz_force_n;
+pub use indented_layer::IndentedLayer;
+pub use thin_layer::{LayerContact, ThinLayer};
