@@ -17,6 +17,7 @@
 //! | [`field`] | stretches, stresses and contact pressure at one equilibrium, and their files for ParaView |
 //! | [`dynamics`] | the thesis' explicit method (appendix B), lumped mass and central differences, with an inertia report |
 //! | [`table`] | the thesis' grid and the bytes the board reads |
+//! | [`sweep`] | grids over any number of parameters, in shards, resumable |
 //! | [`verify`] | closed forms and difference quotients |
 //!
 //! Assumptions: quasi-static, homogeneous isotropic block with free sides. Verification and
@@ -48,5 +49,6 @@ pub mod mesh;
 pub mod model;
 pub mod scalar;
 pub mod solve;
+pub mod sweep;
 pub mod table;
 pub mod verify;
