@@ -11,3 +11,4 @@ pub mod plant;
 pub mod report;
 pub mod session;
 pub mod simulated_board;
+pub mod sweep;

@@ -16,10 +16,14 @@ use crate::report::number;
 use crate::report::table::{middle_field, sample_curves};
 
 use super::progress::Progress;
+use super::sweep;
 
 /// What table to make, or which one to explain.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub struct Arguments {
+    #[command(subcommand)]
+    sweep: Option<sweep::Command>,
     /// Radius of the ball, mm
     #[arg(long, value_name = "MM", default_value_t = 4.0)]
     ball_mm: f64,
@@ -60,9 +64,10 @@ enum FormArgument {
 /// # Errors
 /// Values out of range, a failing solve, a file that cannot be written or is no table.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    match &arguments.explain {
-        Some(file) => explain(file, arguments.json),
-        None => make(arguments),
+    match (&arguments.sweep, &arguments.explain) {
+        (Some(command), _) => sweep::run(command),
+        (None, Some(file)) => explain(file, arguments.json),
+        (None, None) => make(arguments),
     }
 }
 
@@ -131,7 +136,7 @@ fn check(argument: &str, value_mm: f64) -> miette::Result<()> {
     Err(miette!("{argument} is {value_mm}; expected a length of 0.5 to 200 mm"))
 }
 
-fn save(file: &Path, bytes: &[u8]) -> miette::Result<()> {
+pub(super) fn save(file: &Path, bytes: &[u8]) -> miette::Result<()> {
     if let Some(folder) = file.parent() {
         std::fs::create_dir_all(folder)
             .into_diagnostic()
@@ -147,6 +152,9 @@ fn parsed<'a>(file: &Path, bytes: &'a [u8]) -> miette::Result<Table<'a>> {
 fn explain(file: &Path, as_json: bool) -> miette::Result<()> {
     let bytes =
         std::fs::read(file).into_diagnostic().wrap_err_with(|| format!("cannot read the table {}", file.display()))?;
+    if sweep::is_table(&bytes) {
+        return sweep::explain(file, &bytes, as_json);
+    }
     let table = parsed(file, &bytes)?;
     if as_json {
         println!("{}", described(&table, bytes.len()));

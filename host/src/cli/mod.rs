@@ -8,6 +8,7 @@ pub mod identify;
 pub mod log;
 pub mod lut;
 pub mod progress;
+pub mod sweep;
 
 use std::process::ExitCode;
 
@@ -35,7 +36,7 @@ enum Command {
     Flash(flash::Arguments),
     /// Find a material's parameters in indentation recordings
     Identify(identify::Arguments),
-    /// Compute a look-up table by finite elements, or explain one
+    /// Compute a look-up table by finite elements, sweep more parameters, or explain a table
     Lut(lut::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
     Field(field::Arguments),

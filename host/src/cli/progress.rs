@@ -1,6 +1,8 @@
 //! Progress bars on standard error.
 
+use std::io::IsTerminal;
 use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -46,4 +48,70 @@ fn started(what: &str, total: usize) -> ProgressBar {
     }
     bar.set_message(what.to_owned());
     bar
+}
+
+/// Between two lines where nobody watches.
+const QUIET: Duration = Duration::from_secs(10);
+
+/// Progress of a long run with the time left: a bar on a terminal, elsewhere a line now and then.
+#[derive(Debug)]
+pub struct Countdown {
+    bar: Option<ProgressBar>,
+    start: Instant,
+    told: Instant,
+    done: usize,
+    total: usize,
+}
+
+impl Countdown {
+    /// A run of `total` points that begins now.
+    pub fn new(what: &str, total: usize) -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| started(what, total));
+        Self { bar, start: Instant::now(), told: Instant::now(), done: 0, total }
+    }
+
+    /// One more point is done; so many have failed so far.
+    pub fn step(&mut self, failed: usize) {
+        self.done += 1;
+        if let Some(bar) = &self.bar {
+            bar.set_position(self.done as u64);
+        } else if self.told.elapsed() >= QUIET {
+            self.told = Instant::now();
+            eprintln!("{}", line(self.done, self.total, failed, self.start.elapsed()));
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn end(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn line(done: usize, total: usize, failed: usize, elapsed: Duration) -> String {
+    let left = elapsed.as_secs_f64() / done.max(1) as f64 * total.saturating_sub(done) as f64;
+    let failures = if failed > 0 { format!(", {failed} failed") } else { String::new() };
+    format!("{done} of {total} points solved{failures}; {} left", time(left))
+}
+
+/// A time in the largest unit of which it is at least two.
+fn time(seconds: f64) -> String {
+    match seconds {
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_says_how_long_it_will_take() {
+        assert_eq!(line(10, 40, 0, Duration::from_secs(20)), "10 of 40 points solved; 60 s left");
+        assert_eq!(line(10, 740, 2, Duration::from_secs(60)), "10 of 740 points solved, 2 failed; 73 min left");
+        assert_eq!(line(1, 1001, 0, Duration::from_secs(36)), "1 of 1001 points solved; 10.0 h left");
+    }
 }

@@ -77,6 +77,9 @@ pub enum Problem {
         /// What was expected.
         expected: String,
     },
+    /// Values that do not go together.
+    #[error("{0}")]
+    Contradiction(String),
     /// A run names a specimen or indenter that is not described.
     #[error("`{key}` names \"{name}\", which is not described; known: {}", list(.known))]
     UnknownName {

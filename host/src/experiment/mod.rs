@@ -10,7 +10,7 @@ mod keys;
 pub mod motion;
 mod recording;
 pub mod replicate;
-mod section;
+pub(crate) mod section;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

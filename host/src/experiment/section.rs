@@ -11,7 +11,7 @@ use super::keys;
 
 /// The text being read and where it came from.
 #[derive(Clone, Copy)]
-pub(super) struct Document<'a> {
+pub(crate) struct Document<'a> {
     pub file: &'a Path,
     pub text: &'a str,
 }
@@ -24,7 +24,7 @@ impl Document<'_> {
 
 /// One table: `[format]`, `[specimen.eva]`, a `[[run]]`.
 #[derive(Clone)]
-pub(super) struct Section<'a> {
+pub(crate) struct Section<'a> {
     pub document: Document<'a>,
     /// Its name for messages, as it is written in the file.
     pub name: String,
@@ -133,6 +133,21 @@ impl<'a> Section<'a> {
             Some(found) if range.contains(&found) => Ok(Some(found)),
             _ => Err(self.bad(key, value, expected)),
         }
+    }
+
+    /// A list of finite numbers.
+    pub fn numbers(&self, key: &str, expected: &str) -> Result<Option<Vec<f64>>, ExperimentError> {
+        let Some(value) = self.value(key) else {
+            return Ok(None);
+        };
+        let DeValue::Array(items) = value.get_ref() else {
+            return Err(self.bad(key, value, expected));
+        };
+        let found = |item: &Spanned<DeValue<'a>>| match number(item.get_ref()) {
+            Some(found) if found.is_finite() => Ok(found),
+            _ => Err(self.bad(key, item, expected)),
+        };
+        items.iter().map(found).collect::<Result<Vec<f64>, _>>().map(Some)
     }
 
     pub fn integer(

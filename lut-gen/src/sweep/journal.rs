@@ -44,6 +44,8 @@ pub struct Journal {
     pub head: JournalHead,
     /// Outcome of every job in it.
     pub outcomes: BTreeMap<usize, Result<Forces, String>>,
+    /// Time that all its solves took (s).
+    pub seconds: f64,
     /// Bytes up to the end of the last whole record.
     pub whole: usize,
     /// Bytes after it: of a torn record, or damaged.
@@ -135,6 +137,7 @@ impl Journal {
         let (rates, samples) = (head.spec.motion.rates_mm_s.len(), head.spec.motion.samples());
         let mut outcomes = BTreeMap::new();
         let mut record = 0;
+        let mut seconds = 0.0;
         while let Some((body, end)) = block(bytes, at, at) {
             record += 1;
             let (job, outcome) = parse_body(body, rates, samples);
@@ -142,9 +145,10 @@ impl Journal {
                 Some(outcome) if job < jobs => outcomes.insert(job, outcome),
                 _ => return Err(JournalError::Record { record, job, jobs, forces: rates * samples }),
             };
+            seconds += body.get(4..12).and_then(|b| b.try_into().ok()).map_or(0.0, f64::from_le_bytes);
             at = end;
         }
-        Ok(Self { head, outcomes, whole: at, torn: bytes.len() - at })
+        Ok(Self { head, outcomes, seconds, whole: at, torn: bytes.len() - at })
     }
 }
 
