@@ -3,7 +3,7 @@
 board_target := "thumbv7em-none-eabihf"
 
 # What CI runs, in its order.
-check: format lint docs board test
+check: format lint docs board slurm test
 
 # Formatting, as rustfmt.toml has it.
 format:
@@ -27,6 +27,11 @@ board:
 # The README's test command.
 test:
     cargo test --workspace
+
+# A sweep as a job array on a one-node Slurm cluster, or its batch script alone where there is none.
+slurm:
+    cargo build --release
+    .ci/slurm "${CARGO_TARGET_DIR:-target}/release/palpate"
 
 # The demo, as the README has it.
 demo:

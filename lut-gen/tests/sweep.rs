@@ -361,3 +361,75 @@ fn a_small_sweep_of_the_finite_elements() {
     assert_eq!(engine(&spec), engine(&spec));
     assert_ne!(engine(&spec), engine(&factored), "the probe's answer is part of the engine's name");
 }
+
+/// Relaxation of the real solver at its ends, where closed forms hold. With `g = k` all stress relaxes alike: a ramp that
+/// is slow against `tau` ends at `1 - g` of the elastic force, a fast one at all of it, and a hold goes from one to the
+/// other; the force depends on rate and relaxation time through their product only.
+#[test]
+fn a_small_sweep_of_relaxing_tissue() {
+    let mut spec = SweepSpec::new("tissue", SweepLaw::Ogden)
+        .over(SweepAxis::listed(Parameter::G, &[0.0, 0.5]))
+        .over(SweepAxis::listed(Parameter::Tau, &[1e-4, 0.1, 1.0, 1e4]));
+    spec.fixed.extend([(Parameter::Mu, 0.01), (Parameter::Alpha, 4.0), (Parameter::D, 5.0), (Parameter::K, 0.0)]);
+    spec.motion = SweepMotion { rates_mm_s: vec![1.0, 10.0], depths_mm: vec![0.5, 1.0], holds_s: vec![1.0, 2e3] };
+    spec.refinement = 0.4;
+    spec.check().unwrap();
+    // k follows g: one axis cannot say that, so the point is changed on the way.
+    let alike = |spec: &SweepSpec, p: &Point| {
+        let mut alike = spec.clone();
+        alike.axes.clear();
+        alike.fixed.extend([Parameter::G, Parameter::Tau].map(|n| (n, p.get(n).unwrap())));
+        alike.fixed.insert(Parameter::K, p.get(Parameter::G).unwrap());
+        solve_point(&alike, &alike.point(0).unwrap())
+    };
+    let bytes = journal_bytes(&spec, "1/1", 2, &|p| alike(&spec, p));
+    let table = merge(&spec, &named(vec![Journal::parse(&bytes).unwrap()])).unwrap();
+    assert!(table.failed.is_empty(), "{:?}", table.failed);
+    let forces = |g: f64, tau: f64| table.forces_at(&[g, tau]).unwrap();
+    let elastic = forces(0.0, 1.0);
+    assert_eq!(elastic, forces(0.0, 1e4), "without relaxation its time does not matter");
+    // What is left of a ramp of time T >> tau is (1 - g)(1 + O(tau / T)), tau / T = 1e-3 here at 10 mm/s; of one of
+    // T << tau 1 - O(T / tau), 1e-4. The path's steps, and with them the scatter that smoothing leaves, differ: 0.5 % on
+    // this mesh.
+    let near = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 0.007, "{found} {expected}");
+    for rate in 0..2 {
+        for sample in 0..2 {
+            near(forces(0.5, 1e-4)[rate][sample], 0.5 * elastic[rate][sample]);
+            near(forces(0.5, 1e4)[rate][sample], elastic[rate][sample]);
+        }
+        // Held for 1 s: all of it for a long time, half of it for a short one; in between after 2000 s of 10000.
+        near(forces(0.5, 1e4)[rate][2], elastic[rate][1]);
+        near(forces(0.5, 1.0)[rate][3], 0.5 * elastic[rate][1]);
+        near(forces(0.5, 1e4)[rate][3], (0.5 + 0.5 * (-0.2_f64).exp()) * elastic[rate][1]);
+    }
+    // 1 mm/s and 1 s, 10 mm/s and 0.1 s: the same path, to the rounding of times.
+    for sample in 0..2 {
+        let (slow, fast) = (forces(0.5, 1.0)[0][sample], forces(0.5, 0.1)[1][sample]);
+        assert!((slow / fast - 1.0).abs() < 1e-6, "{slow} {fast}");
+        assert!(slow < 0.95 * elastic[0][sample] && slow > 0.55 * elastic[0][sample], "{slow}");
+    }
+}
+
+/// At a given `D mu` the force of the Ogden law is proportional to `mu`, at a given `D` it is not.
+#[test]
+fn mu_is_a_factor_of_the_ogden_force_only_at_a_given_product() {
+    let mut spec = SweepSpec::new("tissue", SweepLaw::Ogden).over(SweepAxis::listed(Parameter::Mu, &[0.01, 0.1]));
+    spec.fixed.extend([(Parameter::Alpha, 4.0), (Parameter::DMu, 0.5)]);
+    spec.motion.depths_mm = vec![0.5, 1.0];
+    spec.refinement = 0.4;
+    let ratio = |spec: &SweepSpec| {
+        spec.check().unwrap();
+        let bytes = journal_bytes(spec, "1/1", 2, &|p| solve_point(spec, p));
+        let table = merge(spec, &named(vec![Journal::parse(&bytes).unwrap()])).unwrap();
+        table.forces_at(&[0.1]).unwrap()[0][1] / table.forces_at(&[0.01]).unwrap()[0][1]
+    };
+    let product = ratio(&spec);
+    assert!((product / 10.0 - 1.0).abs() < 1e-5, "{product}");
+    spec.axes[0].factor = true;
+    assert!((ratio(&spec) / 10.0 - 1.0).abs() < 1e-12);
+    spec.axes[0].factor = false;
+    spec.fixed.remove(&Parameter::DMu);
+    spec.fixed.insert(Parameter::D, 50.0);
+    // The bulk modulus stays 0.04 MPa while the shear modulus goes from a quarter to 2.5 times that.
+    assert!(ratio(&spec) < 9.0, "{}", ratio(&spec));
+}

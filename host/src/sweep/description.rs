@@ -187,3 +187,31 @@ fn axis(section: &Section<'_>) -> Result<SweepAxis, ExperimentError> {
     axis.factor = section.flag("factor")?.unwrap_or(false);
     Ok(axis)
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+
+    #[test]
+    fn the_examples_are_what_they_say() {
+        let bench = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bench");
+        let liver = read(&bench.join("sweeps/liver.toml")).unwrap();
+        assert_eq!((liver.grid(), liver.motion.rates_mm_s.len(), liver.motion.samples()), (729, 3, 45));
+        assert!(liver.axes.iter().all(|axis| axis.values.len() == 3 && !axis.factor));
+        let small = read(&bench.join("slurm/small.toml")).unwrap();
+        assert_eq!((small.jobs(), small.axes.len()), (16, 3));
+    }
+
+    #[test]
+    fn a_length_may_be_an_axis() {
+        let text = "law = \"hyperfoam\"\n[material]\nmu_MPa = 0.1\nalpha = 8\n[specimen]\nradius_mm = 25\n\
+                    [indenter]\nradius_mm = 4\nfriction = 0.2\n[motion]\nrates_mm_s = [1]\ndepths_mm = [1, 2]\n\
+                    [[axis]]\nname = \"height_mm\"\nvalues = [12.7, 19.05]\n";
+        let spec = parse(Path::new("heights.toml"), text).unwrap();
+        assert_eq!((spec.name.as_str(), spec.grid()), ("heights", 2));
+        assert_eq!(spec.point(1).unwrap().get(Parameter::Height), Some(19.05));
+        assert_eq!(spec.fixed[&Parameter::Friction], 0.2);
+        assert_eq!(spec.fixed[&Parameter::Nu], 0.0);
+    }
+}

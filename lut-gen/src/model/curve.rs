@@ -83,7 +83,7 @@ impl Simulation {
             for s in &record.stations {
                 stats.imbalance = stats.imbalance.max((s.base_force_n / s.force_n - 1.0).abs());
             }
-            fits.push(self.profile(&record, depth_max_mm, refinement));
+            fits.push(self.ramp_profile(&record, depth_max_mm, refinement));
         }
         let (profile, discretisation) = combine(&fits);
         self.trust("the largest difference of contact force and base reaction", stats.imbalance, IMBALANCE)?;
@@ -136,22 +136,25 @@ impl Simulation {
         }
     }
 
-    fn profile(&self, record: &Record, depth_max_mm: f64, refinement: f64) -> (DepthProfile, f64) {
+    /// The smooth curve of this ramp from the record of it, which may go on with a hold; and the
+    /// scatter of the stations about it.
+    pub(crate) fn ramp_profile(&self, record: &Record, depth_max_mm: f64, refinement: f64) -> (DepthProfile, f64) {
         let size_mm = self.ball.radius_mm * SIZES.axis / refinement;
         let rate = depth_max_mm / self.motion.duration_s();
         let elements = self.material.prony.iter().map(|t| (t.g, rate * t.tau_s)).collect();
         let relaxation = RampRelaxation { elements };
-        let samples = samples(record, size_mm);
+        let samples = samples(record, self.motion.duration_s(), size_mm);
         DepthProfile::fit(&samples, depth_max_mm, self.hertz_factor(), relaxation, TERMS, depth_max_mm / 8.0)
     }
 }
 
 /// Forces with their weights: an error of second order in element size over contact radius.
-fn samples(record: &Record, size_mm: f64) -> Vec<Sample> {
+fn samples(record: &Record, end_s: f64, size_mm: f64) -> Vec<Sample> {
     record
         .stations
         .iter()
         .zip(&record.force_n)
+        .take_while(|(s, _)| s.time_s <= end_s * (1.0 + 1e-12))
         .map(|(s, &force_n)| Sample {
             depth_mm: s.depth_mm,
             force_n,

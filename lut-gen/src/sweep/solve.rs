@@ -1,64 +1,81 @@
 //! The simulation of one point.
 
 use super::{Forces, Parameter, Point, SweepBase, SweepLaw, SweepSpec};
-use crate::contact::Ball;
-use crate::law::{Hyperfoam, Term};
-use crate::model::{Indentation, Resolution, Specimen};
-use crate::solve::{Base, SolveError};
+use crate::contact::{Ball, Interface};
+use crate::law::{Hyperfoam, Material, Ogden, PronyTerm, Term};
+use crate::model::{Resolution, Simulation, Specimen};
+use crate::solve::{Base, Motion, SolveError};
 
 /// Solves one point of a sweep: one curve a rate.
 ///
 /// # Errors
-/// See [`SolveError`]; a law or an effect that the engine does not have yet is one of them.
+/// See [`SolveError`].
 pub fn solve_point(spec: &SweepSpec, point: &Point) -> Result<Forces, SolveError> {
+    let rates = &spec.motion.rates_mm_s;
+    let first = simulation(spec, point, rates.first().copied().unwrap_or(1.0))?;
+    if first.material.is_elastic() {
+        // Then the force depends neither on the rate nor on the time of the hold.
+        return Ok(vec![curve(spec, point, first)?; rates.len()]);
+    }
+    rates.iter().map(|rate| curve(spec, point, simulation(spec, point, *rate)?)).collect()
+}
+
+/// The ramp at one rate, and the hold after it.
+fn curve(spec: &SweepSpec, point: &Point, ramp: Simulation) -> Result<Vec<f64>, SolveError> {
+    let depths = &spec.motion.depths_mm;
+    let holds = if ramp.material.is_elastic() { &[][..] } else { &spec.motion.holds_s };
+    let mut whole = ramp.clone();
+    let mut before_s = 0.0;
+    for hold_s in holds {
+        // A segment ends at each time wanted, so that an equilibrium lies there.
+        whole.motion = whole.motion.hold(hold_s - before_s);
+        before_s = *hold_s;
+    }
+    let record = whole.solve()?;
+    let depth_mm = spec.motion.depth_mm();
+    let (profile, _) = ramp.ramp_profile(&record, depth_mm, point.refinement);
+    let mut forces: Vec<f64> = depths.iter().map(|d| profile.force_n(*d)).collect();
+    // What the smooth ramp ends with relaxes as the record does.
+    let end_s = ramp.motion.duration_s();
+    let end_n = forces.last().copied().unwrap_or(0.0);
+    forces.extend(holds.iter().map(|t| end_n * record.force_at(end_s + t) / record.force_at(end_s)));
+    forces.resize(spec.motion.samples(), end_n);
+    Ok(forces)
+}
+
+fn simulation(spec: &SweepSpec, point: &Point, rate_mm_s: f64) -> Result<Simulation, SolveError> {
     let get = |p: Parameter| {
-        let absent = || SolveError::Parameter {
-            parameter: p.name(),
-            value: f64::NAN,
-            expected: "must be fixed or an axis".to_owned(),
-        };
+        let absent = || SolveError::parameter(p.name(), f64::NAN, "must be fixed or an axis");
         point.get(p).ok_or_else(absent)
     };
-    elastic_only(spec, point)?;
-    let law = Hyperfoam::new(vec![Term {
-        mu_mpa: get(Parameter::Mu)?,
-        alpha: get(Parameter::Alpha)?,
-        nu: get(Parameter::Nu)?,
-    }])?;
+    let (mu_mpa, alpha) = (get(Parameter::Mu)?, get(Parameter::Alpha)?);
+    let mut material: Material = match spec.law {
+        SweepLaw::Hyperfoam => Hyperfoam::new(vec![Term { mu_mpa, alpha, nu: get(Parameter::Nu)? }])?.into(),
+        SweepLaw::Ogden => {
+            let d_per_mpa = match point.get(Parameter::DMu) {
+                Some(product) => product / mu_mpa,
+                None => get(Parameter::D)?,
+            };
+            Ogden::one_term(mu_mpa, alpha, d_per_mpa)?.into()
+        }
+    };
+    if let (Some(g), Some(k)) = (point.get(Parameter::G), point.get(Parameter::K))
+        && (g > 0.0 || k > 0.0)
+    {
+        material = material.relaxing(vec![PronyTerm { g, k, tau_s: get(Parameter::Tau)? }])?;
+    }
     let base = match spec.base {
         SweepBase::Bonded => Base::Bonded,
         SweepBase::Sliding => Base::Sliding,
     };
-    let curve = Indentation {
-        law,
+    Ok(Simulation {
+        material,
         specimen: Specimen { height_mm: get(Parameter::Height)?, radius_mm: get(Parameter::SpecimenRadius)?, base },
         ball: Ball { radius_mm: get(Parameter::BallRadius)? },
-        depth_mm: spec.motion.depth_mm(),
+        interface: Interface { friction: get(Parameter::Friction)?, adhesion: None },
+        motion: Motion::ramp(spec.motion.depth_mm(), rate_mm_s),
         resolution: Resolution::Refined(point.refinement),
-    }
-    .solve_at(&spec.motion.depths_mm)?;
-    // Without relaxation the force depends neither on the rate nor on the time of the hold.
-    let held = curve.force_n.last().copied().unwrap_or(0.0);
-    let mut forces = curve.force_n;
-    forces.resize(spec.motion.samples(), held);
-    Ok(vec![forces; spec.motion.rates_mm_s.len()])
-}
-
-/// Refuses what the engine cannot simulate yet.
-fn elastic_only(spec: &SweepSpec, point: &Point) -> Result<(), SolveError> {
-    let refuse = |parameter, value| {
-        let expected = "is not simulated yet; sweeps cover frictionless hyperfoam without relaxation".to_owned();
-        Err(SolveError::Parameter { parameter, value, expected })
-    };
-    if spec.law == SweepLaw::Ogden {
-        return refuse("ogden with alpha", point.get(Parameter::Alpha).unwrap_or(f64::NAN));
-    }
-    for p in [Parameter::G, Parameter::K, Parameter::Friction] {
-        if let Some(value) = point.get(p).filter(|v| *v != 0.0) {
-            return refuse(p.name(), value);
-        }
-    }
-    Ok(())
+    })
 }
 
 /// Mesh of the probe in [`engine`].
