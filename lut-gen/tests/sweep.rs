@@ -62,8 +62,13 @@ fn journal_bytes(
     let shard: Shard = shard.parse().unwrap();
     let jobs: Vec<usize> = (0..spec.jobs()).filter(|j| shard.holds(*j)).collect();
     let mut bytes = JournalHead { spec: spec.clone(), engine: ENGINE.to_owned(), shard }.bytes();
-    run(spec, &jobs, threads, &solve, |f| Ok::<(), ()>(bytes.extend(f.record()))).unwrap();
+    run(spec, &jobs, threads, &solve, |f| appended(&mut bytes, &f)).unwrap();
     bytes
+}
+
+fn appended(bytes: &mut Vec<u8>, finished: &Finished) -> Result<(), ()> {
+    bytes.extend(finished.record());
+    Ok(())
 }
 
 fn named(journals: Vec<Journal>) -> Vec<(String, Journal)> {
@@ -174,9 +179,9 @@ fn what_fails_is_kept_with_its_reason_and_can_be_solved_later() {
     assert!(complete.failed.is_empty());
     assert_eq!(merge(&spec, &named(vec![journal.clone(), whole.clone()])).unwrap(), complete);
     assert_eq!(merge(&spec, &named(vec![whole, journal])).unwrap(), complete);
-    let mut appended = bytes;
-    run(&spec, &[0, 1, 2, 8], 1, &|p| closed_form(&spec, p), |f| Ok::<(), ()>(appended.extend(f.record()))).unwrap();
-    assert_eq!(merge(&spec, &named(vec![Journal::parse(&appended).unwrap()])).unwrap(), complete);
+    let mut more = bytes;
+    run(&spec, &[0, 1, 2, 8], 1, &|p| closed_form(&spec, p), |f| appended(&mut more, &f)).unwrap();
+    assert_eq!(merge(&spec, &named(vec![Journal::parse(&more).unwrap()])).unwrap(), complete);
 }
 
 #[test]
@@ -274,6 +279,9 @@ fn a_run_ends_at_the_first_record_that_cannot_be_kept() {
     assert_eq!((outcome, kept), (Err("disk full"), 10));
 }
 
+/// A change that makes a good specification bad, and what is said of it.
+type Refused<'a> = (&'a dyn Fn(&mut SweepSpec), &'a str);
+
 #[test]
 fn specifications_that_make_no_sense_are_refused() {
     let text = |change: &dyn Fn(&mut SweepSpec)| {
@@ -281,7 +289,7 @@ fn specifications_that_make_no_sense_are_refused() {
         change(&mut spec);
         spec.check().expect_err("refused").to_string()
     };
-    let cases: [(&dyn Fn(&mut SweepSpec), &str); 14] = [
+    let cases: [Refused; 14] = [
         (&|s| s.axes[1].values = vec![2.0, 1.0], "axis alpha: values is 1 after 2; expected a strictly rising list"),
         (&|s| s.axes[3].values[2] = 1.0, "axis g: a value is 1; expected a relative modulus from 0 to below 1"),
         (
@@ -392,21 +400,21 @@ fn a_small_sweep_of_relaxing_tissue() {
     // T << tau 1 - O(T / tau), 1e-4. The path's steps, and with them the scatter that smoothing leaves, differ: 0.5 % on
     // this mesh.
     let near = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 0.007, "{found} {expected}");
-    for rate in 0..2 {
-        for sample in 0..2 {
-            near(forces(0.5, 1e-4)[rate][sample], 0.5 * elastic[rate][sample]);
-            near(forces(0.5, 1e4)[rate][sample], elastic[rate][sample]);
+    for (rate, curve) in elastic.iter().enumerate() {
+        for (sample, force) in curve.iter().enumerate().take(2) {
+            near(forces(0.5, 1e-4)[rate][sample], 0.5 * force);
+            near(forces(0.5, 1e4)[rate][sample], *force);
         }
         // Held for 1 s: all of it for a long time, half of it for a short one; in between after 2000 s of 10000.
-        near(forces(0.5, 1e4)[rate][2], elastic[rate][1]);
-        near(forces(0.5, 1.0)[rate][3], 0.5 * elastic[rate][1]);
-        near(forces(0.5, 1e4)[rate][3], (0.5 + 0.5 * (-0.2_f64).exp()) * elastic[rate][1]);
+        near(forces(0.5, 1e4)[rate][2], curve[1]);
+        near(forces(0.5, 1.0)[rate][3], 0.5 * curve[1]);
+        near(forces(0.5, 1e4)[rate][3], (0.5 + 0.5 * (-0.2_f64).exp()) * curve[1]);
     }
     // 1 mm/s and 1 s, 10 mm/s and 0.1 s: the same path, to the rounding of times.
-    for sample in 0..2 {
+    for (sample, force) in elastic[0].iter().enumerate().take(2) {
         let (slow, fast) = (forces(0.5, 1.0)[0][sample], forces(0.5, 0.1)[1][sample]);
         assert!((slow / fast - 1.0).abs() < 1e-6, "{slow} {fast}");
-        assert!(slow < 0.95 * elastic[0][sample] && slow > 0.55 * elastic[0][sample], "{slow}");
+        assert!(slow < 0.95 * force && slow > 0.55 * force, "{slow}");
     }
 }
 

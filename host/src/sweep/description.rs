@@ -204,6 +204,16 @@ mod tests {
     }
 
     #[test]
+    fn the_documentation_shows_a_sweep_that_runs() {
+        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/experiment.md");
+        let text = std::fs::read_to_string(&docs).unwrap();
+        let section = text.split("\n## Sweeps").nth(1).expect("a section on sweeps");
+        let example = section.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+        let spec = parse(&docs, example).unwrap();
+        assert_eq!((spec.grid(), spec.motion.depths_mm.len(), spec.fixed[&Parameter::G]), (81, 40, 0.5));
+    }
+
+    #[test]
     fn a_length_may_be_an_axis() {
         let text = "law = \"hyperfoam\"\n[material]\nmu_MPa = 0.1\nalpha = 8\n[specimen]\nradius_mm = 25\n\
                     [indenter]\nradius_mm = 4\nfriction = 0.2\n[motion]\nrates_mm_s = [1]\ndepths_mm = [1, 2]\n\

@@ -19,7 +19,10 @@
 //!     let mu = point.get(Parameter::Mu).unwrap_or(0.0);
 //!     Ok(vec![spec.motion.depths_mm.iter().map(|d| mu * d).collect()])
 //! };
-//! run(&spec, &jobs, 2, &solve, |finished: Finished| Ok::<(), ()>(bytes.extend(finished.record()))).ok();
+//! run(&spec, &jobs, 2, &solve, |finished: Finished| {
+//!     bytes.extend(finished.record());
+//!     Ok::<(), std::io::Error>(())
+//! })?;
 //! let table = merge(&spec, &[("example".into(), Journal::parse(&bytes)?)])?;
 //! assert!((table.forces_at(&[0.15, 5.0])?[0][199] - 0.1414 * 4.0).abs() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
