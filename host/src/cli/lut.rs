@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use lut_gen::contact::Ball;
-use lut_gen::model::{Resolution, Specimen};
+use lut_gen::law::PronyTerm;
+use lut_gen::model::Specimen;
 use lut_gen::solve::Base;
 use lut_gen::table::{self, ForceGrid, Form, GridSpec};
 use miette::{IntoDiagnostic, WrapErr, miette};
@@ -33,6 +34,15 @@ pub struct Arguments {
     /// How the specimens rest on their table
     #[arg(long, value_enum, default_value_t = BaseArgument::Bonded)]
     base: BaseArgument,
+    /// Coefficient of friction between ball and specimens
+    #[arg(long, value_name = "MU", default_value_t = 0.0)]
+    friction: f64,
+    /// A relaxation that all materials of the table share: shear part, bulk part, time in s; may be repeated
+    #[arg(long, value_name = "G,K,TAU", value_parser = relaxation)]
+    relax: Vec<PronyTerm>,
+    /// Rate of the indentation, mm/s; it decides nothing without relaxation
+    #[arg(long, value_name = "MM/S", default_value_t = 1.0)]
+    rate_mm_s: f64,
     /// rows: one row an exponent, mu continuous; columns: all pairs, as in the thesis
     #[arg(long, value_enum, default_value_t = FormArgument::Rows)]
     form: FormArgument,
@@ -88,7 +98,12 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
         BaseArgument::Sliding => Base::Sliding,
     };
     for height_mm in &heights {
-        let spec = GridSpec::thesis(Specimen { base, ..Specimen::of_height(*height_mm) }, ball);
+        let spec = GridSpec {
+            friction: arguments.friction,
+            relaxation: arguments.relax.clone(),
+            rate_mm_s: arguments.rate_mm_s,
+            ..GridSpec::thesis(Specimen { base, ..Specimen::of_height(*height_mm) }, ball)
+        };
         let what = format!("height {} mm", number(*height_mm));
         let grid = ForceGrid::build(&spec, &|done, total| progress.set(&what, done, total))
             .into_diagnostic()
@@ -102,8 +117,7 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     // Only foams the table has a section for can be recognised with it.
     let mut foams = table::foams();
     foams.retain(|foam| heights.iter().any(|height| (height - foam.height_mm).abs() < 1e-6));
-    let library =
-        table::library(&foams, ball, base, &grids[0].spec.depth_mm, Resolution::Standard).into_diagnostic()?;
+    let library = table::library(&foams, &grids[0].spec).into_diagnostic()?;
     let bytes = table::write(&grids, form, library).into_diagnostic()?;
     save(&arguments.out, &bytes)?;
     let picture = arguments.out.with_extension("svg");
@@ -127,6 +141,15 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
         println!("time        {:.1} s", start.elapsed().as_secs_f64());
     }
     Ok(())
+}
+
+/// `G,K,TAU`; its ranges are checked where the material is made.
+fn relaxation(text: &str) -> Result<PronyTerm, String> {
+    let parts: Result<Vec<f64>, _> = text.split(',').map(|x| x.trim().parse()).collect();
+    match parts.as_deref() {
+        Ok(&[g, k, tau_s]) => Ok(PronyTerm { g, k, tau_s }),
+        _ => Err("expected three numbers G,K,TAU, such as 0.3,0.3,1.5".to_owned()),
+    }
 }
 
 fn check(argument: &str, value_mm: f64) -> miette::Result<()> {

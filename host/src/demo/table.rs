@@ -1,8 +1,7 @@
 //! The demo's table: three heights, 30 x 30 parameters, 200 depths, four foams and four dummy curves.
 
 use lut_gen::contact::Ball;
-use lut_gen::model::{Resolution, Specimen};
-use lut_gen::solve::Base;
+use lut_gen::model::Specimen;
 use lut_gen::table::{Foam, ForceGrid, Form, GridSpec, foams, library, write};
 
 use super::{DemoError, Stage, Watcher};
@@ -25,10 +24,10 @@ pub fn demo_table(watch: Watcher<'_>) -> Result<Vec<u8>, DemoError> {
             .map_err(|source| DemoError::Solve { what: what.clone(), source })?;
         grids.push(grid);
     }
-    let Some(depths) = grids.first().map(|g| g.spec.depth_mm.clone()) else {
+    let Some(first) = grids.first() else {
         return Err(DemoError::NoLibrary);
     };
-    let named = library(&materials, ball, Base::Bonded, &depths, Resolution::Standard)?;
+    let named = library(&materials, &first.spec)?;
     Ok(write(&grids, Form::Factored, named)?)
 }
 

@@ -65,8 +65,8 @@ pub struct Workspace {
     pub matrix: Matrix,
     trial: State,
     correction: Vec<f64>,
-    /// `du / d depth` of the last factor.
-    pub rate: Vec<f64>,
+    rate: Vec<f64>,
+    rated: bool,
     /// Largest norm of the contact force so far (N).
     scale: f64,
     /// Residual that the rounding of positions leaves (N).
@@ -90,12 +90,33 @@ impl Workspace {
             trial: system.state(),
             correction: vec![0.0; system.unknowns()],
             rate: vec![0.0; system.unknowns()],
+            rated: true,
             scale: 0.0,
             rounding: 0.0,
             factored: false,
             iterations: 0,
             factorisations: 0,
         })
+    }
+}
+
+impl Workspace {
+    /// `du / d depth` by the last factor; 0 before the first.
+    pub fn rate(&mut self) -> &[f64] {
+        if !self.rated {
+            for (v, b) in self.rate.iter_mut().zip(&self.matrix.drive) {
+                *v = -b;
+            }
+            self.matrix.correct(&mut self.rate);
+            self.rated = true;
+        }
+        &self.rate
+    }
+
+    /// `dF / d depth` along the path by the last factor (N/mm).
+    pub fn slope(&mut self) -> f64 {
+        self.rate();
+        self.matrix.direct + dot(&self.matrix.pull, &self.rate)
     }
 }
 
@@ -178,10 +199,7 @@ impl Newton {
             }
             w.factorisations += 1;
             w.rounding = ROUNDING_OF_POSITIONS * w.matrix.diagonal_norm() * problem.system.height_mm();
-            for (v, b) in w.rate.iter_mut().zip(&w.matrix.drive) {
-                *v = -b;
-            }
-            w.matrix.correct(&mut w.rate);
+            w.rated = false;
             let climb = self.direction(problem, w);
             let slope = dot(&w.correction, &w.state.residual).abs();
             let start = *first.get_or_insert(slope);
@@ -273,7 +291,7 @@ impl Newton {
             return 0.0;
         };
         let miss = wanted - w.state.sum.force_n - dot(&w.matrix.pull, &w.correction);
-        let climb = miss / (w.matrix.direct + dot(&w.matrix.pull, &w.rate));
+        let climb = miss / w.slope();
         for (c, v) in w.correction.iter_mut().zip(&w.rate) {
             *c += climb * v;
         }

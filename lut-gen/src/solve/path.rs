@@ -230,8 +230,7 @@ impl Course<'_> {
         let climb = match problem.control {
             Control::Depth(depth) => depth - here.at.depth_mm,
             Control::Force(force) if here.force_n > 0.0 => {
-                let slope = w.matrix.direct + w.matrix.pull.iter().zip(&w.rate).map(|(p, v)| p * v).sum::<f64>();
-                (force - here.force_n) / slope
+                (force - here.force_n) / w.slope()
             }
             Control::Force(force) => {
                 next.depth_mm = (force.max(0.0) / self.hertz).powf(2.0 / 3.0);
@@ -242,22 +241,22 @@ impl Course<'_> {
         };
         if climb.is_finite() {
             next.depth_mm += climb;
-            for (u, v) in next.u.iter_mut().zip(&w.rate) {
+            for (u, v) in next.u.iter_mut().zip(w.rate()) {
                 *u += climb * v;
             }
         }
         Some(next)
     }
 
-    fn station(&self, segment: usize, time_s: f64, depth_mm: f64, w: &Workspace) -> Station {
-        let along: f64 = w.matrix.pull.iter().zip(&w.rate).map(|(b, v)| b * v).sum();
+    fn station(&self, segment: usize, time_s: f64, depth_mm: f64, w: &mut Workspace) -> Station {
+        let slope = w.slope();
         let sum = &w.state.sum;
         Station {
             time_s,
             depth_mm,
             force_n: sum.force_n,
             base_force_n: w.state.base_force_n,
-            slope: w.matrix.direct + along,
+            slope,
             penalty_energy: sum.penalty_energy,
             contact_radius_mm: sum.radius_mm,
             active: sum.active,

@@ -3,11 +3,10 @@
 use protocol::lut::{AxisSpec, MaterialSpec, Role, Scale, TableSpec, WriteError, axis_name};
 use rayon::prelude::*;
 
-use super::{Foam, ForceGrid, display_displacement_mm};
-use crate::contact::Ball;
-use crate::law::Hyperfoam;
-use crate::model::{Indentation, Resolution, Specimen};
-use crate::solve::{Base, SolveError};
+use super::grid::problem;
+use super::{Foam, ForceGrid, GridSpec, display_displacement_mm};
+use crate::model::Specimen;
+use crate::solve::SolveError;
 
 /// How the shear modulus is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,44 +62,24 @@ const DISPLAY_STEP_N: f64 = 0.1;
 /// about 0.5 and 0.4 % of its peak on average; four times their sum is allowed.
 const ACCEPTANCE: f64 = 0.036;
 
-/// Library section: every foam's force at the rows, at its own height on the given base, by a solve
-/// of its own; and its display curve.
+/// Library section for the tables of a grid: every foam's force at the grid's depths, by a solve of its
+/// own at its own height, on the grid's base and under its ball, friction and rate; and its display curve.
 ///
 /// # Errors
 /// [`LutError::Material`] names the foam whose solve failed.
-pub fn library(
-    foams: &[Foam],
-    ball: Ball,
-    base: Base,
-    depth_mm: &[f64],
-    resolution: Resolution,
-) -> Result<Vec<MaterialSpec>, LutError> {
+pub fn library(foams: &[Foam], spec: &GridSpec) -> Result<Vec<MaterialSpec>, LutError> {
     foams
         .par_iter()
-        .map(|f| {
-            material(f, ball, base, depth_mm, resolution)
-                .map_err(|source| LutError::Material { name: f.name.to_owned(), source })
-        })
+        .map(|f| material(f, spec).map_err(|source| LutError::Material { name: f.name.to_owned(), source }))
         .collect::<Vec<_>>()
         .into_iter()
         .collect()
 }
 
-fn material(
-    foam: &Foam,
-    ball: Ball,
-    base: Base,
-    depth_mm: &[f64],
-    resolution: Resolution,
-) -> Result<MaterialSpec, SolveError> {
-    let curve = Indentation {
-        law: Hyperfoam::one_term(foam.mu_mpa, foam.alpha)?,
-        specimen: Specimen { base, ..Specimen::of_height(foam.height_mm) },
-        ball,
-        depth_mm: depth_mm.iter().copied().fold(0.0, f64::max),
-        resolution,
-    }
-    .solve_at(depth_mm)?;
+fn material(foam: &Foam, spec: &GridSpec) -> Result<MaterialSpec, SolveError> {
+    let specimen = Specimen { height_mm: foam.height_mm, ..spec.specimen };
+    let curve = problem(&GridSpec { specimen, ..spec.clone() }, foam.mu_mpa, foam.alpha, spec.resolution)?
+        .curve(&spec.depth_mm)?;
     let displacement: Result<Vec<f64>, _> = (1..=DISPLAY_POINTS)
         .map(|i| display_displacement_mm(foam.mu_mpa, foam.alpha, foam.height_mm, DISPLAY_STEP_N * i as f64))
         .collect();
