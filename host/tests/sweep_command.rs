@@ -42,7 +42,7 @@ values = [0.0, 0.3]
 const POINTS: usize = 16;
 
 /// Points of the sweep that is killed: enough that it is still running when it shall be.
-const MANY: usize = 44;
+const MANY: usize = 84;
 
 /// An empty folder of a test's own with a description in it.
 fn folder(name: &str, spec: &str) -> PathBuf {
@@ -93,7 +93,10 @@ fn merged(folder: &Path, parts: &[&str]) -> Vec<u8> {
 
 #[test]
 fn a_killed_sweep_continues_to_the_same_bytes() {
-    let folder = folder("killed_sweep", &SPEC.replace("count = 6", "count = 20"));
+    let folder = folder(
+        "killed_sweep",
+        &SPEC.replace("count = 6", "count = 40").replace("refinement = 0.4", "refinement = 0.8"),
+    );
     let arguments = ["sweep", "sweep.toml", "--out", "killed", "--threads", "1"];
     let mut child = Command::new(env!("CARGO_BIN_EXE_palpate"))
         .arg("lut")

@@ -64,10 +64,10 @@ fn a_small_sweep_of_the_finite_elements() {
 fn a_small_sweep_of_relaxing_tissue() {
     let mut spec = SweepSpec::new("tissue", SweepLaw::Ogden)
         .over(SweepAxis::listed(Parameter::G, &[0.0, 0.5]))
-        .over(SweepAxis::listed(Parameter::Tau, &[1e-4, 0.1, 1.0, 1e4]));
+        .over(SweepAxis::listed(Parameter::Tau, &[1e-5, 0.1, 1.0, 1e4]));
     spec.fixed.extend([(Parameter::Mu, 0.01), (Parameter::Alpha, 4.0), (Parameter::D, 5.0), (Parameter::K, 0.0)]);
     spec.motion = SweepMotion { rates_mm_s: vec![1.0, 10.0], depths_mm: vec![0.5, 1.0], holds_s: vec![1.0, 2e3] };
-    spec.refinement = 0.4;
+    spec.refinement = 0.8;
     spec.check().unwrap();
     // k follows g: one axis cannot say that, so the point is changed on the way.
     let alike = |spec: &SweepSpec, p: &Point| {
@@ -82,13 +82,13 @@ fn a_small_sweep_of_relaxing_tissue() {
     let forces = |g: f64, tau: f64| table.forces_at(&[g, tau]).unwrap();
     let elastic = forces(0.0, 1.0);
     assert_eq!(elastic, forces(0.0, 1e4), "without relaxation its time does not matter");
-    // What is left of a ramp of time T >> tau is (1 - g)(1 + O(tau / T)), tau / T = 1e-3 here at 10 mm/s; of one of
-    // T << tau 1 - O(T / tau), 1e-4. The path's steps, and with them the scatter that smoothing leaves, differ: 0.5 % on
-    // this mesh.
-    let near = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 0.007, "{found} {expected}");
+    // With F ~ t^1.5 what is left of a ramp of time T >> tau exceeds 1 - g by the part 1.5 tau / T, at most 3e-4 here; of
+    // one of T << tau it is 1 - O(T / tau), 1e-4. The paths step differently, and with them the scatter that the
+    // contact edge leaves on this mesh: 0.6 % at worst when it was measured; 1 % is allowed, against effects of 50 %.
+    let near = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
     for (rate, curve) in elastic.iter().enumerate() {
         for (sample, force) in curve.iter().enumerate().take(2) {
-            near(forces(0.5, 1e-4)[rate][sample], 0.5 * force);
+            near(forces(0.5, 1e-5)[rate][sample], 0.5 * force);
             near(forces(0.5, 1e4)[rate][sample], *force);
         }
         // Held for 1 s: all of it for a long time, half of it for a short one; in between after 2000 s of 10000.
