@@ -128,7 +128,7 @@ fn what_cannot_run_is_refused_by_name() {
     };
     assert_eq!(
         refused(|p| p.simulation.motion = Motion::ramp(1.0, 0.0)),
-        "duration_s of a segment = inf must be positive"
+        "duration_s of a segment = inf must be positive; after a prescribed force it must be given, not a rate"
     );
     assert_eq!(
         refused(|p| p.simulation.motion = Motion::ramp(1.0, 9.0).hold(1.0)),

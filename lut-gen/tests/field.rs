@@ -72,13 +72,14 @@ fn what_cannot_be_a_field_is_refused_by_name() {
     assert_eq!(zero.to_string(), "depth_mm = 0 must be positive");
 }
 
+/// On a mesh fine enough for stresses: the standard one is made for forces.
 fn eva(depth_mm: f64) -> Indentation {
     Indentation {
         law: Hyperfoam::one_term(0.22, 10.526).unwrap(),
         specimen: Specimen::of_height(12.7),
         ball: Ball { radius_mm: 4.0 },
         depth_mm,
-        resolution: Resolution::Standard,
+        resolution: Resolution::Refined(1.6),
     }
 }
 
@@ -234,7 +235,9 @@ fn files_read_back_hold_every_value() {
     assert!(turn > 0.0);
     for i in 0..4 {
         let (a, b, middle) = (at(i), at((i + 1) % 4), at(4 + i));
-        assert!((0..2).all(|k| (0.5 * (a[k] + b[k]) - middle[k]).abs() < 0.05));
+        // sides bend under the ball, but less than a fifth of their length
+        let side = (a[0] - b[0]).hypot(a[1] - b[1]);
+        assert!((0..2).all(|k| (0.5 * (a[k] + b[k]) - middle[k]).abs() < 0.2 * side));
     }
 
     let outline = data(&vtu::ball(field), "position_mm");

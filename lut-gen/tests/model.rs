@@ -238,7 +238,6 @@ fn a_grid_of_many_exponents_is_interpolated_within_its_bound() {
         let worst = grid.force_per_mpa[i].iter().zip(&curve.force_n).map(|(a, b)| (a - b).abs() / peak);
         let worst = worst.fold(0.0, f64::max);
         println!("alpha {}: {worst:.1e}, stated {:.1e}", spec.alpha[i], grid.error.interpolation);
-        // the bound is measured at three other exponents; the mesh is coarse and scatters
         assert!(
             worst < 2.0 * grid.error.interpolation && grid.error.interpolation < 2e-3,
             "alpha {}: {worst}",

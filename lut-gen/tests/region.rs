@@ -13,10 +13,10 @@ use rayon::prelude::*;
 const DRAWS: usize = 200;
 /// Least part of them that must be solved.
 const SOLVED: f64 = 0.95;
-/// Largest difference to the coarser mesh, relative to the peak, beyond what the two curves state
-/// as their errors: elements larger by 1.6 multiply the error of the standard mesh by 2.6 to second
-/// order, and by more where the ball presses a layer of few elements.
-const AGREE: f64 = 0.015;
+/// Largest difference to the other mesh, relative to the peak: elements larger by 1.33 multiply the
+/// error of the standard mesh (0.2 % in the thesis' range, docs/physics.md) by 1.8 to second order, and it is
+/// some times larger where the ball presses a dense layer of few elements.
+const AGREE: f64 = 0.02;
 
 /// alpha, nu, friction, R (mm), h (mm), part of the largest depth, base
 type Draw = (f64, f64, f64, f64, f64, f64, bool);
@@ -57,7 +57,7 @@ fn draws_from_the_promised_region_are_solved_or_refused_by_name() {
             let fine = curve(draw, Resolution::Standard);
             // coarse meshes of the hardest cases fail where the standard one does not: then a finer one
             let other = |factor| curve(draw, Resolution::Refined(factor));
-            let coarse = other(0.6).or_else(|_| other(0.8)).or_else(|_| other(1.25));
+            let coarse = other(0.75).or_else(|_| other(1.25)).or_else(|_| other(0.6));
             (fine, coarse)
         })
         .collect();
@@ -72,8 +72,7 @@ fn draws_from_the_promised_region_are_solved_or_refused_by_name() {
                 let miss = coarse.as_ref().map_or(f64::INFINITY, |c| {
                     c.force_n.iter().zip(&fine.force_n).map(|(a, b)| (a - b).abs() / peak).fold(0.0, f64::max)
                 });
-                let stated = fine.discretisation + coarse.as_ref().map_or(0.0, |c| c.discretisation);
-                if miss > AGREE + stated {
+                if miss > AGREE {
                     wrong.push(format!("{draw:.2?}: the meshes differ by {:.2} %", 100.0 * miss));
                 }
             }

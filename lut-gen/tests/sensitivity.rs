@@ -4,7 +4,7 @@
 use lut_gen::contact::{Adhesion, Ball, Interface};
 use lut_gen::law::{Hyperfoam, Material, Ogden, OgdenRoxburgh, Parameter, PronyTerm, Term};
 use lut_gen::mesh::BlockMesh;
-use lut_gen::model::{Resolution, Simulation, Specimen, Tracker};
+use lut_gen::model::{Record, Resolution, Simulation, Specimen, Tracker};
 use lut_gen::solve::{Base, Motion, Newton, Station, Stepping};
 
 /// Largest miss of the differentiated force, relative to the larger of the derivative's peak
@@ -112,6 +112,33 @@ fn of_an_elastic_foam() {
 }
 
 /// Shear and bulk relax apart, the ball sticks and slides, goes in, waits, and comes out.
+/// A foam whose penalty stiffens with the pressure, which depends on every parameter; and the force
+/// that is freed from the penalty.
+#[test]
+fn of_a_foam_that_densifies() {
+    use Parameter::{Alpha, BallRadius, Height, Nu};
+    let foam = Hyperfoam::new(vec![Term { mu_mpa: 0.1, alpha: 6.0, nu: 0.42 }]).unwrap();
+    let case = simulation(foam.into(), Interface::default(), Motion::ramp(3.0, 1.0));
+    let list = [(Alpha(0), 6.0), (Nu(0), 0.42), (BallRadius, 3.0), (Height, 8.0)];
+    check(&case, &list);
+    let record = |by, h| {
+        let (case, mesh) = shifted(&case, &case.mesh(0.4), by, h);
+        let (newton, stepping) = exactly();
+        Record::new(case.follow(&mesh, 1.0, newton, stepping, &mut ()).unwrap().0).force_n
+    };
+    let (newton, stepping) = exactly();
+    let mut tracker = Tracker::new(&list.map(|l| l.0));
+    case.follow(&case.mesh(0.4), 1.0, newton, stepping, &mut tracker).unwrap();
+    for (s, (parameter, value)) in tracker.finish().iter().zip(list) {
+        let h = 2e-5 * value;
+        let (plus, minus) = (record(parameter, h), record(parameter, -h));
+        let peak = s.force.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        for ((a, b), x) in plus.iter().zip(&minus).zip(&s.force) {
+            assert!(((a - b) / (2.0 * h) - x).abs() < 1e-4 * peak, "{parameter}: {} {x}", (a - b) / (2.0 * h));
+        }
+    }
+}
+
 #[test]
 fn of_a_relaxing_foam_with_friction_through_a_cycle() {
     use Parameter::{Alpha, BallRadius, Friction, Height, Mu, PronyG, PronyK, PronyTau};

@@ -17,7 +17,7 @@ pub struct Adhesion<T = f64> {
     pub range_mm: f64,
 }
 
-/// Gaps beyond this many ranges are not attracted: `T` there is 1e-4 of its largest value.
+/// Gaps beyond this many ranges are not attracted: `T` there is 3e-5 of its largest value.
 const FAR: f64 = 14.0;
 
 impl<T: Real> Adhesion<T> {

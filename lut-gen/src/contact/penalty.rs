@@ -18,7 +18,7 @@ impl<T: Real> Penalty<T> {
     /// A penalty that reaches each of two pressures (MPa, the second not below the first) at its
     /// penetration (mm), the first about linearly.
     #[must_use]
-    pub fn through(first: (T, T), second: (T, f64)) -> Self {
+    pub fn through(first: (T, T), second: (T, T)) -> Self {
         let stiffness = first.0 / first.1;
         let secant = second.0 / second.1;
         let growth = (secant / stiffness - 1.0) / second.1;

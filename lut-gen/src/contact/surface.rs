@@ -234,6 +234,9 @@ impl<T: Real> Surface<T> {
         let touching = g.value() > 0.0;
         let (energy, pressure, slope) =
             if touching { self.penalty.push(g) } else { self.interface.adhesion.as_ref()?.pull(g) };
+        let stored = if touching { pressure * g - energy } else { zero };
+        // a touching point has gained the whole work of adhesion
+        let gained = self.interface.adhesion.as_ref().filter(|_| touching).map_or(zero, |a| a.work_n_per_mm);
         // force -p n; its derivative: p' n n' - p c (1 - n n'), the second for the turning normal
         let bend = pressure * touch.curvature;
         let h = |i: usize, j: usize| {
@@ -244,8 +247,8 @@ impl<T: Real> Surface<T> {
             force: [-(pressure * n[0]), -(pressure * n[1])],
             slope: [[h(0, 0), h(0, 1)], [h(1, 0), h(1, 1)]],
             symmetric: [[h(0, 0), h(0, 1)], [h(1, 0), h(1, 1)]],
-            energy,
-            penalty_energy: if touching { pressure * g - energy } else { zero },
+            energy: energy - gained,
+            penalty_energy: stored,
             friction: zero,
             slides: false,
         };

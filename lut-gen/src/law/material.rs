@@ -45,6 +45,22 @@ impl Material {
         Ok(self)
     }
 
+    /// Checks every parameter again: fields are public, and [`Material::shifted`] checks nothing.
+    ///
+    /// # Errors
+    /// [`LawError`] as the constructors of law, relaxation and softening.
+    pub fn check(&self) -> Result<(), LawError> {
+        match &self.elastic {
+            Elastic::Hyperfoam(law) => Hyperfoam::new(law.terms().to_vec()).map(|_| ())?,
+            Elastic::Ogden(law) => Ogden::new(law.terms().to_vec()).map(|_| ())?,
+            Elastic::Hencky(law) => Hencky::new(law.shear_modulus_mpa(), law.poisson_ratio()).map(|_| ())?,
+        }
+        if let Some(s) = self.softening {
+            OgdenRoxburgh::new(s.r, s.m_mpa, s.beta)?;
+        }
+        prony::check(&self.prony)
+    }
+
     /// The same material with softening.
     #[must_use]
     pub fn softening(mut self, softening: OgdenRoxburgh) -> Self {

@@ -83,7 +83,7 @@ impl<T: Real> Relaxation<T> {
     }
 }
 
-/// Modulus left of a unit step at time `t_s`: `1 - sum g (1 - exp(-t / tau))`.
+/// Shear modulus left of a unit step at time `t_s`: `1 - sum g (1 - exp(-t / tau))`.
 #[must_use]
 pub fn relaxed(series: &[PronyTerm], t_s: f64) -> f64 {
     series.iter().fold(1.0, |sum, t| sum + t.g * (-t_s / t.tau_s).exp_m1())

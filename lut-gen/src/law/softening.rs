@@ -45,6 +45,10 @@ impl<T: Real> OgdenRoxburgh<T> {
             return (T::from(1.0), T::from(0.0), energy);
         }
         let scale = self.m_mpa + self.beta * largest;
+        if scale.value() <= 0.0 {
+            // nothing was stored yet but rounding
+            return (T::from(1.0), T::from(0.0), largest);
+        }
         let x = (largest - energy) / scale;
         let slope = (-(x * x)).exp() * std::f64::consts::FRAC_2_SQRT_PI / (self.r * scale);
         (-x.erf() / self.r + 1.0, slope, largest)

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::specimen::SIZES;
 use super::{DepthProfile, RampRelaxation, Record, Sample, Simulation};
+use crate::law::Law;
 use crate::solve::{SolveError, Target};
 
 /// What a solve cost.
@@ -110,6 +111,14 @@ impl Simulation {
         })
     }
 
+    /// `d ln E* / d ln mu` of the contact modulus `E* = 4 mu (3K + mu) / (3K + 4 mu)`: the part of a small
+    /// indentation that relaxes with the shear modulus; the rest relaxes with the bulk modulus.
+    fn shear_share(&self) -> f64 {
+        let nu = self.material.elastic.poisson_ratio();
+        let three_k = 2.0 * (1.0 + nu) / (1.0 - 2.0 * nu);
+        1.0 + 1.0 / (three_k + 1.0) - 4.0 / (three_k + 4.0)
+    }
+
     /// Depth (mm) of the only segment.
     fn ramp(&self) -> Result<f64, SolveError> {
         self.check()?;
@@ -140,8 +149,10 @@ impl Simulation {
     /// scatter of the stations about it.
     pub(crate) fn ramp_profile(&self, record: &Record, depth_max_mm: f64, refinement: f64) -> (DepthProfile, f64) {
         let size_mm = self.ball.radius_mm * SIZES.axis / refinement;
+        let shear = self.shear_share();
         let rate = depth_max_mm / self.motion.duration_s();
-        let elements = self.material.prony.iter().map(|t| (t.g, rate * t.tau_s)).collect();
+        let elements =
+            self.material.prony.iter().map(|t| (shear * t.g + (1.0 - shear) * t.k, rate * t.tau_s)).collect();
         let relaxation = RampRelaxation { elements };
         let samples = samples(record, self.motion.duration_s(), size_mm);
         DepthProfile::fit(&samples, depth_max_mm, self.hertz_factor(), relaxation, TERMS, depth_max_mm / 8.0)

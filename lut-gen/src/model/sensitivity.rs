@@ -66,8 +66,8 @@ struct Track {
     history: History<Dual>,
     state: State<Dual>,
     raw: Vec<f64>,
-    energy: Vec<f64>,
-    depth: Vec<f64>,
+    energy: Vec<Dual>,
+    depth: Vec<Dual>,
 }
 
 impl Tracker {
@@ -85,12 +85,13 @@ impl Tracker {
             .into_iter()
             .zip(self.tracks)
             .map(|(parameter, t)| {
-                let share = penalty_share(&stations, &t.energy);
+                let share = penalty_share(&stations, &t.depth, &t.energy);
+                let force = t.raw.iter().zip(&share).zip(&stations);
                 Sensitivity {
                     parameter,
-                    force: t.raw.iter().zip(share).map(|(f, e)| f + e).collect(),
+                    force: force.map(|((f, e), s)| if s.by_force { *f } else { f + e.derivative }).collect(),
                     raw: t.raw,
-                    depth: t.depth,
+                    depth: t.depth.iter().map(|d| d.derivative).collect(),
                 }
             })
             .collect()
@@ -142,7 +143,7 @@ impl Observer for Tracker {
             return Err(lost());
         }
         let mut rate: Vec<f64> = matrix.drive.iter().map(|b| -b).collect();
-        if at.by_force && !matrix.solve(&mut rate) {
+        if at.station.by_force && !matrix.solve(&mut rate) {
             return Err(lost());
         }
         for track in &mut self.tracks {
@@ -171,7 +172,7 @@ impl Track {
             return None;
         }
         let mut climb = 0.0;
-        if at.by_force {
+        if at.station.by_force {
             let along = |v: &[f64]| matrix.pull.iter().zip(v).map(|(p, v)| p * v).sum::<f64>();
             climb = -(self.state.sum.force_n.derivative + along(&moved)) / (matrix.direct + along(rate));
             for (m, v) in moved.iter_mut().zip(rate) {
@@ -188,8 +189,8 @@ impl Track {
         }
         self.history = new;
         self.raw.push(self.state.sum.force_n.derivative());
-        self.energy.push(self.state.sum.penalty_energy.derivative());
-        self.depth.push(climb);
+        self.energy.push(self.state.sum.penalty_energy);
+        self.depth.push(step.depth_mm);
         Some(())
     }
 }

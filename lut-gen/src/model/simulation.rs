@@ -85,8 +85,21 @@ impl Simulation {
     /// Largest depth (mm) of the motion; under a prescribed force, the one Hertz gives for it.
     #[must_use]
     pub fn depth_mm(&self) -> f64 {
-        let by_force = (self.motion.largest_force_n() / self.hertz_factor()).powf(2.0 / 3.0);
-        self.motion.deepest_mm().max(by_force.min(0.5 * self.specimen.height_mm))
+        self.reached_mm(&self.material, self.ball.radius_mm, self.specimen.height_mm)
+    }
+
+    fn reached_mm<T: Real>(&self, material: &Material<T>, radius_mm: T, height_mm: T) -> T {
+        let deepest = T::from(self.motion.deepest_mm());
+        let force = self.motion.largest_force_n();
+        if force <= 0.0 {
+            return deepest;
+        }
+        let law = &material.elastic;
+        let hertz = law.shear_modulus_mpa() * (8.0 / 3.0) / (-law.poisson_ratio() + 1.0) * radius_mm.sqrt();
+        let by_force = ((T::from(force) / hertz).ln() * (2.0 / 3.0)).exp();
+        let half = height_mm * 0.5;
+        let by_force = if by_force.value() < half.value() { by_force } else { half };
+        if deepest.value() > by_force.value() { deepest } else { by_force }
     }
 
     /// Hertz's factor `F / d^(3/2)` (N/mm^1.5) of the limit `d -> 0`, see [`hertz_force_n`].
@@ -127,6 +140,7 @@ impl Simulation {
                 return Err(SolveError::parameter(name, value, "must be positive"));
             }
         }
+        self.material.check()?;
         self.motion.check()?;
         self.interface.check()?;
         let deepest = self.motion.deepest_mm();
@@ -221,9 +235,9 @@ impl Simulation {
         stiffer: f64,
     ) -> Assembly<T> {
         let first = material.shear_modulus_mpa() * FIRST_PRESSURE;
-        let largest = pressure_mpa(&material, self.depth_mm(), height_mm);
-        let gap = ball.radius_mm / (STIFF * stiffer);
-        let penalty = Penalty::through((first, gap), (largest, self.ball.radius_mm / (STIFFEST * stiffer)));
+        let largest = pressure_mpa(&material, self.reached_mm(&material, ball.radius_mm, height_mm), height_mm);
+        let gap = |part: f64| ball.radius_mm / (part * stiffer);
+        let penalty = Penalty::through((first, gap(STIFF)), (largest, gap(STIFFEST)));
         let reach = REACH * self.ball.radius_mm;
         let surface = Surface::new(ball, interface, nodes, &mesh.top, reach, POINTS_PER_EDGE, penalty);
         let system = System::over(mesh, nodes, height_mm, self.specimen.base, surface, Quadrature::Reduced);
@@ -233,8 +247,8 @@ impl Simulation {
 
 /// Largest pressure expected (MPa): stress of a column that is free to bulge as its Poisson's
 /// ratio says, at the compression of the ball's neighbourhood plus that of the block.
-fn pressure_mpa<T: Real>(material: &Material<T>, depth_mm: f64, height_mm: T) -> T {
-    let l = -(T::from(depth_mm) / height_mm) + (1.0 - NEIGHBOURHOOD);
+fn pressure_mpa<T: Real>(material: &Material<T>, depth_mm: T, height_mm: T) -> T {
+    let l = -(depth_mm / height_mm) + (1.0 - NEIGHBOURHOOD);
     let l = if l.value() < LEAST_STRETCH { T::from(LEAST_STRETCH) } else { l };
     let side = (-(material.elastic.poisson_ratio() * l.ln())).exp();
     -material.elastic.stress([l, side, side]).1[0]

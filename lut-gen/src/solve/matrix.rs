@@ -42,6 +42,7 @@ const OF_A_CORRECTION: f64 = 1e-4;
 const OF_A_SOLUTION: f64 = 1e-11;
 /// Iterations after which the iteration is given up.
 const KRYLOV_STEPS: usize = 120;
+const SHIFTED_STEPS: usize = 15;
 
 impl Matrix {
     /// An empty tangent of `n` equations coupled by the dofs of `solids` and `edges`.
@@ -153,7 +154,9 @@ impl Matrix {
     /// Newton's direction: solves with the whole matrix where it is unsymmetric, else with the factor,
     /// which is that of a shifted matrix where the matrix is not definite.
     pub fn correct(&mut self, x: &mut [f64]) {
-        if !self.iterate(x, OF_A_CORRECTION) {
+        // the factor of a shifted matrix preconditions badly: then its own direction is soon taken
+        let steps = if self.shift > 0.0 { SHIFTED_STEPS } else { KRYLOV_STEPS };
+        if !self.iterate(x, OF_A_CORRECTION, steps) {
             self.factor.solve(x);
         }
     }
@@ -164,7 +167,7 @@ impl Matrix {
             self.factor.solve(x);
             return true;
         }
-        self.iterate(x, OF_A_SOLUTION)
+        self.iterate(x, OF_A_SOLUTION, KRYLOV_STEPS)
     }
 
     /// Column `j` of the matrix as assembled, for checks.
@@ -179,12 +182,12 @@ impl Matrix {
         }
     }
 
-    fn iterate(&mut self, x: &mut [f64], tolerance: f64) -> bool {
+    fn iterate(&mut self, x: &mut [f64], tolerance: f64, steps: usize) -> bool {
         let Some(w) = &self.whole else {
             return false;
         };
         let factor = &mut self.factor;
-        gmres(|v, out| multiply(&w.pattern, &w.values, v, out), |v| factor.solve(v), x, tolerance, KRYLOV_STEPS)
+        gmres(|v, out| multiply(&w.pattern, &w.values, v, out), |v| factor.solve(v), x, tolerance, steps)
     }
 }
 

@@ -30,6 +30,9 @@ pub struct Motion {
     pub segments: Vec<Segment>,
 }
 
+/// Most segments of a motion.
+const MOST_SEGMENTS: usize = 10_000;
+
 impl Motion {
     /// Nothing yet: the ball touches the surface.
     #[must_use]
@@ -43,14 +46,22 @@ impl Motion {
         Self::from_touch().to_depth(depth_mm, rate_mm_s)
     }
 
-    /// Continues to a depth (mm) at a rate (mm/s, positive whatever the direction).
+    /// Continues to a depth (mm) at a rate (mm/s, positive whatever the direction). After a
+    /// prescribed force nobody knows yet from where: that is refused by [`Motion::check`], use
+    /// [`Motion::to_depth_within`].
     #[must_use]
     pub fn to_depth(self, depth_mm: f64, rate_mm_s: f64) -> Self {
-        let from = self.segments.iter().rev().find_map(|s| match s.end {
-            Target::DepthMm(d) => Some(d),
-            Target::ForceN(_) => None,
-        });
-        let duration_s = (depth_mm - from.unwrap_or(self.start_mm)).abs() / rate_mm_s;
+        let from = match self.segments.last().map(|s| s.end) {
+            None => self.start_mm,
+            Some(Target::DepthMm(d)) => d,
+            Some(Target::ForceN(_)) => f64::NAN,
+        };
+        self.segment((depth_mm - from).abs() / rate_mm_s, Target::DepthMm(depth_mm))
+    }
+
+    /// Continues to a depth (mm) within a duration (s).
+    #[must_use]
+    pub fn to_depth_within(self, depth_mm: f64, duration_s: f64) -> Self {
         self.segment(duration_s, Target::DepthMm(depth_mm))
     }
 
@@ -109,21 +120,25 @@ impl Motion {
     /// Checks that there is something to do.
     ///
     /// # Errors
-    /// [`SolveError::Parameter`] when there is no segment, a duration is not positive, or a
-    /// target is not finite.
+    /// [`SolveError::Parameter`] when it starts inside the specimen, there is no segment or too
+    /// many, a duration is not positive, or a target is not finite.
     pub fn check(&self) -> Result<(), SolveError> {
         let refuse = |parameter, value, expected: &str| {
             Err(SolveError::Parameter { parameter, value, expected: expected.to_owned() })
         };
-        if !self.start_mm.is_finite() {
-            return refuse("start_mm of the motion", self.start_mm, "must be finite");
+        if !(self.start_mm.is_finite() && self.start_mm <= 0.0) {
+            return refuse("start_mm of the motion", self.start_mm, "must be finite and not inside the specimen");
+        }
+        if self.segments.len() > MOST_SEGMENTS {
+            return refuse("segments of the motion", self.segments.len() as f64, "but at most 10000 are allowed");
         }
         if self.segments.is_empty() {
             return refuse("segments of the motion", 0.0, "but at least one is needed");
         }
         for s in &self.segments {
             if !(s.duration_s.is_finite() && s.duration_s > 0.0) {
-                return refuse("duration_s of a segment", s.duration_s, "must be positive");
+                let expected = "must be positive; after a prescribed force it must be given, not a rate";
+                return refuse("duration_s of a segment", s.duration_s, expected);
             }
             match s.end {
                 Target::DepthMm(d) if !d.is_finite() => return refuse("depth_mm of a segment", d, "must be finite"),

@@ -16,7 +16,7 @@ pub struct Station {
     pub force_n: f64,
     /// Reaction of the base (N).
     pub base_force_n: f64,
-    /// `dF/dd` at fixed time (N/mm).
+    /// `dF/dd` at fixed time (N/mm), by the tangent that was last factorised on the way here.
     pub slope: f64,
     /// Energy stored in the penalty (N mm).
     pub penalty_energy: f64,
@@ -28,6 +28,12 @@ pub struct Station {
     pub sliding: usize,
     /// Index of the motion's segment.
     pub segment: usize,
+    /// True while the segment holds what it prescribes.
+    pub held: bool,
+    /// True where the force is prescribed and the depth follows.
+    pub by_force: bool,
+    /// True when the last tangent was positive definite: a stable equilibrium of a conservative problem.
+    pub stable: bool,
 }
 
 /// A solved path.
@@ -55,8 +61,6 @@ pub struct Accepted<'a> {
     pub u: &'a [f64],
     /// State at `u`.
     pub state: &'a State,
-    /// True when the force is prescribed and the depth follows.
-    pub by_force: bool,
     /// The equilibrium in numbers.
     pub station: Station,
 }
@@ -100,8 +104,13 @@ struct Here {
     time_s: f64,
     at: Configuration,
     force_n: f64,
+    /// What the last segment ended at.
+    target: Option<Target>,
     history: History,
 }
+
+/// Most equilibria of a path.
+const MOST_STATIONS: usize = 100_000;
 
 impl Course<'_> {
     /// Follows the equilibrium through the motion.
@@ -117,6 +126,7 @@ impl Course<'_> {
             time_s: 0.0,
             at: Configuration { u: vec![0.0; self.system.unknowns()], depth_mm: start },
             force_n: 0.0,
+            target: None,
             history: self.system.untouched(self.material, start),
         };
         let mut out = Path { stations: Vec::new(), iterations: 0, factorisations: 0, cuts: 0 };
@@ -136,12 +146,17 @@ impl Course<'_> {
         observer: &mut impl Observer,
     ) -> Result<(), SolveError> {
         let segment = self.motion.segments[index];
-        let (end, from) = match segment.end {
-            Target::DepthMm(d) => (d, here.at.depth_mm),
-            Target::ForceN(f) => (f, here.force_n),
+        // from what was prescribed before, so that a hold is recognised exactly
+        let (end, from) = match (segment.end, here.target) {
+            (Target::DepthMm(d), Some(Target::DepthMm(before))) => (d, before),
+            (Target::DepthMm(d), _) => (d, here.at.depth_mm),
+            (Target::ForceN(f), Some(Target::ForceN(before))) => (f, before),
+            (Target::ForceN(f), _) => (f, here.force_n),
         };
+        here.target = Some(segment.end);
         let start_s = here.time_s;
-        let (mut done, mut step) = (0.0, self.stepping.first_of(self.material, self.motion, from, end, &segment));
+        let first = self.stepping.first_of(self.material, self.motion, from, end, &segment);
+        let (mut done, mut step) = (0.0, first);
         while done < 1.0 - 1e-12 {
             let rest = 1.0 - done;
             let longest = self.stepping.longest(self.material, self.motion, from, end, &segment, done);
@@ -149,12 +164,13 @@ impl Course<'_> {
             // two equal steps rather than a full one and a sliver
             let take = if step >= rest { rest } else { step.min(0.5 * rest) };
             let to = if take == rest { 1.0 } else { done + take };
-            let aim = from + (end - from) * to;
+            let aim = if to == 1.0 { end } else { from + (end - from) * to };
             let control = match segment.end {
                 Target::DepthMm(_) => Control::Depth(aim),
                 Target::ForceN(_) => Control::Force(aim),
             };
-            match self.step(index, control, take * segment.duration_s, here, w, observer, out)? {
+            let held = from == end;
+            match self.step(index, held, control, take * segment.duration_s, here, w, observer, out)? {
                 Some(used) => {
                     done = to;
                     here.time_s = start_s + done * segment.duration_s;
@@ -163,12 +179,12 @@ impl Course<'_> {
                 None => {
                     out.cuts += 1;
                     step = 0.4 * take;
-                    if step < self.stepping.smallest {
+                    if step.is_nan() || step < self.stepping.smallest.min(1e-4 * first) {
                         return Err(self.lost(here, w));
                     }
                 }
             }
-            if w.factorisations > self.stepping.factorisations {
+            if w.factorisations > self.stepping.factorisations || out.stations.len() > MOST_STATIONS {
                 return Err(SolveError::TooManyIterations {
                     depth_mm: here.at.depth_mm,
                     wanted_mm: self.motion.deepest_mm(),
@@ -185,6 +201,7 @@ impl Course<'_> {
     fn step(
         &self,
         segment: usize,
+        held: bool,
         control: Control,
         dt_s: f64,
         here: &mut Here,
@@ -203,15 +220,15 @@ impl Course<'_> {
             // the state is known: this pass only collects what the points remember
             let _ = self.system.evaluate(&step, &next.u, &mut state, Some(&mut history));
         }
-        let station = self.station(segment, here.time_s + dt_s, next.depth_mm, w);
         let by_force = matches!(control, Control::Force(_));
+        let reached = self.station(segment, here.time_s + dt_s, next.depth_mm, w);
+        let station = Station { held, by_force, ..reached };
         observer.accepted(&Accepted {
             system: self.system,
             step: &step,
             dt_s,
             u: &next.u,
             state: &w.state,
-            by_force,
             station,
         })?;
         out.stations.push(station);
@@ -229,9 +246,7 @@ impl Course<'_> {
         let mut next = here.at.clone();
         let climb = match problem.control {
             Control::Depth(depth) => depth - here.at.depth_mm,
-            Control::Force(force) if here.force_n > 0.0 => {
-                (force - here.force_n) / w.slope()
-            }
+            Control::Force(force) if here.force_n > 0.0 => (force - here.force_n) / w.slope(),
             Control::Force(force) => {
                 next.depth_mm = (force.max(0.0) / self.hertz).powf(2.0 / 3.0);
                 let guess = Problem { control: Control::Depth(next.depth_mm), ..*problem };
@@ -262,6 +277,9 @@ impl Course<'_> {
             active: sum.active,
             sliding: sum.sliding,
             segment,
+            held: false,
+            by_force: false,
+            stable: w.matrix.is_definite(),
         }
     }
 

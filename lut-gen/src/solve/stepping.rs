@@ -81,15 +81,22 @@ impl Stepping {
             Target::DepthMm(_) => (motion.deepest_mm(), 2),
             Target::ForceN(_) => (motion.largest_force_n(), 3),
         };
+        let even = 1.0 / self.stations as f64;
+        if at < 0.0 && end > at {
+            // down to touch, and no further at once
+            return even.min(-at / span);
+        }
         if at < 0.0 || largest <= 0.0 || (at == 0.0 && end < 0.0) {
-            return 1.0 / self.stations as f64;
+            return even;
         }
         // evenly in the contact radius: in the square root of the depth, the cube root of the force
         let root = (at / largest).powf(1.0 / f64::from(power));
         let next = root + (1.0 / self.stations as f64).copysign(end - from);
         let length = (largest * next.max(0.0).powi(power) - at).abs().max(1e-3 * largest / self.stations as f64);
         let cap = if power == 2 { self.largest * self.radius_mm } else { f64::INFINITY };
-        length.min(cap) / span
+        let length = length.min(cap) / span;
+        // under a prescribed force the stress is no straight line in time: the material creeps
+        if power == 3 && !material.prony.is_empty() { length.min(held) } else { length }
     }
 
     /// Factor on the step after one that took so many factorisations.

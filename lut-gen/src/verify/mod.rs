@@ -6,6 +6,7 @@ mod confined;
 mod difference;
 mod hertz;
 mod indented_layer;
+mod no_slip;
 mod thin_layer;
 
 pub use check::{Check, closed_forms, confined_compression, thin_layer};
@@ -13,4 +14,5 @@ pub use confined::{ConfinedBlock, confined_stress_mpa, confining_stress_mpa};
 pub use difference::{central_gradient, worst_mismatch};
 pub use hertz::hertz_force_n;
 pub use indented_layer::IndentedLayer;
+pub use no_slip::no_slip_factor;
 pub use thin_layer::{LayerContact, ThinLayer};
