@@ -49,7 +49,7 @@ impl Record {
 /// it, such as its derivative by a parameter) at all of them.
 ///
 /// `E` is taken along depth within a run of one direction; while the depth is held, its share of
-/// the force is that of the run's end, in proportion to the force.
+/// the force is that of the run's end, in proportion to the force. A jump begins a new run.
 pub(super) fn penalty_share(stations: &[Station], energy: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; stations.len()];
     let depth = |i: usize| if i == 0 { 0.0 } else { stations[i - 1].depth_mm };
@@ -57,6 +57,11 @@ pub(super) fn penalty_share(stations: &[Station], energy: &[f64]) -> Vec<f64> {
     // runs over the points 0 (untouched) and 1.. (stations) in which the depth moves one way
     let mut start = 0;
     while start < stations.len() {
+        if stations[start].jumped {
+            out[start] = after_jump(stations, energy, start);
+            start += 1;
+            continue;
+        }
         let rises = depth(start + 1) > depth(start);
         if depth(start + 1) == depth(start) {
             out[start] = held(stations, &out, start);
@@ -64,7 +69,10 @@ pub(super) fn penalty_share(stations: &[Station], energy: &[f64]) -> Vec<f64> {
             continue;
         }
         let mut end = start + 1;
-        while end < stations.len() && (depth(end + 1) > depth(end)) == rises && depth(end + 1) != depth(end) {
+        let goes_on = |end: usize| {
+            (depth(end + 1) > depth(end)) == rises && depth(end + 1) != depth(end) && !stations[end].jumped
+        };
+        while end < stations.len() && goes_on(end) {
             end += 1;
         }
         for i in start + 1..=end {
@@ -75,6 +83,16 @@ pub(super) fn penalty_share(stations: &[Station], energy: &[f64]) -> Vec<f64> {
         start = end;
     }
     out
+}
+
+/// Of the line to the next station; 0, the softness left in, when the motion ends or turns there.
+fn after_jump(stations: &[Station], energy: &[f64], at: usize) -> f64 {
+    let next = at + 1;
+    if next >= stations.len() || stations[next].jumped || stations[next].segment != stations[at].segment {
+        return 0.0;
+    }
+    let rise = stations[next].depth_mm - stations[at].depth_mm;
+    if rise == 0.0 { 0.0 } else { (energy[next] - energy[at]) / rise }
 }
 
 /// The share of the station before, in proportion to the force.

@@ -28,6 +28,8 @@ pub struct Station {
     pub sliding: usize,
     /// Index of the motion's segment.
     pub segment: usize,
+    /// True when no equilibrium led here: an adhesive contact snapped in or off since the station before.
+    pub jumped: bool,
 }
 
 /// A solved path.
@@ -75,6 +77,10 @@ impl Observer for () {
         Ok(())
     }
 }
+
+/// An adhesive contact is let jump when its steps, as part of the segment, fall below this many of
+/// the smallest.
+const JUMPING: f64 = 100.0;
 
 /// What is followed.
 #[derive(Debug, Clone, Copy)]
@@ -154,11 +160,12 @@ impl Course<'_> {
                 Target::DepthMm(_) => Control::Depth(aim),
                 Target::ForceN(_) => Control::Force(aim),
             };
-            match self.step(index, control, take * segment.duration_s, here, w, observer, out)? {
+            let jumps = take < JUMPING * self.stepping.smallest && take < rest && self.adhesion_range_mm().is_some();
+            match self.step(index, control, jumps, take * segment.duration_s, here, w, observer, out)? {
                 Some(used) => {
                     done = to;
                     here.time_s = start_s + done * segment.duration_s;
-                    step = take * self.stepping.stretch(used);
+                    step = if jumps { longest } else { take * self.stepping.stretch(used) };
                 }
                 None => {
                     out.cuts += 1;
@@ -180,12 +187,14 @@ impl Course<'_> {
         Ok(())
     }
 
-    /// One step; returns the factorisations it took, or `None` when it must be shorter.
+    /// One step, along the path or by a jump from where it ends; returns the factorisations it
+    /// took, or `None` when it must be shorter.
     #[expect(clippy::too_many_arguments, reason = "the state of the path, taken apart for the borrow checker")]
     fn step(
         &self,
         segment: usize,
         control: Control,
+        jumps: bool,
         dt_s: f64,
         here: &mut Here,
         w: &mut Workspace,
@@ -193,8 +202,8 @@ impl Course<'_> {
         out: &mut Path,
     ) -> Result<Option<usize>, SolveError> {
         let problem = Problem { system: self.system, material: self.material, old: &here.history, dt_s, control };
-        let Some(mut next) = self.ahead(&problem, here, w) else { return Ok(None) };
-        let Some(used) = self.newton.equilibrate(&problem, &mut next, w) else { return Ok(None) };
+        let found = if jumps { self.fallen(&problem, here, w) } else { self.led(&problem, here, w) };
+        let Some((next, used)) = found else { return Ok(None) };
         let relaxation = self.material.relaxation(dt_s);
         let step = Step { material: self.material, relaxation, old: &here.history, depth_mm: next.depth_mm };
         let mut history = here.history.clone();
@@ -203,8 +212,10 @@ impl Course<'_> {
             // the state is known: this pass only collects what the points remember
             let _ = self.system.evaluate(&step, &next.u, &mut state, Some(&mut history));
         }
-        let station = self.station(segment, here.time_s + dt_s, next.depth_mm, w);
-        let by_force = matches!(control, Control::Force(_));
+        // Newton's method, too, may find the branch beyond the end of this one
+        let jumped = self.adhesion_range_mm().is_some_and(|range| Newton::is_jump(range, &here.at, &next));
+        let station = Station { jumped, ..self.station(segment, here.time_s + dt_s, next.depth_mm, w) };
+        let by_force = problem.by_force();
         observer.accepted(&Accepted {
             system: self.system,
             step: &step,
@@ -221,6 +232,27 @@ impl Course<'_> {
         Ok(Some(used))
     }
 
+    /// The next equilibrium along the path. With adhesion it must be stable: an unstable one is
+    /// on a branch that no experiment follows.
+    fn led(&self, problem: &Problem, here: &Here, w: &mut Workspace) -> Option<(Configuration, usize)> {
+        let mut next = self.ahead(problem, here, w)?;
+        let used = self.newton.equilibrate(problem, &mut next, w)?;
+        let stable = self.adhesion_range_mm().is_none() || self.newton.is_stable(problem, &next, w);
+        stable.then_some((next, used))
+    }
+
+    /// The equilibrium the block falls to when the path ends at a prescribed depth.
+    fn fallen(&self, problem: &Problem, here: &Here, w: &mut Workspace) -> Option<(Configuration, usize)> {
+        let Control::Depth(depth_mm) = problem.control else { return None };
+        let mut next = Configuration { depth_mm, ..here.at.clone() };
+        let used = self.newton.fall(problem, self.adhesion_range_mm()?, &mut next, w)?;
+        Some((next, used))
+    }
+
+    fn adhesion_range_mm(&self) -> Option<f64> {
+        self.system.surface().interface().adhesion.map(|a| a.range_mm)
+    }
+
     /// Where Newton's method starts: along the tangent in depth, which is at the same time its
     /// first correction. A quadratic start was measured to need a fifth more iterations: surface
     /// points entering contact make the second derivative jump. Under a prescribed force that
@@ -229,10 +261,7 @@ impl Course<'_> {
         let mut next = here.at.clone();
         let climb = match problem.control {
             Control::Depth(depth) => depth - here.at.depth_mm,
-            Control::Force(force) if here.force_n > 0.0 => {
-                let slope = w.matrix.direct + w.matrix.pull.iter().zip(&w.rate).map(|(p, v)| p * v).sum::<f64>();
-                (force - here.force_n) / slope
-            }
+            Control::Force(force) if here.force_n > 0.0 => (force - here.force_n) / w.slope(),
             Control::Force(force) => {
                 next.depth_mm = (force.max(0.0) / self.hertz).powf(2.0 / 3.0);
                 let guess = Problem { control: Control::Depth(next.depth_mm), ..*problem };
@@ -250,19 +279,19 @@ impl Course<'_> {
     }
 
     fn station(&self, segment: usize, time_s: f64, depth_mm: f64, w: &Workspace) -> Station {
-        let along: f64 = w.matrix.pull.iter().zip(&w.rate).map(|(b, v)| b * v).sum();
         let sum = &w.state.sum;
         Station {
             time_s,
             depth_mm,
             force_n: sum.force_n,
             base_force_n: w.state.base_force_n,
-            slope: w.matrix.direct + along,
+            slope: w.slope(),
             penalty_energy: sum.penalty_energy,
             contact_radius_mm: sum.radius_mm,
             active: sum.active,
             sliding: sum.sliding,
             segment,
+            jumped: false,
         }
     }
 
