@@ -3,6 +3,7 @@
 
 mod chebyshev;
 mod curve;
+mod expansion;
 mod fields;
 mod force;
 mod indentation;
