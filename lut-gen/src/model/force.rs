@@ -1,53 +1,15 @@
-//! The continuous force model over the exponent, and optionally the height.
+//! The continuous force model over the exponent, and optionally height and Poisson's ratio.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::chebyshev::polynomials;
-use super::profile::{MAX_TERMS, assemble};
-use super::{Axis, DepthProfile, Indentation, Resolution, Scale, Specimen};
-use crate::contact::Ball;
+use super::expansion::Expansion;
+use super::plan::{Job, ModelSpec, check, checks};
+use super::{Axis, DepthProfile, Indentation, Scale, Specimen};
 use crate::law::{Hyperfoam, Term};
 use crate::solve::SolveError;
-
-/// What a force model covers.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ModelSpec {
-    /// The block; its height is the only one unless `heights_mm` is given.
-    pub specimen: Specimen,
-    /// The ball.
-    pub ball: Ball,
-    /// Poisson's ratio of the one-term law.
-    pub nu: f64,
-    /// Range of the exponent, within [1, 24] tested.
-    pub alpha: (f64, f64),
-    /// Chebyshev nodes over the exponent.
-    pub alpha_nodes: usize,
-    /// Range of heights (mm) and number of nodes, for specimens of unknown height.
-    pub heights_mm: Option<(f64, f64, usize)>,
-    /// Largest depth (mm).
-    pub depth_mm: f64,
-    /// Mesh of every solve.
-    pub resolution: Resolution,
-}
-
-impl ModelSpec {
-    /// One known height, `nu = 0`, alpha 1 to 24, standard mesh.
-    #[must_use]
-    pub fn new(specimen: Specimen, ball: Ball, depth_mm: f64) -> Self {
-        Self {
-            specimen,
-            ball,
-            nu: 0.0,
-            alpha: (1.0, 24.0),
-            alpha_nodes: 10,
-            heights_mm: None,
-            depth_mm,
-            resolution: Resolution::Standard,
-        }
-    }
-}
+use crate::verify::hertz_force_n;
 
 /// Error of the forces, relative to the force at the largest depth unless said otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -79,28 +41,29 @@ pub struct ForceGradient {
     pub d_depth: f64,
     /// By the height (N/mm); 0 when the model has one height.
     pub d_height: f64,
+    /// By Poisson's ratio (N); 0 when the model has one.
+    pub d_nu: f64,
+    /// By the ball's radius (N/mm) at fixed depth and height, the block's radius in proportion: from
+    /// `F = mu R^2 phi(d/R, h/R, W/R)`, `R dF/dR = 2 F - d dF/dd - h dF/dh`. 0 when the model has one height.
+    pub d_radius: f64,
 }
 
-/// `F = mu d^(3/2) [ H + s sum_ijk c_ijk T_i(y) T_j(x) T_k(2s - 1) ]`: Chebyshev in
-/// the exponent, in the reciprocal height and in `s = sqrt(d / d_max)`.
+/// `F = mu H(nu) d^(3/2) exp(s q)`, `q` a Chebyshev expansion in Poisson's ratio, the reciprocal
+/// height, the logarithm of the exponent and `s = sqrt(d / d_max)`; `H` is Hertz's factor.
 ///
+/// The logarithm, since forces of confined foams span decades: for Poisson's ratio it was measured
+/// to need two nodes less than the force, for the other parameters as many.
 /// Force is exactly linear in `mu` for one frictionless term, so `mu` is no axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceModel {
     spec: ModelSpec,
-    alpha: Axis,
-    height: Axis,
-    /// Hertz factor per MPa.
-    hertz: f64,
-    /// `[height][alpha][depth]`.
-    coefficients: Vec<f64>,
-    terms: usize,
+    expansion: Expansion,
     error: ErrorBound,
     solves: usize,
 }
 
-/// A solve of the plan: exponent, height, mesh.
-type Job = (f64, f64, Resolution);
+/// Terms in depth.
+const TERMS: usize = 12;
 
 impl ForceModel {
     /// Builds the model; solves run in parallel, the result does not depend on their order.
@@ -110,36 +73,48 @@ impl ForceModel {
     /// # Errors
     /// The first failing solve (in the order of the plan) or a parameter out of range.
     pub fn build(spec: &ModelSpec, progress: &(dyn Fn(usize, usize) + Send + Sync)) -> Result<Self, SolveError> {
-        let alpha = Axis { low: spec.alpha.0, high: spec.alpha.1, nodes: spec.alpha_nodes, scale: Scale::Log };
-        let height = match spec.heights_mm {
-            Some((low, high, nodes)) => Axis { low, high, nodes, scale: Scale::Reciprocal },
-            None => {
-                Axis { low: spec.specimen.height_mm, high: spec.specimen.height_mm, nodes: 1, scale: Scale::Reciprocal }
-            }
-        };
-        check(&alpha, &height)?;
+        let axes = spec.axes();
+        check(&axes)?;
+        let [nu, height, alpha] = &axes;
         let mut plan: Vec<Job> = Vec::new();
-        for i in 0..height.nodes {
-            for j in 0..alpha.nodes {
-                plan.push((alpha.node(j), height.node(i), spec.resolution));
+        for i in 0..nu.nodes {
+            for j in 0..height.nodes {
+                plan.extend((0..alpha.nodes).map(|k| ([nu.node(i), height.node(j), alpha.node(k)], spec.resolution)));
             }
         }
         let nodes = plan.len();
-        plan.extend(checks(&alpha, &height, spec.resolution));
+        plan.extend(checks(&axes, spec.resolution));
         let profiles = solve_all(spec, &plan, progress)?;
+        let depths = profiles[..nodes].iter().flat_map(logarithm).collect();
         let mut model = Self {
             spec: spec.clone(),
-            alpha,
-            height,
-            hertz: profiles[0].hertz,
-            terms: profiles[0].coefficients.len(),
-            coefficients: Vec::new(),
+            expansion: Expansion::through(axes, TERMS, depths),
             error: ErrorBound::default(),
             solves: plan.len(),
         };
-        model.coefficients = model.transform(&profiles[..nodes]);
         model.error = model.compare(&plan[nodes..], &profiles[nodes..]);
         Ok(model)
+    }
+
+    /// The same model for a ball of another radius (mm): depths, heights and the block's radius scale
+    /// with it, exactly, and so do the forces.
+    ///
+    /// # Errors
+    /// [`SolveError::Parameter`] when the radius is not positive.
+    pub fn rescaled(&self, radius_mm: f64) -> Result<Self, SolveError> {
+        if !(radius_mm.is_finite() && radius_mm > 0.0) {
+            return Err(SolveError::parameter("radius_mm of the ball", radius_mm, "must be positive"));
+        }
+        let by = radius_mm / self.spec.ball.radius_mm;
+        let mut out = self.clone();
+        out.spec.ball.radius_mm = radius_mm;
+        out.spec.specimen.height_mm *= by;
+        out.spec.specimen.radius_mm *= by;
+        out.spec.depth_mm *= by;
+        out.spec.heights_mm = self.spec.heights_mm.map(|(low, high, n)| (by * low, by * high, n));
+        let height = &mut out.expansion.axes[1];
+        (height.low, height.high) = (by * height.low, by * height.high);
+        Ok(out)
     }
 
     /// What the model covers.
@@ -177,69 +152,44 @@ impl ForceModel {
     /// As [`ForceModel::gradient`] at another height (mm) within the model's range.
     #[must_use]
     pub fn gradient_at(&self, mu_mpa: f64, alpha: f64, depth_mm: f64, height_mm: f64) -> ForceGradient {
+        self.gradient_of(mu_mpa, alpha, self.spec.nu, depth_mm, height_mm)
+    }
+
+    /// As [`ForceModel::gradient_at`] at another Poisson's ratio within the model's range.
+    #[must_use]
+    pub fn gradient_of(&self, mu_mpa: f64, alpha: f64, nu: f64, depth_mm: f64, height_mm: f64) -> ForceGradient {
         if depth_mm <= 0.0 {
             return ForceGradient::default();
         }
+        let [range, ..] = &self.expansion.axes;
+        let nu = nu.clamp(range.low, range.high);
         let d = depth_mm.min(self.spec.depth_mm);
         let s = (d / self.spec.depth_mm).sqrt();
-        let (mut t, mut dt) = ([0.0; MAX_TERMS], [0.0; MAX_TERMS]);
-        let (mut a, mut da) = ([0.0; MAX_TERMS], [0.0; MAX_TERMS]);
-        let (mut b, mut db) = ([0.0; MAX_TERMS], [0.0; MAX_TERMS]);
-        let (x, dx) = self.alpha.local(alpha);
-        let (y, dy) = self.height.local(height_mm);
-        let (nt, na, nb) = (self.terms, self.alpha.nodes, self.height.nodes);
-        polynomials(2.0 * s - 1.0, &mut t[..nt], &mut dt[..nt]);
-        polynomials(x, &mut a[..na], &mut da[..na]);
-        polynomials(y, &mut b[..nb], &mut db[..nb]);
-        // q, its s-, alpha- and height-derivative
-        let mut sum = [0.0; 4];
-        let mut rows = self.coefficients.chunks_exact(nt);
-        for i in 0..nb {
-            for (j, row) in (0..na).zip(rows.by_ref()) {
-                let (mut q, mut dq) = (0.0, 0.0);
-                for k in 0..nt {
-                    q += row[k] * t[k];
-                    dq += row[k] * dt[k];
-                }
-                sum[0] += a[j] * b[i] * q;
-                sum[1] += a[j] * b[i] * dq;
-                sum[2] += da[j] * b[i] * q;
-                sum[3] += a[j] * db[i] * q;
-            }
+        let q = self.expansion.at(s, [nu, height_mm, alpha]);
+        let force = hertz_force_n(mu_mpa, nu, self.spec.ball.radius_mm, d) * (s * q.value).exp();
+        // of ln F: by the depth, by each parameter, and both; ds/dd = s / (2 d)
+        let by_depth = (1.5 + 0.5 * s * (q.value + s * q.by_s)) / d;
+        let mut by = q.by.map(|x| s * x);
+        if range.nodes > 1 {
+            by[0] += 1.0 / (1.0 - nu);
         }
-        let (f, slope) = assemble(d, s, self.hertz, sum[0], 2.0 * sum[1]);
-        let (by_alpha, slope_alpha) = (d * d.sqrt() * s * sum[2] * dx, 0.0);
-        let by_height = d * d.sqrt() * s * sum[3] * dy;
         let beyond = depth_mm - d;
-        let per_mpa = f + slope * beyond;
+        let each: [f64; 3] = std::array::from_fn(|i| {
+            let mixed = 0.5 * s * (q.by[i] + s * q.by_s_and[i]) / d;
+            force * (by[i] + beyond * (by[i] * by_depth + mixed))
+        });
+        let (slope, force_n) = (force * by_depth, force * (1.0 + beyond * by_depth));
+        let scaled = 2.0 * force_n - depth_mm * slope - height_mm * each[1];
+        let one_height = self.expansion.axes[1].nodes == 1;
         ForceGradient {
-            force_n: mu_mpa * per_mpa,
-            d_mu: per_mpa,
-            d_alpha: mu_mpa * (by_alpha + slope_alpha * beyond),
-            d_depth: mu_mpa * slope,
-            d_height: mu_mpa * by_height,
+            force_n,
+            d_mu: force_n / mu_mpa,
+            d_alpha: each[2],
+            d_depth: slope,
+            d_height: each[1],
+            d_nu: each[0],
+            d_radius: if one_height { 0.0 } else { scaled / self.spec.ball.radius_mm },
         }
-    }
-
-    /// Values at the nodes to Chebyshev coefficients along alpha, then height.
-    fn transform(&self, profiles: &[DepthProfile]) -> Vec<f64> {
-        let (na, nb, nt) = (self.alpha.nodes, self.height.nodes, self.terms);
-        let mut c: Vec<f64> = profiles.iter().flat_map(|p| p.coefficients.iter().copied()).collect();
-        for k in 0..nt {
-            for i in 0..nb {
-                let line: Vec<f64> = (0..na).map(|j| c[(i * na + j) * nt + k]).collect();
-                for (j, v) in self.alpha.coefficients(&line).into_iter().enumerate() {
-                    c[(i * na + j) * nt + k] = v;
-                }
-            }
-            for j in 0..na {
-                let line: Vec<f64> = (0..nb).map(|i| c[(i * na + j) * nt + k]).collect();
-                for (i, v) in self.height.coefficients(&line).into_iter().enumerate() {
-                    c[(i * na + j) * nt + k] = v;
-                }
-            }
-        }
-        c
     }
 
     /// Interpolation from left-out solves on the same mesh; discretisation from
@@ -247,16 +197,17 @@ impl ForceModel {
     fn compare(&self, plan: &[Job], profiles: &[DepthProfile]) -> ErrorBound {
         let mut error = ErrorBound::default();
         let depths: Vec<f64> = (1..=40).map(|i| self.spec.depth_mm * f64::from(i) / 40.0).collect();
-        for ((alpha, height, resolution), profile) in plan.iter().zip(profiles) {
+        for ((at, resolution), profile) in plan.iter().zip(profiles) {
             let scale = profile.force_n(self.spec.depth_mm);
-            let model: Vec<f64> = depths.iter().map(|&d| self.gradient_at(1.0, *alpha, d, *height).force_n).collect();
+            let [nu, height, alpha] = *at;
+            let model: Vec<f64> = depths.iter().map(|&d| self.gradient_of(1.0, alpha, nu, d, height).force_n).collect();
             if *resolution == self.spec.resolution {
                 let worst =
                     depths.iter().zip(&model).map(|(&d, f)| (f - profile.force_n(d)).abs() / scale).fold(0.0, f64::max);
                 error.interpolation = error.interpolation.max(worst);
                 continue;
             }
-            let twin = plan.iter().position(|j| j.0 == *alpha && j.1 == *height);
+            let twin = plan.iter().position(|j| j.0 == *at);
             if let Some(twin) = twin {
                 let worst = depths
                     .iter()
@@ -269,42 +220,20 @@ impl ForceModel {
     }
 }
 
-fn check(alpha: &Axis, height: &Axis) -> Result<(), SolveError> {
-    let bad = |parameter, value, expected: &str| {
-        Err(SolveError::Parameter { parameter, value, expected: expected.to_owned() })
-    };
-    if !(alpha.low > 0.0 && alpha.high > alpha.low) {
-        return bad("alpha", alpha.low, "must be positive and below the upper end of its range");
-    }
-    if !(2..=MAX_TERMS).contains(&alpha.nodes) {
-        return bad("alpha_nodes", alpha.nodes as f64, "must lie in 2..=24");
-    }
-    if !(1..=MAX_TERMS).contains(&height.nodes) {
-        return bad("height nodes", height.nodes as f64, "must lie in 1..=24");
-    }
-    if height.nodes > 1 && !(height.low > 0.0 && height.high > height.low) {
-        return bad("heights_mm", height.low, "must be positive and below the upper end of its range");
-    }
-    Ok(())
-}
+/// Least force over Hertz's whose logarithm is taken: below every solve, it only keeps a failed fit finite.
+const LEAST: f64 = 1e-9;
 
-/// Solves that are not nodes: three exponents between nodes (on two heights if
-/// height is an axis), each on the model's mesh and on a refined one.
-fn checks(alpha: &Axis, height: &Axis, resolution: Resolution) -> Vec<Job> {
-    let heights: &[f64] = if height.nodes > 1 { &[-0.6, 0.6] } else { &[0.0] };
-    let mut plan = Vec::new();
-    // the extrema of the first neglected polynomial, near the ends and the middle
-    let n = alpha.nodes as f64;
-    for k in [1.0, (n / 2.0).floor(), n - 1.0] {
-        let a = alpha.value((std::f64::consts::PI * k / n).cos());
-        for &y in heights {
-            plan.push((a, if height.nodes > 1 { height.value(y) } else { height.low }, resolution));
-        }
-    }
-    let refined = resolution.finer();
-    let twins: Vec<Job> = plan.iter().map(|&(a, h, _)| (a, h, refined)).collect();
-    plan.extend(twins);
-    plan
+/// Coefficients in depth of `ln(F / (H d^1.5)) / s` of a profile.
+fn logarithm(profile: &DepthProfile) -> Vec<f64> {
+    let axis = Axis { low: 0.0, high: 1.0, nodes: TERMS, scale: Scale::Linear };
+    let values: Vec<f64> = (0..TERMS)
+        .map(|k| {
+            let s = axis.node(k);
+            let d = s * s * profile.depth_max_mm;
+            (profile.force_n(d) / (profile.hertz * d * d.sqrt())).max(LEAST).ln() / s
+        })
+        .collect();
+    axis.coefficients(&values)
 }
 
 fn solve_all(
@@ -315,8 +244,8 @@ fn solve_all(
     let done = AtomicUsize::new(0);
     let solved: Vec<Result<DepthProfile, SolveError>> = plan
         .par_iter()
-        .map(|&(alpha, height_mm, resolution)| {
-            let law = Hyperfoam::new(vec![Term { mu_mpa: 1.0, alpha, nu: spec.nu }])?;
+        .map(|&([nu, height_mm, alpha], resolution)| {
+            let law = Hyperfoam::new(vec![Term { mu_mpa: 1.0, alpha, nu }])?;
             let specimen = Specimen { height_mm, ..spec.specimen };
             let problem = Indentation { law, specimen, ball: spec.ball, depth_mm: spec.depth_mm, resolution };
             let curve = problem.solve_at(&[])?;

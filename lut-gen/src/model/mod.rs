@@ -3,9 +3,11 @@
 
 mod chebyshev;
 mod curve;
+mod expansion;
 mod fields;
 mod force;
 mod indentation;
+mod plan;
 mod profile;
 mod record;
 mod relaxed;
@@ -15,8 +17,9 @@ mod specimen;
 
 pub use chebyshev::{Axis, Scale};
 pub use curve::{Curve, Stats};
-pub use force::{ErrorBound, ForceGradient, ForceModel, ModelSpec};
+pub use force::{ErrorBound, ForceGradient, ForceModel};
 pub use indentation::{DEPTHS, Indentation};
+pub use plan::ModelSpec;
 pub use profile::{DepthProfile, MAX_TERMS, Sample};
 pub use record::Record;
 pub use relaxed::RampRelaxation;

@@ -61,7 +61,7 @@ impl Record {
 /// there (with their derivatives by a parameter, where they carry them).
 ///
 /// `E` is differentiated along depth within a run of one direction; while depth or force is held,
-/// `dE/dd` moves like `E`: both with the square of the stress.
+/// `dE/dd` moves like `E`: both with the square of the stress. A jump begins a new run.
 pub(super) fn penalty_share<T: Real>(stations: &[Station], depth: &[T], energy: &[T]) -> Vec<T> {
     let zero = T::from(0.0);
     let mut out = vec![zero; stations.len()];
@@ -70,6 +70,11 @@ pub(super) fn penalty_share<T: Real>(stations: &[Station], depth: &[T], energy: 
     let moves = |i: usize| (point(i + 1).0.value() - point(i).0.value()).signum();
     let mut start = 0;
     while start < stations.len() {
+        if stations[start].jumped {
+            out[start] = after_jump(stations, depth, energy, start);
+            start += 1;
+            continue;
+        }
         let still = |i: usize| stations[i].held || point(i + 1).0.value() == point(i).0.value();
         if still(start) {
             let before = point(start).1;
@@ -80,7 +85,7 @@ pub(super) fn penalty_share<T: Real>(stations: &[Station], depth: &[T], energy: 
             continue;
         }
         let mut end = start + 1;
-        while end < stations.len() && !still(end) && moves(end) == moves(start) {
+        while end < stations.len() && !still(end) && moves(end) == moves(start) && !stations[end].jumped {
             end += 1;
         }
         for i in start + 1..=end {
@@ -90,6 +95,16 @@ pub(super) fn penalty_share<T: Real>(stations: &[Station], depth: &[T], energy: 
         start = end;
     }
     out
+}
+
+/// Of the line to the next station; 0, the softness left in, when the motion ends or turns there.
+fn after_jump<T: Real>(stations: &[Station], depth: &[T], energy: &[T], at: usize) -> T {
+    let next = at + 1;
+    if next >= stations.len() || stations[next].jumped || stations[next].segment != stations[at].segment {
+        return T::from(0.0);
+    }
+    let rise = depth[next] - depth[at];
+    if rise.value() == 0.0 { T::from(0.0) } else { (energy[next] - energy[at]) / rise }
 }
 
 /// Slope at `x` of the parabola through three points.

@@ -126,6 +126,18 @@ impl Matrix {
         }
     }
 
+    /// Adds a multiple of the size of every diagonal entry to it, before the factorisation.
+    pub fn damp(&mut self, part: f64) {
+        for &d in self.lower.diagonal() {
+            self.lower_values[d] += part * self.lower_values[d].abs();
+        }
+        if let Some(w) = &mut self.whole {
+            for &d in w.pattern.diagonal() {
+                w.values[d] += part * w.values[d].abs();
+            }
+        }
+    }
+
     /// Norm of the diagonal (N/mm).
     #[must_use]
     pub fn diagonal_norm(&self) -> f64 {

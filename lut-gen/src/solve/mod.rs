@@ -2,6 +2,7 @@
 
 mod constraint;
 mod error;
+mod jump;
 mod krylov;
 mod matrix;
 mod motion;

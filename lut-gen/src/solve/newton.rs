@@ -114,9 +114,26 @@ impl Workspace {
     }
 
     /// `dF / d depth` along the path by the last factor (N/mm).
-    pub fn slope(&mut self) -> f64 {
+    pub(super) fn slope(&mut self) -> f64 {
         self.rate();
         self.matrix.direct + dot(&self.matrix.pull, &self.rate)
+    }
+
+    /// Assembles and factorises the stiffness at a displacement; false when that is impossible.
+    fn renew(&mut self, problem: &Problem, step: &Step, u: &[f64]) -> bool {
+        self.factored = problem.system.assemble(step, u, &mut self.state, &mut self.matrix) && self.matrix.factorise();
+        if !self.factored {
+            return false;
+        }
+        self.factorisations += 1;
+        self.rounding = ROUNDING_OF_POSITIONS * self.matrix.diagonal_norm() * problem.system.height_mm();
+        self.rated = false;
+        true
+    }
+
+    /// The factor is no longer one of a stiffness to correct with.
+    pub(super) fn forget(&mut self) {
+        self.factored = false;
     }
 }
 
@@ -166,6 +183,10 @@ impl Problem<'_> {
         Step { material: self.material, relaxation: relaxation.clone(), old: self.old, depth_mm }
     }
 
+    pub(super) fn by_force(&self) -> bool {
+        matches!(self.control, Control::Force(_))
+    }
+
     fn balance(&self, state: &State) -> Balance {
         let miss = match self.control {
             Control::Depth(_) => 0.0,
@@ -176,6 +197,12 @@ impl Problem<'_> {
 }
 
 impl Newton {
+    /// Renews the factor at an equilibrium.
+    pub(super) fn refactorise(&self, problem: &Problem, at: &Configuration, w: &mut Workspace) -> bool {
+        let relaxation = problem.material.relaxation(problem.dt_s);
+        w.renew(problem, &problem.step(&relaxation, at.depth_mm), &at.u)
+    }
+
     /// Corrects `at` until it is in equilibrium. Returns the number of factorisations,
     /// or `None` when it did not converge (`at` is then spoilt).
     pub fn equilibrate(&self, problem: &Problem, at: &mut Configuration, w: &mut Workspace) -> Option<usize> {
@@ -193,13 +220,9 @@ impl Newton {
         let mut anchor: Option<Anchor> = None;
         for k in 1..=self.iterations {
             let step = problem.step(&relaxation, at.depth_mm);
-            w.factored = problem.system.assemble(&step, &at.u, &mut w.state, &mut w.matrix) && w.matrix.factorise();
-            if !w.factored {
+            if !w.renew(problem, &step, &at.u) {
                 return None;
             }
-            w.factorisations += 1;
-            w.rounding = ROUNDING_OF_POSITIONS * w.matrix.diagonal_norm() * problem.system.height_mm();
-            w.rated = false;
             let climb = self.direction(problem, w);
             let slope = dot(&w.correction, &w.state.residual).abs();
             let start = *first.get_or_insert(slope);

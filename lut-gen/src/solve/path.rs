@@ -34,6 +34,8 @@ pub struct Station {
     pub by_force: bool,
     /// True when the last tangent was positive definite: a stable equilibrium of a conservative problem.
     pub stable: bool,
+    /// True when no equilibrium led here: an adhesive contact snapped in or off since the station before.
+    pub jumped: bool,
 }
 
 /// A solved path.
@@ -79,6 +81,10 @@ impl Observer for () {
         Ok(())
     }
 }
+
+/// An adhesive contact is let jump when its steps, as part of the segment, fall below this many of
+/// the smallest.
+const JUMPING: f64 = 100.0;
 
 /// What is followed.
 #[derive(Debug, Clone, Copy)]
@@ -170,11 +176,12 @@ impl Course<'_> {
                 Target::ForceN(_) => Control::Force(aim),
             };
             let held = from == end;
-            match self.step(index, held, control, take * segment.duration_s, here, w, observer, out)? {
+            let jumps = take < JUMPING * self.stepping.smallest && take < rest && self.adhesion_range_mm().is_some();
+            match self.step(index, held, control, jumps, take * segment.duration_s, here, w, observer, out)? {
                 Some(used) => {
                     done = to;
                     here.time_s = start_s + done * segment.duration_s;
-                    step = take * self.stepping.stretch(used);
+                    step = if jumps { longest } else { take * self.stepping.stretch(used) };
                 }
                 None => {
                     out.cuts += 1;
@@ -196,13 +203,15 @@ impl Course<'_> {
         Ok(())
     }
 
-    /// One step; returns the factorisations it took, or `None` when it must be shorter.
+    /// One step, along the path or by a jump from where it ends; returns the factorisations it
+    /// took, or `None` when it must be shorter.
     #[expect(clippy::too_many_arguments, reason = "the state of the path, taken apart for the borrow checker")]
     fn step(
         &self,
         segment: usize,
         held: bool,
         control: Control,
+        jumps: bool,
         dt_s: f64,
         here: &mut Here,
         w: &mut Workspace,
@@ -210,8 +219,8 @@ impl Course<'_> {
         out: &mut Path,
     ) -> Result<Option<usize>, SolveError> {
         let problem = Problem { system: self.system, material: self.material, old: &here.history, dt_s, control };
-        let Some(mut next) = self.ahead(&problem, here, w) else { return Ok(None) };
-        let Some(used) = self.newton.equilibrate(&problem, &mut next, w) else { return Ok(None) };
+        let found = if jumps { self.fallen(&problem, here, w) } else { self.led(&problem, here, w) };
+        let Some((next, used)) = found else { return Ok(None) };
         let relaxation = self.material.relaxation(dt_s);
         let step = Step { material: self.material, relaxation, old: &here.history, depth_mm: next.depth_mm };
         let mut history = here.history.clone();
@@ -220,9 +229,11 @@ impl Course<'_> {
             // the state is known: this pass only collects what the points remember
             let _ = self.system.evaluate(&step, &next.u, &mut state, Some(&mut history));
         }
-        let by_force = matches!(control, Control::Force(_));
+        // Newton's method, too, may find the branch beyond the end of this one
+        let jumped = self.adhesion_range_mm().is_some_and(|range| Newton::is_jump(range, &here.at, &next));
+        let by_force = problem.by_force();
         let reached = self.station(segment, here.time_s + dt_s, next.depth_mm, w);
-        let station = Station { held, by_force, ..reached };
+        let station = Station { jumped, held, by_force, ..reached };
         observer.accepted(&Accepted {
             system: self.system,
             step: &step,
@@ -236,6 +247,27 @@ impl Course<'_> {
         here.at = next;
         here.history = history;
         Ok(Some(used))
+    }
+
+    /// The next equilibrium along the path. With adhesion it must be stable: an unstable one is
+    /// on a branch that no experiment follows.
+    fn led(&self, problem: &Problem, here: &Here, w: &mut Workspace) -> Option<(Configuration, usize)> {
+        let mut next = self.ahead(problem, here, w)?;
+        let used = self.newton.equilibrate(problem, &mut next, w)?;
+        let stable = self.adhesion_range_mm().is_none() || self.newton.is_stable(problem, &next, w);
+        stable.then_some((next, used))
+    }
+
+    /// The equilibrium the block falls to when the path ends at a prescribed depth.
+    fn fallen(&self, problem: &Problem, here: &Here, w: &mut Workspace) -> Option<(Configuration, usize)> {
+        let Control::Depth(depth_mm) = problem.control else { return None };
+        let mut next = Configuration { depth_mm, ..here.at.clone() };
+        let used = self.newton.fall(problem, self.adhesion_range_mm()?, &mut next, w)?;
+        Some((next, used))
+    }
+
+    fn adhesion_range_mm(&self) -> Option<f64> {
+        self.system.surface().interface().adhesion.map(|a| a.range_mm)
     }
 
     /// Where Newton's method starts: along the tangent in depth, which is at the same time its
@@ -280,6 +312,7 @@ impl Course<'_> {
             held: false,
             by_force: false,
             stable: w.matrix.is_definite(),
+            jumped: false,
         }
     }
 
