@@ -159,7 +159,7 @@ fn a_soft_contact_pulls_off_as_johnson_kendall_and_roberts_say() {
 /// In while the ball comes nearer, off while it leaves, each later than the other: hysteresis.
 fn assert_jumps(stations: &[Station], pull_off: f64) {
     let depth = |segment| stations.iter().filter(move |s| s.jumped && s.segment == segment).map(|s| s.depth_mm);
-    let (into, off) = (depth(0).next().unwrap(), depth(1).last().unwrap());
+    let (into, off) = (depth(0).next().unwrap(), depth(1).next_back().unwrap());
     assert!(off < into, "{off} {into}");
     // attracted before contact, little; nothing after pull-off but the same attraction
     for s in stations.iter().filter(|s| (s.segment == 0 && s.depth_mm < into) || (s.segment == 1 && s.depth_mm < off)) {
