@@ -61,17 +61,21 @@ fn draws_from_the_promised_region_are_solved_or_refused_by_name() {
             (fine, coarse)
         })
         .collect();
-    let mut solved = 0;
+    let (mut solved, mut worst) = (0, 0.0_f64);
     let mut wrong = Vec::new();
     for (draw, (fine, coarse)) in draws.iter().zip(&outcomes) {
         match fine {
             Ok(fine) => {
+                // where only the standard mesh got through there is no second opinion: not counted as solved
+                let Ok(coarse) = coarse else {
+                    println!("without a second opinion: {draw:.2?}");
+                    continue;
+                };
                 solved += 1;
                 let peak = fine.force_n.last().unwrap();
-                // where only the standard mesh got through there is no second opinion: count as wrong
-                let miss = coarse.as_ref().map_or(f64::INFINITY, |c| {
-                    c.force_n.iter().zip(&fine.force_n).map(|(a, b)| (a - b).abs() / peak).fold(0.0, f64::max)
-                });
+                let pairs = coarse.force_n.iter().zip(&fine.force_n);
+                let miss = pairs.map(|(a, b)| (a - b).abs() / peak).fold(0.0, f64::max);
+                worst = worst.max(miss);
                 if miss > AGREE {
                     wrong.push(format!("{draw:.2?}: the meshes differ by {:.2} %", 100.0 * miss));
                 }
@@ -85,7 +89,7 @@ fn draws_from_the_promised_region_are_solved_or_refused_by_name() {
             }
         }
     }
-    println!("{solved} of {DRAWS} solved");
+    println!("{solved} of {DRAWS} solved; meshes differ by {:.2} % of the peak at most", 100.0 * worst);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(solved as f64 >= SOLVED * DRAWS as f64, "{solved} of {DRAWS}");
 }
