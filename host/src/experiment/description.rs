@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 
 use super::error::{ExperimentError, Problem};
 use super::recording::{self, Need};
@@ -45,10 +45,7 @@ impl Default for Format {
 
 pub(super) fn experiment(file: &Path, text: &str) -> Result<Experiment, ExperimentError> {
     let document = Document { file, text };
-    let root = DeTable::parse(text).map_err(|cause| {
-        let problem = Problem::Syntax(cause.message().to_owned());
-        document.error(cause.span().unwrap_or(0..0), problem)
-    })?;
+    let root = document.table()?;
     let root = Section::new(document, "the file".to_owned(), 0..0, root.get_ref());
     root.only(&["name", "columns", "format", "specimen", "indenter", "sensor", "run"])?;
     let folder = file.parent().map(Path::to_owned).unwrap_or_default();

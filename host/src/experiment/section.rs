@@ -16,7 +16,15 @@ pub(crate) struct Document<'a> {
     pub text: &'a str,
 }
 
-impl Document<'_> {
+impl<'a> Document<'a> {
+    /// The whole file as a table; what is no TOML is an error at its place.
+    pub fn table(&self) -> Result<Spanned<DeTable<'a>>, ExperimentError> {
+        DeTable::parse(self.text).map_err(|cause| {
+            let problem = Problem::Syntax(cause.message().to_owned());
+            self.error(cause.span().unwrap_or(0..0), problem)
+        })
+    }
+
     pub fn error(&self, span: Range<usize>, problem: Problem) -> ExperimentError {
         ExperimentError::of_text(self.file, self.text, span, problem)
     }

@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::path::Path;
 
 use lut_gen::sweep::{Parameter, Spacing, SweepAxis, SweepBase, SweepLaw, SweepMotion, SweepSpec};
-use toml::de::DeTable;
 
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{ExperimentError, Problem};
@@ -46,10 +45,7 @@ pub fn read(file: &Path) -> Result<SweepSpec, ExperimentError> {
 /// As [`read`].
 pub fn parse(file: &Path, text: &str) -> Result<SweepSpec, ExperimentError> {
     let document = Document { file, text };
-    let root = DeTable::parse(text).map_err(|cause| {
-        let problem = Problem::Syntax(cause.message().to_owned());
-        document.error(cause.span().unwrap_or(0..0), problem)
-    })?;
+    let root = document.table()?;
     let root = Section::new(document, "the file".to_owned(), 0..0, root.get_ref());
     root.only(&["name", "law", "specimen", "indenter", "material", "motion", "solve", "axis"])?;
     let stem = file.file_stem().map_or("sweep".into(), |n| n.to_string_lossy().into_owned());

@@ -1,6 +1,7 @@
 //! Iterative solution of an unsymmetric system with a good preconditioner.
 
-fn dot(x: &[f64], y: &[f64]) -> f64 {
+/// Scalar product.
+pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 

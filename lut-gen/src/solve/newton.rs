@@ -1,5 +1,6 @@
 //! Newton's method for one step, with corrections by the last factor in between.
 
+use super::krylov::dot;
 use super::{History, Matrix, SolveError, State, Step, System};
 use crate::law::{Material, Relaxation};
 
@@ -153,10 +154,6 @@ const LEAST_SCALE: f64 = 1e-3;
 
 fn norm(x: &[f64]) -> f64 {
     dot(x, x).sqrt()
-}
-
-fn dot(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
 /// Where corrections on trust began.

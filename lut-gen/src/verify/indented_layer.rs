@@ -5,7 +5,8 @@ use crate::contact::{Ball, Interface, Penalty, Surface};
 use crate::element::Quadrature;
 use crate::law::{Hyperfoam, Law, Term};
 use crate::mesh::{BlockMesh, graded};
-use crate::solve::{Course, Motion, Newton, SolveError, Station, Stepping, System};
+use crate::model::Record;
+use crate::solve::{Course, Motion, Newton, SolveError, Stepping, System};
 
 /// Ball radius over thickness: a contact as wide as the layer is thick is then 1/400 of the ball,
 /// and strains are of that order.
@@ -61,8 +62,10 @@ impl IndentedLayer {
             hertz: 1.0,
             label: &format!("thin layer, nu {}", layer.nu),
         };
-        let path = course.follow(&mut ())?;
-        let stations = path.stations.windows(3).map(|w| (w[1].depth_mm, w[1].force_n + energy_slope(w))).collect();
+        let record = Record::new(course.follow(&mut ())?);
+        // the ends have no neighbour on one side
+        let inner = 1..record.stations.len().saturating_sub(1).max(1);
+        let stations = inner.map(|i| (record.stations[i].depth_mm, record.force_n[i])).collect();
         Ok(Self { layer, radius_mm: ball.radius_mm, stations })
     }
 
@@ -73,11 +76,4 @@ impl IndentedLayer {
         let values = self.stations.iter().filter_map(|&(d, f)| measure(chi(d), d, f));
         values.reduce(f64::max).unwrap_or(f64::NAN)
     }
-}
-
-/// `dE/dd` of the penalty's energy at the middle of three stations: hard contact has `F = F_k + dE/dd`.
-fn energy_slope(w: &[Station]) -> f64 {
-    let rise = |a: &Station, b: &Station| (b.penalty_energy - a.penalty_energy) / (b.depth_mm - a.depth_mm);
-    let (before, after) = (w[1].depth_mm - w[0].depth_mm, w[2].depth_mm - w[1].depth_mm);
-    (rise(&w[0], &w[1]) * after + rise(&w[1], &w[2]) * before) / (before + after)
 }
