@@ -65,22 +65,24 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Identification) {
     if let Some(fit) = &found.fit {
         page.section("Data and fit");
         overview(page, experiment, found, fit);
-        inside(page, experiment, found);
+        inside(page, found);
         page.section("Runs");
         for run in &fit.runs {
             one_run(page, experiment, found, run);
         }
-        page.section("Objective");
-        page.figure(
-            &map::svg("Objective over alpha and mu", &fit.search),
-            "Sum of absolute force differences (Eq. 14) on the first grid of MultiStart, contact points and free heights at their best; lines: simplex paths.",
-        );
+        if let Some(search) = &fit.search {
+            page.section("Objective");
+            page.figure(
+                &map::svg("Objective over alpha and mu", search),
+                "Sum of absolute force differences (Eq. 14) on the first grid of MultiStart, contact points and free heights at their best; lines: simplex paths.",
+            );
+        }
     }
 }
 
 /// The specimen at the deepest point, computed with what was found.
-fn inside(page: &mut Page, experiment: &Experiment, found: &Identification) {
-    match deepest_field(experiment, found) {
+fn inside(page: &mut Page, found: &Identification) {
+    match deepest_field(found) {
         None => {}
         Some(Err(cause)) => page.warning(&format!("The inside of the specimen is not shown: {cause}.")),
         Some(Ok(field)) => {
