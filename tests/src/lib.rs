@@ -3,5 +3,6 @@
 
 pub mod document;
 pub mod golden;
+pub mod recovery;
 pub mod reference;
 pub mod samples;

@@ -31,6 +31,8 @@ const MODULUS_FACTOR: f64 = 300.0;
 const SAME_RATE: f64 = 0.05;
 const SAME_DEPTH: f64 = 0.03;
 const SAME_HOLD: f64 = 0.2;
+/// How much deeper than the guess of the contact says a ramp is solved, in ball radii.
+const MARGIN: f64 = 0.03;
 /// Shortest relaxation time searched, in durations of the shortest ramp, and longest, in durations of the longest run.
 const TAU: (f64, f64) = (0.02, 5.0);
 
@@ -105,7 +107,7 @@ fn conditions(experiment: &Experiment, selection: &Selection, relaxing: bool) ->
                 indenter: pairing.indenter,
                 block: block(experiment, selection, pairing),
                 ball_mm: pairing.ball_mm,
-                depth_mm: if relaxing { depth_mm } else { pairing.depth_mm },
+                depth_mm: if relaxing { depth_mm } else { 0.0 },
                 rate_mm_s: if relaxing { data.rate_mm_per_s } else { 1.0 },
                 hold_s,
                 source: Source::Solves(Resolution::Standard),
@@ -118,6 +120,12 @@ fn conditions(experiment: &Experiment, selection: &Selection, relaxing: bool) ->
             conditions.len() - 1
         });
         conditions[at].hold_s = conditions[at].hold_s.max(hold_s);
+        if !relaxing {
+            // A contact that is found earlier than guessed lets the ball go deeper; past the ramp's end the curve goes on straight.
+            let pairing = &selection.pairings[data.pairing];
+            let reach = (depth_mm + MARGIN * pairing.ball_mm).min(pairing.depth_mm);
+            conditions[at].depth_mm = conditions[at].depth_mm.max(reach);
+        }
         condition_of.push(at);
     }
     (conditions, condition_of)
