@@ -7,9 +7,7 @@ use lut_gen::contact::Ball;
 use lut_gen::law::Hyperfoam;
 use lut_gen::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen as Block};
 use lut_gen::solve::SolveError;
-use palpate::experiment::{
-    self, Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test,
-};
+use palpate::experiment::{self, Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
 use palpate::identify::newton::condition::{Condition, Source};
 use palpate::identify::newton::likelihood::standard_errors;
 use palpate::identify::newton::problem::Weight;

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use miette::{IntoDiagnostic, WrapErr};
 
 use crate::experiment;
+use crate::identify::newton::verdict::Standing;
 use crate::identify::spec::{Extra, FitSpec, FittedLaw, Loss, Method, Own};
 use crate::identify::{self, Identification};
 use crate::report::{self, number};
@@ -115,18 +116,26 @@ impl Arguments {
             }),
             terms: fit.terms.map(usize::from),
             relaxation: usize::from(fit.relax),
-            free: fit.free.iter().map(|extra| match extra {
-                ExtraWord::Nu => Extra::Nu,
-                ExtraWord::Friction => Extra::Friction,
-                ExtraWord::Height => Extra::Height,
-                ExtraWord::BallRadius => Extra::BallRadius,
-            }).collect(),
+            free: fit
+                .free
+                .iter()
+                .map(|extra| match extra {
+                    ExtraWord::Nu => Extra::Nu,
+                    ExtraWord::Friction => Extra::Friction,
+                    ExtraWord::Height => Extra::Height,
+                    ExtraWord::BallRadius => Extra::BallRadius,
+                })
+                .collect(),
             nu: fit.nu,
             friction: fit.friction,
-            own: fit.own.iter().map(|own| match own {
-                OwnWord::Mu => Own::Mu,
-                OwnWord::Alpha => Own::Alpha,
-            }).collect(),
+            own: fit
+                .own
+                .iter()
+                .map(|own| match own {
+                    OwnWord::Mu => Own::Mu,
+                    OwnWord::Alpha => Own::Alpha,
+                })
+                .collect(),
             loss: match fit.loss {
                 LossWord::Squares => Loss::Squares,
                 LossWord::Huber => Loss::Huber,
@@ -151,7 +160,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let progress = Progress::new();
     let found = identify::identify(&experiment, &spec, &|what: &str, done, total| {
         progress.set(what, done, total);
-    })?;
+    });
+    progress.end();
+    let found = found?;
     for message in found.iter().flat_map(|one| &one.messages) {
         eprintln!("{message}");
     }
@@ -187,18 +198,27 @@ fn print(found: &Identification) {
     println!("outcome          {}", found.outcome.word());
     let Some(fit) = &found.fit else { return };
     for parameter in &fit.parameters {
+        let standing = match (&parameter.verdict, parameter.at_bound, parameter.derived) {
+            (_, true, _) => "on a bound",
+            (_, _, true) => "follows from the others",
+            (Some(verdict), ..) => match verdict.standing {
+                Standing::Identified => "identified",
+                Standing::InCombination => "only in combination",
+                Standing::NotIdentifiable => "not identifiable",
+            },
+            (None, ..) => "",
+        };
         println!(
-            "{:16} {:10}  95 %: {} to {}{}",
+            "{:16} {:10}  95 %: {} to {}  {standing}",
             parameter.name,
             number(parameter.value),
             number(parameter.interval95.low),
             number(parameter.interval95.high),
-            if parameter.at_bound { "  (on a bound)" } else { "" }
         );
     }
     println!("residual         {} N rms, noise {} N", number(fit.rmse_n), number(fit.noise.sigma_n));
     if let Some(check) = found.direct_check {
-        println!("direct solve     within {} % of the model", number(100.0 * check));
+        println!("last solve       within {} % of what was expected of it", number(100.0 * check));
     }
     println!("solves           {} in {:.1} s", found.fe_solves, found.seconds);
 }

@@ -150,7 +150,8 @@ pub fn by_newton(problem: &Problem<'_>, newton: Newton) -> Fit {
         })
         .collect();
     let fitted: Vec<&RunFit> = runs.iter().filter(|run| !selection.curves[run.curve].hold_out).collect();
-    let residuals: Vec<Vec<f64>> = fitted.iter().map(|run| run.residual(&selection.curves[run.curve]).residual_n).collect();
+    let residuals: Vec<Vec<f64>> =
+        fitted.iter().map(|run| run.residual(&selection.curves[run.curve]).residual_n).collect();
     let deepest = fitted
         .iter()
         .map(|run| {

@@ -356,7 +356,9 @@ fn assumptions(experiment: &Experiment, selection: &Selection, material: &str, s
             spec.friction
         ),
         (0, true) => "no rate dependence: only the first loading branch is used".to_owned(),
-        (n, _) => format!("{n} Prony terms (thesis Eqs. 10 to 13); the first loading branch and the hold after it are used"),
+        (n, _) => {
+            format!("{n} Prony terms (thesis Eqs. 10 to 13); the first loading branch and the hold after it are used")
+        }
     });
     list.push("force zero and gain of the sensor are trusted; the contact point of every run is fitted".to_owned());
     let mut specimens: Vec<usize> = selection.pairings.iter().map(|p| p.specimen).collect();

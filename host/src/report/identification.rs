@@ -17,7 +17,7 @@ const GRAVE: [&str; 5] = ["systematically", "lies on a bound", "not used", "faul
 pub fn page(experiment: &Experiment, found: &[Identification]) -> Page {
     let mut page = Page::new(
         &format!("Identification: {}", experiment.name),
-        "Finite elements fitted to the first loading branch of every indentation run. Units: mm, N, MPa, s.",
+        "Finite elements fitted to the first loading branch of every indentation run, and to the hold after it for a relaxing material. Units: mm, N, MPa, s.",
     );
     if found.is_empty() {
         page.warning("The experiment holds no indentation run into a soft specimen.");
@@ -97,15 +97,20 @@ fn inside(page: &mut Page, found: &Identification) {
 
 /// Name, value, interval, bounds and a word of warning.
 fn parameter_row(parameter: &Parameter) -> Vec<String> {
-    let range = |(low, high): (f64, f64)| format!("{} to {}", number(low), number(high));
+    let range = |(low, high): (f64, f64)| match low.is_finite() && high.is_finite() {
+        true => format!("{} to {}", number(low), number(high)),
+        false => String::new(),
+    };
     vec![
         parameter.name.clone(),
         number(parameter.value),
         range((parameter.interval95.low, parameter.interval95.high)),
         range(parameter.bounds),
-        match (parameter.at_bound, parameter.fills_its_bounds()) {
-            (true, _) => "on a bound".to_owned(),
-            (_, true) => "not determined".to_owned(),
+        match (&parameter.verdict, parameter.at_bound, parameter.derived, parameter.fills_its_bounds()) {
+            (_, true, ..) => "on a bound".to_owned(),
+            (_, _, true, _) => "follows from the others".to_owned(),
+            (Some(verdict), ..) => verdict.sentence.clone(),
+            (None, .., true) => "not determined".to_owned(),
             _ => String::new(),
         },
     ]
@@ -120,7 +125,7 @@ fn figures_of_fit(found: &Identification, fit: &Fit) -> Vec<Vec<String>> {
         row("error bound of the model, of the largest force (%)", number(100.0 * fit.model_error)),
     ];
     if let Some(check) = found.direct_check {
-        rows.push(row("direct solve at the optimum differs from it by (%)", number(100.0 * check)));
+        rows.push(row("last solve differs from what was expected of it by (%)", number(100.0 * check)));
     }
     rows.push(row("finite element solves", found.fe_solves.to_string()));
     rows.push(row("time (s)", number(found.seconds)));

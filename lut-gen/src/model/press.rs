@@ -101,7 +101,11 @@ impl Simulation {
     fn ramp_and_hold(&self) -> Result<(Self, f64, f64), SolveError> {
         let refuse = || {
             let count = self.motion.segments.len() as f64;
-            SolveError::parameter("segments of the motion", count, "but a press is a ramp from touch and at most one hold")
+            SolveError::parameter(
+                "segments of the motion",
+                count,
+                "but a press is a ramp from touch and at most one hold",
+            )
         };
         let mut ramp = self.clone();
         let held = match self.motion.segments.as_slice() {

@@ -95,8 +95,7 @@ impl Condition {
     /// What the solver says; it names the case.
     pub fn solve(&self, base: &Values, unknowns: &[Unknown], point: &[f64]) -> Result<(Node, f64), SolveError> {
         let x = self.local(point);
-        let mut values =
-            Values { height_mm: self.block.height_mm, ball_mm: self.ball_mm, mu_mpa: 1.0, ..base.clone() };
+        let mut values = Values { height_mm: self.block.height_mm, ball_mm: self.ball_mm, mu_mpa: 1.0, ..base.clone() };
         for &at in &self.locals {
             values.set(unknowns[at].kind, unknowns[at].value(point[at]));
         }

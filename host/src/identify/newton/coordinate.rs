@@ -184,7 +184,8 @@ impl Values {
             }
             FittedLaw::Ogden => {
                 let d = |at: usize| if at == 0 { self.compressibility / mu_mpa } else { 0.0 };
-                let terms = terms.enumerate().map(|(at, (mu_mpa, alpha))| OgdenTerm { mu_mpa, alpha, d_per_mpa: d(at) });
+                let terms =
+                    terms.enumerate().map(|(at, (mu_mpa, alpha))| OgdenTerm { mu_mpa, alpha, d_per_mpa: d(at) });
                 Ogden::new(terms.collect())?.into()
             }
         };

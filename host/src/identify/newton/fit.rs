@@ -128,9 +128,8 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     let moved = problem.moved_by_model(&found.minimum, model_error);
     let spans = spans(problem, &found.minimum, &ends, &moved);
     let verdicts = judge(&found.minimum.at.hessian, &judged(&problem.unknowns, &spans));
-    let correlation = covariance(&found.minimum.at.hessian).map(|c| {
-        DMatrix::from_fn(c.nrows(), c.ncols(), |i, j| c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt())
-    });
+    let correlation = covariance(&found.minimum.at.hessian)
+        .map(|c| DMatrix::from_fn(c.nrows(), c.ncols(), |i, j| c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt()));
     Ok(Newton {
         supports: ends.iter().flat_map(|(low, high)| [low.support.clone(), high.support.clone()]).collect(),
         minimum: found.minimum,
@@ -206,7 +205,8 @@ impl super::condition::Condition {
 impl Problem<'_> {
     /// Both ends of every coordinate's interval.
     fn ends(&self, minimum: &Minimum, errors: &[f64]) -> Vec<(End, End)> {
-        let both = |axis: usize| (self.end(minimum, axis, errors[axis], -1.0), self.end(minimum, axis, errors[axis], 1.0));
+        let both =
+            |axis: usize| (self.end(minimum, axis, errors[axis], -1.0), self.end(minimum, axis, errors[axis], 1.0));
         (0..self.unknowns.len()).map(both).collect()
     }
 
@@ -242,9 +242,8 @@ impl Problem<'_> {
                 continue;
             }
             let of_condition: Vec<usize> = self.fitted().filter(|curve| self.condition_of[*curve] == at).collect();
-            let shift = |curve: &usize| {
-                self.selection.curves[*curve].contact.contact_mm - self.contact(*curve, &tracks[at])
-            };
+            let shift =
+                |curve: &usize| self.selection.curves[*curve].contact.contact_mm - self.contact(*curve, &tracks[at]);
             let mean = of_condition.iter().map(shift).sum::<f64>() / of_condition.len().max(1) as f64;
             let condition = &mut self.conditions[at];
             if mean.abs() > MOVED * condition.depth_mm {

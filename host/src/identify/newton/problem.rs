@@ -166,8 +166,7 @@ impl Problem<'_> {
 
     fn quadratic_on(&self, point: &[f64], tracks: Vec<Track>) -> Quadratic {
         let count = self.unknowns.len();
-        let mut sum =
-            Quadratic { value: 0.0, gradient: DVector::zeros(count), hessian: DMatrix::zeros(count, count) };
+        let mut sum = Quadratic { value: 0.0, gradient: DVector::zeros(count), hessian: DMatrix::zeros(count, count) };
         if tracks.len() < self.conditions.len() {
             sum.value = f64::INFINITY;
             return sum;
@@ -239,8 +238,10 @@ impl Problem<'_> {
 
 /// Measured against modelled forces at a contact point.
 pub fn compare(data: &LoadingCurve, track: &Track, contact_mm: f64) -> Compared {
-    let mut compared =
-        Compared { residual_n: Vec::with_capacity(data.force_n.len()), by_contact: Vec::with_capacity(data.force_n.len()) };
+    let mut compared = Compared {
+        residual_n: Vec::with_capacity(data.force_n.len()),
+        by_contact: Vec::with_capacity(data.force_n.len()),
+    };
     for (force, (model, slope)) in data.force_n.iter().zip(modelled(data, track, contact_mm)) {
         compared.residual_n.push(force - model);
         compared.by_contact.push(-slope);

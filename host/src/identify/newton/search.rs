@@ -55,10 +55,8 @@ impl Problem<'_> {
             .flat_map(|at| points.iter().map(move |point| (at, point)))
             .filter(|(at, point)| !self.conditions[*at].knows(point))
             .collect();
-        let solved: Vec<_> = jobs
-            .par_iter()
-            .map(|(at, point)| (*at, self.conditions[*at].solve(base, unknowns, point)))
-            .collect();
+        let solved: Vec<_> =
+            jobs.par_iter().map(|(at, point)| (*at, self.conditions[*at].solve(base, unknowns, point))).collect();
         let mut first = Ok(());
         for (at, outcome) in solved {
             let condition = &mut self.conditions[at];
@@ -157,9 +155,7 @@ impl Problem<'_> {
     /// True when a step is nothing beside the standard errors.
     fn rests(&self, from: &[f64], aim: &Minimum) -> bool {
         let region = self.region();
-        let still = (0..from.len()).all(|i| {
-            (aim.x[i] - from[i]).abs() <= NO_STEP * (region.high[i] - region.low[i])
-        });
+        let still = (0..from.len()).all(|i| (aim.x[i] - from[i]).abs() <= NO_STEP * (region.high[i] - region.low[i]));
         if still {
             return true;
         }

@@ -183,7 +183,8 @@ fn unknowns(
     for &at in &specimens {
         let deepest = selection.pairings.iter().filter(|p| p.specimen == at).map(|p| p.depth_mm).fold(0.0, f64::max);
         let specimen = &experiment.specimens[at];
-        let name = if specimens.len() == 1 { "height_mm".to_owned() } else { format!("height_mm of {}", specimen.name) };
+        let name =
+            if specimens.len() == 1 { "height_mm".to_owned() } else { format!("height_mm of {}", specimen.name) };
         let free = selection.pairings.iter().find_map(|p| match p.height {
             Height::Free(n) if p.specimen == at => selection.heights.get(n),
             _ => None,

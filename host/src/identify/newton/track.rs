@@ -22,8 +22,16 @@ impl Track {
     #[must_use]
     pub fn new(depth_max_mm: f64, hold_s: f64, values: &[f64], ln_mu: f64) -> Self {
         let (ramp, held) = values.split_at(RAMP_NODES.min(values.len()));
-        let hold = if held.is_empty() { Vec::new() } else { std::iter::once(0.0).chain(held.iter().copied()).collect() };
-        Self { depth_max_mm, coefficients: Press::ramp_axis().coefficients(ramp), ln_mu, hold_s, hold, error: (0.0, 0.0) }
+        let hold =
+            if held.is_empty() { Vec::new() } else { std::iter::once(0.0).chain(held.iter().copied()).collect() };
+        Self {
+            depth_max_mm,
+            coefficients: Press::ramp_axis().coefficients(ramp),
+            ln_mu,
+            hold_s,
+            hold,
+            error: (0.0, 0.0),
+        }
     }
 
     /// The same with an error of the force: `size F_peak x cos(waves pi x)`, `x = d / d_max`. Errors of the simulation are
@@ -78,7 +86,8 @@ impl Track {
         let t = x - first as f64;
         let p = &self.hold[first..first + 4];
         let (t1, t2, t3) = (t - 1.0, t - 2.0, t - 3.0);
-        let ln = -p[0] * t1 * t2 * t3 / 6.0 + p[1] * t * t2 * t3 / 2.0 - p[2] * t * t1 * t3 / 2.0 + p[3] * t * t1 * t2 / 6.0;
+        let ln =
+            -p[0] * t1 * t2 * t3 / 6.0 + p[1] * t * t2 * t3 / 2.0 - p[2] * t * t1 * t3 / 2.0 + p[3] * t * t1 * t2 / 6.0;
         ln.exp()
     }
 }

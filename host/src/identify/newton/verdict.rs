@@ -80,18 +80,18 @@ fn one(hessian: &DMatrix<f64>, covariance: Option<&DMatrix<f64>>, parameters: &[
     let tied_to = partners(hessian, covariance, parameters, at);
     let names: Vec<&str> = tied_to.iter().map(|at| parameters[*at].name.as_str()).collect();
     let (standing, sentence) = if !wide {
-        let together = if tied_to.is_empty() {
-            String::new()
-        } else {
-            format!("; its error moves with {}", names.join(" and "))
-        };
+        let together =
+            if tied_to.is_empty() { String::new() } else { format!("; its error moves with {}", names.join(" and ")) };
         (Standing::Identified, format!("{} is identified{together}", own.name))
     } else if alone_wide || tied_to.is_empty() {
         let sentence = format!("{} is not identifiable from these runs: they hardly change with it", own.name);
         (Standing::NotIdentifiable, sentence)
     } else {
-        let sentence =
-            format!("{} is known only in combination with {}: one makes up for the other", own.name, names.join(" and "));
+        let sentence = format!(
+            "{} is known only in combination with {}: one makes up for the other",
+            own.name,
+            names.join(" and ")
+        );
         (Standing::InCombination, sentence)
     };
     Verdict { standing, sentence, tied_to }

@@ -54,12 +54,12 @@ impl Problem<'_> {
                 };
                 // The residual has lost what the parameters and the contact point took.
                 let count = residuals[at].residual_n.len() as f64;
-                let lost = if noise.source == NoiseSource::Residual { (count / (count - free).max(1.0)).sqrt() } else { 1.0 };
+                let lost =
+                    if noise.source == NoiseSource::Residual { (count / (count - free).max(1.0)).sqrt() } else { 1.0 };
                 Noise { sigma_n: (lost * noise.sigma_n).max(floor(&self.selection.curves[at].force_n)), ..noise }
             })
             .collect();
-        self.weights =
-            noises.iter().map(|n| Weight { sigma_n: n.sigma_n, correlated: n.correlated_samples }).collect();
+        self.weights = noises.iter().map(|n| Weight { sigma_n: n.sigma_n, correlated: n.correlated_samples }).collect();
         noises
     }
 }
