@@ -17,10 +17,10 @@ fn it_follows_the_curves_between_rows_and_columns_in_both_forms() {
                 let (mu, alpha, depth) = (0.001 + 0.3 * chance.even(), 1.0 + 23.0 * chance.even(), 4.0 * chance.even());
                 let force = surface.at(mu as f32, alpha as f32, depth as f32).unwrap();
                 let exact = |d: f64| mu * shape_mm2(alpha, 19.05, d);
-                // The made-up family bends most at the low end of alpha: 4e-5 there, rounding to counts included.
+                // The made-up family bends most at the low end of alpha, more than foams do: 2e-4 between 1 and 1.8.
                 let off = (f64::from(force.force_n) - exact(depth)).abs() / exact(4.0);
-                assert!(off < 6e-5, "{alpha} {depth}: {off}");
-                assert!((f64::from(force.by_mu) - exact(depth) / mu).abs() < 6e-5 * exact(4.0) / mu);
+                assert!(off < 3e-4, "{alpha} {depth}: {off}");
+                assert!((f64::from(force.by_mu) - exact(depth) / mu).abs() < 3e-4 * exact(4.0) / mu);
             }
         });
     }
