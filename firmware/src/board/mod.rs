@@ -295,7 +295,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
             depth_mm: self.palpation.depth_mm(self.measured.probe_mm),
             force_n: self.measured.load_cell_n,
             contact: self.palpation.has_contact(),
-            no_such_height: progress == Progress::NoSuchHeight,
+            no_slice: progress.refused(),
             record_full: progress == Progress::Full,
             analysed,
             faulted: !self.safety.latched().is_empty(),

@@ -12,9 +12,10 @@
 
 use super::record::Record;
 use crate::contact::LeastOnLine;
+use crate::profile::{Fitted, ProfileSearch};
 use crate::recognition::Comparison;
-use crate::search::{MAX_FACTORS, Search, Shapes, Slice};
-use protocol::lut::{Table, axis_name};
+use crate::search::{Search, Shapes, Slice};
+use protocol::lut::Table;
 use protocol::message::Recognition;
 
 /// How the analysis is divided.
@@ -83,8 +84,8 @@ impl Line {
     fn step(&mut self, table: &Table<'_>, shapes: Shapes, record: &Record) -> bool {
         // Samples that lie in the table at every height tried, so that all heights are judged on the same samples.
         let lowest_mm = self.top_mm - table.depth_max_mm();
-        let products = Products::sum(table, shapes, record, lowest_mm, self.least.next_x());
-        self.least.put(products.least().1);
+        let profile = profile(table, shapes, record, lowest_mm, self.least.next_x());
+        self.least.put(profile.least().1);
         self.least.taken() >= u16::from(self.places)
     }
 }
@@ -150,7 +151,8 @@ impl Analysis {
             Phase::Fine(line) => {
                 if line.step(table, self.shapes, record) {
                     let height_mm = line.least.result().0;
-                    self.fitted = fit(table, self.shapes, record, height_mm);
+                    let lowest_mm = height_mm - table.depth_max_mm();
+                    self.fitted = profile(table, self.shapes, record, lowest_mm, height_mm).found(table);
                     search.reset();
                     self.phase = Phase::Searching { height_mm, next: 0 };
                 }
@@ -202,91 +204,11 @@ fn compare(
     comparison.step(table, samples.map(|s| (at_mm - s.probe_mm, s.force_n)));
 }
 
-/// Sums over the record that amplitude and misfit of every shape follow from.
-struct Products {
-    /// `sum F^2`, N^2.
-    total_n2: f32,
-    /// `sum f^2` and `sum f F` of every shape.
-    shapes: [(f32, f32); MAX_FACTORS],
-    count: usize,
-}
-
-impl Products {
-    /// For one contact height, over the samples at or above `lowest_mm`.
-    fn sum(table: &Table<'_>, shapes: Shapes, record: &Record, lowest_mm: f32, height_mm: f32) -> Self {
-        let mut products =
-            Products { total_n2: 0.0, shapes: [(0.0, 0.0); MAX_FACTORS], count: shapes.count.min(MAX_FACTORS) };
-        for sample in record.samples().iter().filter(|s| s.probe_mm >= lowest_mm) {
-            products.total_n2 += sample.force_n * sample.force_n;
-            let Some(position) = table.locate(height_mm - sample.probe_mm) else {
-                continue;
-            };
-            let forces = table.forces_n(position, shapes.columns()).step_by(shapes.stride);
-            for ((ff, fm), f) in products.shapes.iter_mut().zip(forces) {
-                *ff += f * f;
-                *fm += f * sample.force_n;
-            }
-        }
-        products
+/// Sums over the record for one contact height, over the samples at or above `lowest_mm`.
+fn profile(table: &Table<'_>, shapes: Shapes, record: &Record, lowest_mm: f32, height_mm: f32) -> ProfileSearch {
+    let mut profile = ProfileSearch::over(shapes);
+    for sample in record.samples().iter().filter(|s| s.probe_mm >= lowest_mm) {
+        profile.step(table, height_mm - sample.probe_mm, sample.force_n);
     }
-
-    /// Squares left by shape number `i` at its best amplitude, N^2.
-    fn misfit_n2(&self, i: usize) -> Option<f32> {
-        let (ff, fm) = self.shapes.get(..self.count)?.get(i)?;
-        (*ff > 0.0 && *fm > 0.0).then(|| self.total_n2 - fm * fm / ff)
-    }
-
-    /// Best amplitude of shape number `i`.
-    fn amplitude(&self, i: usize) -> Option<f32> {
-        let (ff, fm) = self.shapes.get(..self.count)?.get(i)?;
-        (*ff > 0.0).then(|| fm / ff)
-    }
-
-    /// The least misfit along the shapes, which are in the order of alpha: place (a fraction between shapes) and value, N^2. The parabola
-    /// makes it smooth in the contact height, where a plain minimum would have a corner for every shape.
-    fn least(&self) -> (f32, f32) {
-        let mut line = LeastOnLine::new(0.0, 1.0);
-        for i in 0..self.count {
-            line.put(self.misfit_n2(i).unwrap_or(self.total_n2));
-        }
-        let (place, misfit_n2) = line.result();
-        (crate::number::limit(place, 0.0, self.count.saturating_sub(1) as f32), misfit_n2)
-    }
-}
-
-/// Parameters between the columns of the grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fitted {
-    /// Shear modulus, MPa.
-    pub mu_mpa: f32,
-    /// Exponent.
-    pub alpha: f32,
-    /// True if the least misfit lies at the edge of the grid in alpha, or mu beyond the grid.
-    pub at_edge: bool,
-}
-
-/// mu and alpha by least squares at the refined contact point: mu from the amplitude, alpha from the parabola through the least misfit
-/// and its neighbours. `None` for a table without these axes.
-fn fit(table: &Table<'_>, shapes: Shapes, record: &Record, height_mm: f32) -> Option<Fitted> {
-    let products = Products::sum(table, shapes, record, height_mm - table.depth_max_mm(), height_mm);
-    let (place, _) = products.least();
-    let below = place as usize;
-    let above = (below + 1).min(products.count.saturating_sub(1));
-    let weight = place - below as f32;
-    let between = |value: &dyn Fn(usize) -> Option<f32>| {
-        let (low, high) = (value(below)?, value(above)?);
-        Some(low + weight * (high - low))
-    };
-    let column = |i: usize| shapes.first + i * shapes.stride;
-    let unit_mpa = |i: usize| match table.factor() {
-        Some(_) => Some(1.0),
-        None => table.column_value(column(i), axis_name::MU),
-    };
-    let alpha = between(&|i| table.column_value(column(i), axis_name::ALPHA))?;
-    let mu_mpa = between(&|i| Some(unit_mpa(i)? * products.amplitude(i)?))?;
-    let mus = table.axis(axis_name::MU)?;
-    let mu_inside = mu_mpa >= mus.value(0) && mu_mpa <= mus.value(mus.len().saturating_sub(1));
-    let best = (place + 0.5) as usize;
-    let alpha_inside = products.count == 1 || (best > 0 && best + 1 < products.count);
-    Some(Fitted { mu_mpa, alpha, at_edge: !(mu_inside && alpha_inside) })
+    profile
 }

@@ -11,9 +11,10 @@ mod record;
 pub use record::{RECORD_LEN, Record};
 
 use crate::contact::{Contact, ContactConfig, ContactPoint, Sample};
+use crate::profile::Fitted;
 use crate::recognition::NOT_RECOGNISED;
-use crate::search::{Found, Search, Slice};
-use analysis::{Analysis, Fitted};
+use crate::search::{Found, NoSlice, Search, Slice, Tolerance};
+use analysis::Analysis;
 use protocol::lut::Table;
 use protocol::message::{Outcome, Recognition, Verdict};
 
@@ -22,8 +23,8 @@ use protocol::message::{Outcome, Recognition, Verdict};
 pub struct PalpationConfig {
     /// Contact detection.
     pub contact: ContactConfig,
-    /// How far the specimen's height may be from the nearest slice of the table, mm.
-    pub height_tolerance_mm: f32,
+    /// How far specimen and rate may be from the nearest slice of the table.
+    pub tolerance: Tolerance,
     /// Fewest samples for a verdict.
     pub samples_min: u16,
     /// Buffered samples that the search catches up with in one tick.
@@ -36,7 +37,7 @@ impl Default for PalpationConfig {
     fn default() -> Self {
         PalpationConfig {
             contact: ContactConfig::default(),
-            height_tolerance_mm: 1.0,
+            tolerance: Tolerance::default(),
             samples_min: 10,
             catch_up: 4,
             analysis: analysis::AnalysisConfig::default(),
@@ -49,6 +50,8 @@ impl Default for PalpationConfig {
 pub struct Palpation {
     contact: Contact,
     point: Option<ContactPoint>,
+    /// Commanded rate, mm/s.
+    rate_mm_s: f32,
     #[cfg(test)]
     first_mm: f32,
     slice: Option<Slice>,
@@ -72,10 +75,23 @@ pub enum Progress {
     Contact,
     /// Contact found in this tick, but no slice of the table is near the specimen's height.
     NoSuchHeight,
+    /// Contact found in this tick, but no slice of the table is near the commanded rate.
+    NoSuchRate,
     /// In contact.
     Pressing,
     /// The record is full: as good as at depth.
     Full,
+}
+
+impl Progress {
+    /// How a palpation ends that no slice of the table serves.
+    pub const fn refused(self) -> Option<Outcome> {
+        match self {
+            Progress::NoSuchHeight => Some(Outcome::NoSuchHeight),
+            Progress::NoSuchRate => Some(Outcome::NoSuchRate),
+            Progress::Approaching | Progress::Contact | Progress::Pressing | Progress::Full => None,
+        }
+    }
 }
 
 impl Palpation {
@@ -84,6 +100,7 @@ impl Palpation {
         Palpation {
             contact: Contact::new(),
             point: None,
+            rate_mm_s: 0.0,
             #[cfg(test)]
             first_mm: 0.0,
             slice: None,
@@ -98,8 +115,9 @@ impl Palpation {
         }
     }
 
-    /// Forgets the last palpation.
-    pub fn start(&mut self) {
+    /// Forgets the last palpation; the next one goes at `rate_mm_s`.
+    pub fn start(&mut self, rate_mm_s: f32) {
+        self.rate_mm_s = rate_mm_s;
         self.contact = Contact::new();
         self.point = None;
         self.slice = None;
@@ -148,10 +166,8 @@ impl Palpation {
         {
             self.first_mm = point.height_mm;
         }
-        let near = Slice::for_height(table, point.height_mm).filter(|slice| {
-            slice.height_mm == 0.0 || (slice.height_mm - point.height_mm).abs() <= config.height_tolerance_mm
-        });
-        self.slice = near;
+        let near = Slice::choose(table, point.height_mm, self.rate_mm_s, &config.tolerance);
+        self.slice = near.ok();
         // The record begins a little before contact: the refinement needs to see the flat part.
         let from_mm = point.height_mm + config.analysis.lead_mm;
         for i in 0..crate::contact::BUFFER_LEN {
@@ -162,7 +178,11 @@ impl Palpation {
                 self.keep(&point, sample);
             }
         }
-        if near.is_some() { Progress::Contact } else { Progress::NoSuchHeight }
+        match near {
+            Ok(_) => Progress::Contact,
+            Err(NoSlice::Rate) => Progress::NoSuchRate,
+            Err(NoSlice::Height | NoSlice::TooLarge) => Progress::NoSuchHeight,
+        }
     }
 
     fn keep(&mut self, point: &ContactPoint, sample: Sample) -> bool {

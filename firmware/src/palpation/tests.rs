@@ -3,14 +3,18 @@ use super::*;
 use crate::testbed::{Chance, LIBRARY, Press, expanded_table, factored_table};
 
 fn palpate(table: &Table<'_>, samples: &[Sample], depth_mm: f32) -> (Verdict, Palpation) {
+    palpate_at(table, samples, depth_mm, 1.0)
+}
+
+fn palpate_at(table: &Table<'_>, samples: &[Sample], depth_mm: f32, rate_mm_s: f32) -> (Verdict, Palpation) {
     let config = PalpationConfig::default();
     let mut palpation = Palpation::new();
-    palpation.start();
+    palpation.start(rate_mm_s);
     let mut ended = Outcome::NoContact;
     for sample in samples {
         let progress = palpation.step(&config, table, *sample);
-        if progress == Progress::NoSuchHeight {
-            ended = Outcome::NoSuchHeight;
+        if let Some(refused) = progress.refused() {
+            ended = refused;
             break;
         }
         if palpation.has_contact() && palpation.depth_mm(sample.probe_mm) >= depth_mm {
@@ -23,7 +27,7 @@ fn palpate(table: &Table<'_>, samples: &[Sample], depth_mm: f32) -> (Verdict, Pa
             break;
         }
     }
-    let motion = Motion { number: 1, rate_mm_s: 1.0, tick_max_us: 0, tick_mean_us: 0.0 };
+    let motion = Motion { number: 1, rate_mm_s, tick_max_us: 0, tick_mean_us: 0.0 };
     (palpation.verdict(&config, Some(table), ended, motion), palpation)
 }
 

@@ -71,5 +71,9 @@ wire! {
         NoSuchHeight,
         /// The host stopped it, or a fault did.
         Aborted,
+        /// No slice of the table is near the commanded rate.
+        NoSuchRate,
+        /// The ball went deeper than the table reaches, for more than a tenth of the samples in contact.
+        DeeperThanTable,
     }
 }

@@ -62,5 +62,9 @@ pub fn verdict_text(verdict: &Verdict, library: &[String]) -> String {
             format!("{head}: no slice of the table is near the specimen's height of {:.2} mm", verdict.height_mm)
         }
         Outcome::Aborted => format!("{head}: stopped"),
+        Outcome::NoSuchRate => {
+            format!("{head}: no slice of the table is near the rate of {:.2} mm/s", verdict.rate_mm_s)
+        }
+        Outcome::DeeperThanTable => format!("{head}: the ball went deeper than the table reaches"),
     }
 }
