@@ -3,11 +3,18 @@
 
 use std::time::Instant;
 
+use firmware::kalman::bounds::Estimator;
+use firmware::kalman::identify::identify;
+use firmware::kalman::indentation::Indentation;
+use firmware::kalman::{Bounding, Region};
+use firmware::profile::ProfileSearch;
 use firmware::search::{Search, Slice};
+use firmware::surface::Surface;
 use lut_gen::model::Specimen;
 use lut_gen::table::{ForceGrid, Form, GridSpec, LutError, write};
+use nalgebra::Vector2;
 use palpate::plant::{Noise, Source};
-use protocol::lut::{Table, TableError};
+use protocol::lut::{Table, TableError, axis_name};
 
 use crate::palpations::{BALL, Conditions};
 
@@ -44,7 +51,7 @@ pub struct Timed {
     pub column: Vec<usize>,
     /// Modulus (MPa) and exponent.
     pub found: Vec<(f64, f64)>,
-    /// Wall time of all, s, one thread.
+    /// CPU time of all, s, one thread.
     pub seconds: f64,
 }
 
@@ -94,10 +101,10 @@ impl Thousand {
     pub fn variance(&self) -> Result<Timed, TableError> {
         let table = self.table()?;
         let mut timed = Timed { column: Vec::new(), found: Vec::new(), seconds: 0.0 };
-        let start = Instant::now();
+        let clock = Clock::start();
         let mut search = Search::new();
         for force_n in &self.force_n {
-            let Some(slice) = Slice::for_height(&table, HEIGHT_MM as f32) else { break };
+            let Some(slice) = Slice::nearest(&table, HEIGHT_MM as f32, 0.0) else { break };
             search.reset();
             for (depth_mm, force_n) in self.depth_mm.iter().zip(force_n) {
                 search.step(&table, &slice, *depth_mm, *force_n);
@@ -107,8 +114,90 @@ impl Thousand {
             timed.column.push(found.index);
             timed.found.push((f64::from(mu_mpa), f64::from(alpha)));
         }
-        timed.seconds = start.elapsed().as_secs_f64();
+        timed.seconds = clock.seconds();
         Ok(timed)
+    }
+
+    /// The board's fast search: one row an exponent, modulus in closed form, on every curve. `column` stays empty.
+    ///
+    /// # Errors
+    /// As [`Thousand::table`].
+    pub fn fast(&self) -> Result<Timed, TableError> {
+        let table = self.table()?;
+        let mut timed = Timed { column: Vec::new(), found: Vec::new(), seconds: 0.0 };
+        let clock = Clock::start();
+        for force_n in &self.force_n {
+            let Some(slice) = Slice::nearest(&table, HEIGHT_MM as f32, 0.0) else { break };
+            let mut search = ProfileSearch::new(&table, &slice);
+            for (depth_mm, force_n) in self.depth_mm.iter().zip(force_n) {
+                search.step(&table, *depth_mm, *force_n);
+            }
+            let Some(found) = search.found(&table) else { break };
+            timed.found.push((f64::from(found.mu_mpa), f64::from(found.alpha)));
+        }
+        timed.seconds = clock.seconds();
+        Ok(timed)
+    }
+
+    /// The region of the filter: the grid of the table.
+    ///
+    /// # Errors
+    /// As [`Thousand::table`].
+    pub fn region(&self) -> Result<Region<2>, TableError> {
+        let table = self.table()?;
+        let end = |name: &str, last: bool| {
+            table.axis(name).map_or(0.0, |axis| axis.value(if last { axis.len() - 1 } else { 0 }))
+        };
+        let corner = |last| Vector2::new(end(axis_name::MU, last), end(axis_name::ALPHA, last));
+        Ok(Region { low: corner(false), high: corner(true) })
+    }
+
+    /// The board's Kalman filter (Eqs. 18-21) from the middle of the grid on every curve, `passes` times over each.
+    ///
+    /// # Errors
+    /// As [`Thousand::table`].
+    pub fn kalman(&self, bounding: Bounding, passes: u8) -> Result<Timed, TableError> {
+        let (table, region) = (self.table()?, self.region()?);
+        let variance = (Conditions::default().noise_n * Conditions::default().noise_n) as f32;
+        let mut timed = Timed { column: Vec::new(), found: Vec::new(), seconds: 0.0 };
+        let clock = Clock::start();
+        for force_n in &self.force_n {
+            let slice = Slice::nearest(&table, HEIGHT_MM as f32, 0.0);
+            let Some(surface) = slice.and_then(|slice| Surface::new(&table, &slice)) else { break };
+            let mut estimator = Estimator::new(region.middle(), region, bounding);
+            let samples = self.depth_mm.iter().copied().zip(force_n.iter().copied());
+            identify(&mut estimator, &Indentation { surface }, samples, variance, passes);
+            let state = region.nearest(&estimator.filter.state);
+            timed.found.push((f64::from(state[0]), f64::from(state[1])));
+        }
+        timed.seconds = clock.seconds();
+        Ok(timed)
+    }
+}
+
+/// CPU time of a thread, which other jobs on the machine disturb less than wall time; the thesis counts CPU time as well.
+struct Clock {
+    cpu_s: Option<f64>,
+    wall: Instant,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Clock { cpu_s: Self::cpu_s(), wall: Instant::now() }
+    }
+
+    /// Time on the processor as Linux counts it; none elsewhere.
+    fn cpu_s() -> Option<f64> {
+        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+        Some(1e-9 * text.split_whitespace().next()?.parse::<f64>().ok()?)
+    }
+
+    /// Since the start; wall time where the system does not count CPU time.
+    fn seconds(&self) -> f64 {
+        match (self.cpu_s, Self::cpu_s()) {
+            (Some(from), Some(to)) => to - from,
+            _ => self.wall.elapsed().as_secs_f64(),
+        }
     }
 }
 

@@ -7,7 +7,12 @@ use tests::palpations::{B1_RELAXATION, Conditions, DEPTH_MM, SAMPLES_HZ, THRESHO
 pub fn table(conditions: &Conditions) -> String {
     let c = conditions;
     let lines = [
-        ("depth, sampling", format!("{DEPTH_MM} mm past contact; {SAMPLES_HZ} Hz; approach of 3 to 4 mm, its phase against sampling random")),
+        (
+            "depth, sampling",
+            format!(
+                "{DEPTH_MM} mm past contact; {SAMPLES_HZ} Hz; approach of 3 to 4 mm, its phase against sampling random"
+            ),
+        ),
         ("force noise", format!("white, {} mN a sample", 1e3 * c.noise_n)),
         ("zero of the load cell", format!("{} mN, new for every press", 1e3 * c.zero_n)),
         ("gain", format!("{} %, new for every press", 100.0 * c.gain)),
@@ -29,7 +34,10 @@ pub fn table(conditions: &Conditions) -> String {
                 B1_RELAXATION.g, B1_RELAXATION.tau_s
             ),
         ),
-        ("contact of the thesis' way", format!("first sample {THRESHOLD_SIGMAS} deviations of the noise above the zero of the approach")),
+        (
+            "contact of the thesis' way",
+            format!("first sample {THRESHOLD_SIGMAS} deviations of the noise above the zero of the approach"),
+        ),
     ];
     let mut out = String::from("| what | value (standard deviation where random) |\n|---|---|\n");
     for (what, value) in lines {

@@ -36,7 +36,7 @@ impl Bench {
         };
         let tables = tables(Resolution::Standard, &solved)?;
         bar.finish_and_clear();
-        Ok(Bench { foams: pressed_foams()?, tables })
+        Ok(Bench { foams: pressed_foams(Resolution::Standard.finer())?, tables })
     }
 
     fn table(&self, rate: usize) -> Result<Table<'_>, String> {

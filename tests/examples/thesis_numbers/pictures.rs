@@ -25,7 +25,8 @@ pub fn curves(bench: &Bench, docs: &Path) -> Result<(), Box<dyn std::error::Erro
         let rates = if foam.softens { RATES_MM_S.len() } else { 1 };
         for rate in 0..rates {
             let points = depths().map(|d| (d, foam.curves[rate].force_n(d))).collect();
-            let name = if foam.softens { format!("{}, {} mm/s", foam.name, RATES_MM_S[rate]) } else { foam.name.into() };
+            let name =
+                if foam.softens { format!("{}, {} mm/s", foam.name, RATES_MM_S[rate]) } else { foam.name.into() };
             figure = figure.with(Series::new(&name, points, Stroke::LINES[rate], colour));
         }
     }

@@ -19,7 +19,10 @@ pub fn rows(bench: &Bench, studies: &[Study]) -> Vec<Row> {
             case: format!("{} mm/s", study.rate_mm_s),
             thesis: format!("{thesis} %"),
             goal: format!("< {} %", 0.5 * thesis),
-            measured: format!("{percent:.1} % ({:.1} % the thesis' way)", 100.0 * study.alpha_by_threshold(b1).deviation),
+            measured: format!(
+                "{percent:.1} % ({:.1} % the thesis' way)",
+                100.0 * study.alpha_by_threshold(b1).deviation
+            ),
             met: Some(percent < 0.5 * thesis),
         }
     };
@@ -29,12 +32,13 @@ pub fn rows(bench: &Bench, studies: &[Study]) -> Vec<Row> {
 /// Mean and spread of the exponent, foam by foam.
 pub fn table(bench: &Bench, studies: &[Study]) -> String {
     let mut out = String::from(
-        "| foam (alpha) | rate | board: mean | deviation | farthest | thesis' way: mean | deviation | farthest |\n|---|---|---|---|---|---|---|---|\n",
+        "| foam (alpha) | rate | board: mean | deviation | farthest | Kalman: mean | deviation | farthest | thesis' way: mean | deviation | farthest |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for (i, foam) in bench.foams.iter().enumerate() {
         for study in studies {
-            let (board, thesis) = (columns(study.alpha(i)), columns(study.alpha_by_threshold(i)));
-            let _ = writeln!(out, "| {} ({}) | {} mm/s |{board}{thesis}", foam.name, foam.alpha, study.rate_mm_s);
+            let _ = write!(out, "| {} ({}) | {} mm/s |", foam.name, foam.alpha, study.rate_mm_s);
+            let ways = [study.alpha(i), study.alpha_by_filter(i), study.alpha_by_threshold(i)];
+            let _ = writeln!(out, "{}", ways.map(columns).concat());
         }
     }
     out

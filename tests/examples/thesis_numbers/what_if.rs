@@ -51,11 +51,12 @@ pub fn table(bench: &Bench, docs: &Path) -> Result<String, Box<dyn std::error::E
     let mut figure = Figure::new(
         "Recognised, as B1 softens more over a session",
         Axis::new("loss of B1's modulus (%)"),
-        Axis::new("recognised (%)").over(75.0, 101.0),
+        Axis::new("recognised (%)").over(90.0, 100.5),
     );
     for (i, points) in lines.into_iter().enumerate() {
         let rate = RATES_MM_S[i % RATES_MM_S.len()];
-        let (way, stroke) = if i < RATES_MM_S.len() { ("board", Stroke::Solid) } else { ("thesis' way", Stroke::Dashed) };
+        let (way, stroke) =
+            if i < RATES_MM_S.len() { ("board", Stroke::Solid) } else { ("thesis' way", Stroke::Dashed) };
         figure = figure.with(Series::new(&format!("{way}, {rate} mm/s"), points, stroke, i % RATES_MM_S.len()));
     }
     save(docs, "thesis-softening.svg", &figure.svg())?;

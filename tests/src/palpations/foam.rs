@@ -26,9 +26,6 @@ const STEP_MM: f64 = 0.02;
 /// How far beyond the palpation's depth the curves go, mm: contact is believed up to some tenths too low.
 const BEYOND_MM: f64 = 0.8;
 
-/// Element sizes of the simulated foams against the tables'.
-const FINER: Resolution = Resolution::Refined(1.5);
-
 /// A foam with the force of the ball on it at every rate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressedFoam {
@@ -48,20 +45,20 @@ pub struct PressedFoam {
     pub softens: bool,
 }
 
-/// The four foams of the thesis on a mesh 1.5 times finer than the tables'.
+/// The four foams of the thesis, on a mesh that should be finer than the tables'.
 ///
 /// # Errors
 /// The first solve that fails.
-pub fn pressed_foams() -> Result<Vec<PressedFoam>, SolveError> {
+pub fn pressed_foams(resolution: Resolution) -> Result<Vec<PressedFoam>, SolveError> {
     let steps = ((DEPTH_MM + BEYOND_MM) / STEP_MM).round() as usize;
     let depths: Vec<f64> = (1..=steps).map(|i| STEP_MM * i as f64).collect();
     let real = foams().into_iter().enumerate().filter(|(_, foam)| !foam.dummy);
     real.map(|(index, foam)| {
         let softens = relaxes(&foam);
         let forces = if softens {
-            relaxing_n(&foam, &depths, FINER)?
+            relaxing_n(&foam, &depths, resolution)?
         } else {
-            vec![simulation(&foam, Vec::new(), 1.0, &depths, FINER)?.curve(&depths)?.force_n; RATES_MM_S.len()]
+            vec![simulation(&foam, Vec::new(), 1.0, &depths, resolution)?.curve(&depths)?.force_n; RATES_MM_S.len()]
         };
         let expected = || "must be finite and not negative".to_owned();
         let refused = || SolveError::Parameter { parameter: "force of a foam", value: f64::NAN, expected: expected() };

@@ -1,7 +1,7 @@
 //! What the board makes of a press, and what the thesis' way would have made of it.
 
 use firmware::contact::Sample;
-use firmware::palpation::{Motion, Palpation, PalpationConfig, Progress};
+use firmware::palpation::{Motion, Palpation, PalpationConfig};
 use firmware::search::{Search, Slice};
 use protocol::lut::Table;
 use protocol::message::{Outcome, Verdict};
@@ -24,11 +24,11 @@ pub struct Judged {
 pub fn judge(table: &Table<'_>, samples: &[Sample], rate_mm_s: f64) -> Judged {
     let config = PalpationConfig::default();
     let mut palpation = Palpation::new();
-    palpation.start();
+    palpation.start(rate_mm_s as f32);
     let mut ended = Outcome::NoContact;
     for sample in samples {
-        if palpation.step(&config, table, *sample) == Progress::NoSuchHeight {
-            ended = Outcome::NoSuchHeight;
+        if let Some(refused) = palpation.step(&config, table, *sample).refused() {
+            ended = refused;
             break;
         }
         if palpation.has_contact() && palpation.depth_mm(sample.probe_mm) >= DEPTH_MM as f32 {
@@ -73,7 +73,7 @@ pub fn by_threshold(table: &Table<'_>, samples: &[Sample], height_mm: f64, noise
     let threshold_n = (THRESHOLD_SIGMAS * noise_n) as f32;
     let touch = samples.iter().position(|s| s.force_n - zero_n > threshold_n)?;
     let top_mm = samples.get(touch)?.probe_mm;
-    let slice = Slice::for_height(table, height_mm as f32)?;
+    let slice = Slice::nearest(table, height_mm as f32, 0.0)?;
     let mut search = Search::new();
     let mut errors_n = vec![0.0_f32; table.material_count()];
     for s in samples.get(touch + 1..)? {

@@ -5,6 +5,7 @@
 //! Every number of that kind stands in [`Conditions`] and [`B1_RELAXATION`] with its reason; they were fixed before
 //! any rate of recognition was known.
 
+mod filtered;
 mod foam;
 mod judged;
 mod press;
@@ -12,6 +13,7 @@ mod spread;
 mod study;
 mod table;
 
+pub use filtered::{Filtered, filter};
 pub use foam::{B1_RELAXATION, BALL, PressedFoam, pressed_foams};
 pub use judged::{Judged, THRESHOLD_SIGMAS, ThesisWay, by_threshold, judge};
 pub use press::{Conditions, Press, Softening, session};
