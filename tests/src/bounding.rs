@@ -31,11 +31,11 @@ pub struct Benchmark {
 }
 
 impl Benchmark {
-    /// Near the edge of mu (4 % of its range away), and at the edge of what foams have for alpha: Fig. 33.
+    /// Near the edge of mu (5 % of its range away), and at the edge of what foams have for alpha: Fig. 33.
     ///
     /// The thesis gives neither the target nor R. Of 4,000 combinations of target, R (10 uN to 0.3 N), number of samples and tolerance,
     /// about 160 show its order at the edge; most do at a soft exponent. This one shows the order of both figures with the same R and tolerance.
-    pub const EDGE: Self = Self { mu_mpa: 0.009, alpha: 1.0, samples: 100, error_n: 2e-4, tolerance: 0.1 };
+    pub const EDGE: Self = Self { mu_mpa: 0.01, alpha: 1.0, samples: 100, error_n: 2e-4, tolerance: 0.05 };
     /// In the middle of the region: Fig. 34.
     pub const CENTRE: Self = Self { mu_mpa: 0.06, alpha: 12.25, ..Self::EDGE };
 }
