@@ -72,6 +72,7 @@ fn library() -> Vec<MaterialSpec> {
             alpha: foam.alpha,
             height_mm: foam.height_mm,
             acceptance: 0.03,
+            rate_mm_s: 0.0,
             force_n: depths().iter().map(|d| foam.force_n(*d)).collect(),
             display_step_n: 0.1,
             displacement_mm: (1..=50).map(|i| 0.02 * f64::from(i) / foam.mu_mpa.sqrt()).collect(),

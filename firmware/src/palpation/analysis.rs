@@ -208,7 +208,7 @@ impl Analysis {
                 }
             }
             Phase::Comparing { height_mm, next } => {
-                compare(config, table, record, *height_mm, *next, &mut self.comparison);
+                compare(config, table, slice, record, *height_mm, *next, &mut self.comparison);
                 *next += 1;
                 if *next >= config.library_offsets {
                     return Some(Finished {
@@ -282,6 +282,7 @@ impl Filtering {
 fn compare(
     config: &AnalysisConfig,
     table: &Table<'_>,
+    slice: &Slice,
     record: &Record,
     height_mm: f32,
     offset: u8,
@@ -295,7 +296,7 @@ fn compare(
     let samples = record.samples().iter().filter(|s| s.probe_mm >= lowest_mm && s.probe_mm <= highest_mm);
     let bottom_mm = samples.clone().fold(height_mm, |bottom, s| f32::min(bottom, s.probe_mm));
     comparison.deepest_mm = height_mm - bottom_mm;
-    comparison.step(table, samples.map(|s| (at_mm - s.probe_mm, s.force_n)));
+    comparison.step(table, slice.rate_mm_s, samples.map(|s| (at_mm - s.probe_mm, s.force_n)));
 }
 
 /// Sums over the record for one contact height, over the samples at or above `lowest_mm`.
