@@ -242,19 +242,7 @@ impl Search {
             }
         } else {
             for (sums, f) in self.sums_n.chunks_exact_mut(factors.len()).zip(forces) {
-                // Five at a time, written out: the compiler does not unroll when it builds for size, and counting costs as much as adding.
-                let (fives, rest) = sums.as_chunks_mut::<5>();
-                let (factor_fives, factor_rest) = factors.as_chunks::<5>();
-                for ([a, b, c, d, e], [fa, fb, fc, fd, fe]) in fives.iter_mut().zip(factor_fives) {
-                    *a += (fa * f - force_n).abs();
-                    *b += (fb * f - force_n).abs();
-                    *c += (fc * f - force_n).abs();
-                    *d += (fd * f - force_n).abs();
-                    *e += (fe * f - force_n).abs();
-                }
-                for (sum, factor) in rest.iter_mut().zip(factor_rest) {
-                    *sum += (factor * f - force_n).abs();
-                }
+                add_differences(sums, factors, f, force_n);
             }
         }
         self.samples = self.samples.saturating_add(1);
@@ -299,6 +287,31 @@ impl Search {
             margin: margin(best.1, runner_up),
             at_edge: slice.at_edge(best.0),
         })
+    }
+}
+
+/// Adds the differences of one stored force times every factor. Each sum has its own operations, so both forms give the same bits.
+#[inline]
+fn add_differences(sums: &mut [f32], factors: &[f32], f: f32, force_n: f32) {
+    if !cfg!(target_os = "none") {
+        // A compiler that builds for speed makes vectors of this.
+        for (sum, factor) in sums.iter_mut().zip(factors) {
+            *sum += (factor * f - force_n).abs();
+        }
+        return;
+    }
+    // Five at a time, written out: the compiler does not unroll when it builds for size, and counting costs as much as adding.
+    let (fives, rest) = sums.as_chunks_mut::<5>();
+    let (factor_fives, factor_rest) = factors.as_chunks::<5>();
+    for ([a, b, c, d, e], [fa, fb, fc, fd, fe]) in fives.iter_mut().zip(factor_fives) {
+        *a += (fa * f - force_n).abs();
+        *b += (fb * f - force_n).abs();
+        *c += (fc * f - force_n).abs();
+        *d += (fd * f - force_n).abs();
+        *e += (fe * f - force_n).abs();
+    }
+    for (sum, factor) in rest.iter_mut().zip(factor_rest) {
+        *sum += (factor * f - force_n).abs();
     }
 }
 

@@ -47,9 +47,11 @@ impl<'a> Surface<'a> {
             Some(_) => return None,
             None => 1.0 / table.column_value(shapes.first, axis_name::MU)?,
         };
+        // The columns of one rate, height and mu are those of the exponents, in order.
+        let axis = table.axis(axis_name::ALPHA).filter(|a| a.len() == shapes.count)?;
         let mut alphas = [0.0; MAX_FACTORS];
-        for (i, alpha) in alphas.get_mut(..shapes.count)?.iter_mut().enumerate() {
-            *alpha = table.column_value(shapes.first + i * shapes.stride, axis_name::ALPHA)?;
+        for (slot, alpha) in alphas.get_mut(..shapes.count)?.iter_mut().zip(axis.values()) {
+            *slot = alpha;
         }
         Some(Surface {
             table: *table,

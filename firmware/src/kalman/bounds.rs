@@ -106,6 +106,42 @@ impl<const N: usize> Estimator<N> {
         Some(innovation)
     }
 
+    /// As [`Estimator::step`], but with the model linearised at `reference` instead of the estimate and without regard to the region: ask for
+    /// [`Estimator::most_likely`] after the last sample. A press taken about one reference is one Gauss-Newton step from it: the covariance is then that of
+    /// least squares, where the plain filter adds information from wherever its first, noisy samples had carried it.
+    pub fn step_about<M: Model<N>>(
+        &mut self,
+        model: &M,
+        reference: &SVector<f32, N>,
+        input: M::Input,
+        measured: f32,
+        variance: f32,
+    ) -> Option<f32> {
+        let predicted = model.predict(reference, input)?;
+        let mut innovation = measured - predicted.value;
+        for i in 0..N {
+            innovation -= predicted.gradient[i] * (self.filter.state[i] - reference[i]);
+        }
+        if !innovation.is_finite() {
+            return None;
+        }
+        let gain = self.filter.condense(&predicted.gradient, variance);
+        for i in 0..N {
+            self.filter.state[i] += gain[i] * innovation;
+        }
+        self.samples = self.samples.saturating_add(1);
+        Some(innovation)
+    }
+
+    /// The most likely point of the region under the estimate and its covariance.
+    pub fn most_likely(&self) -> SVector<f32, N> {
+        let mut state = self.filter.state;
+        if !self.region.contains(&state) {
+            most_likely(&self.region, &mut state, self.filter.covariance());
+        }
+        state
+    }
+
     /// Parameter number `i`, which a gain would move from `before` to `moved`.
     fn bounded(&self, i: usize, before: f32, moved: f32, gain: f32) -> f32 {
         let (low, high) = (self.region.low[i], self.region.high[i]);
@@ -152,11 +188,8 @@ impl<const N: usize> Estimator<N> {
             for i in 0..N {
                 self.filter.state[i] = prior.state[i] + gain[i] * innovation;
             }
-            if !self.region.contains(&self.filter.state) {
-                let covariance = self.filter.covariance();
-                most_likely(&self.region, &mut self.filter.state, covariance);
-            }
-            at = self.filter.state;
+            at = self.most_likely();
+            self.filter.state = at;
         }
         self.samples = self.samples.saturating_add(1);
         first

@@ -1,12 +1,13 @@
 //! A whole press through a filter.
 
 use super::bounds::Estimator;
-use super::{Filter, Model};
+use super::Model;
 
 /// Takes every sample (what it was measured at, what was measured), `passes` times; returns how many samples the last pass used.
 ///
-/// A later pass starts from the estimate of the one before with the covariance of Eq. 21 again, so that no sample counts twice: the first samples
-/// were linearised at the initial estimate, far off, and their information points in a wrong direction. Thesis: one pass.
+/// The first pass is the filter of the thesis, linearised at every estimate. Each later one begins with the first estimate and covariance again, so that
+/// no sample counts twice, and is linearised where the pass before it ended: the first samples of a press are noise, and information
+/// that was gathered where they had led points in a wrong direction. Thesis: one pass.
 pub fn identify<M: Model<N>, const N: usize>(
     estimator: &mut Estimator<N>,
     model: &M,
@@ -14,14 +15,19 @@ pub fn identify<M: Model<N>, const N: usize>(
     variance: f32,
     passes: u8,
 ) -> u16 {
-    for pass in 0..passes {
-        if pass > 0 {
-            estimator.filter = Filter::new(estimator.filter.state, &estimator.region.extent());
-        }
+    let first = estimator.filter;
+    estimator.samples = 0;
+    for (input, measured) in samples.clone() {
+        estimator.step(model, input, measured, variance);
+    }
+    for _ in 1..passes {
+        let reference = estimator.region.nearest(&estimator.filter.state);
+        estimator.filter = first;
         estimator.samples = 0;
         for (input, measured) in samples.clone() {
-            estimator.step(model, input, measured, variance);
+            estimator.step_about(model, &reference, input, measured, variance);
         }
+        estimator.filter.state = estimator.most_likely();
     }
     estimator.samples
 }

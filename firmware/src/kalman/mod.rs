@@ -13,7 +13,7 @@ pub mod bounds;
 pub mod identify;
 pub mod indentation;
 
-pub use bounds::{Bounding, Region};
+pub use bounds::{Bounding, Estimator, Region};
 
 use crate::number::sqrt;
 use nalgebra::{SMatrix, SVector};

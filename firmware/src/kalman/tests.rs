@@ -1,5 +1,4 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-use super::bounds::Estimator;
 use super::*;
 use crate::testbed::Chance;
 use nalgebra::{Matrix3, RowVector3, Vector2, Vector3};

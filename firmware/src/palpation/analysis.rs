@@ -7,15 +7,22 @@
 //!    push the contact point aside, which the sums of Eq. 17 over 30 values of mu would.
 //!    At that minimum the same sums give mu and alpha between the columns of the grid: its steps in mu (a factor 1.25) are coarser than what
 //!    the data resolve, and the best column of Eq. 17 can lie far along the valley in which mu and alpha make up for each other.
-//! 2. *Search*: Eq. 17 over the record again, from the refined point.
-//! 3. *Library*: Eq. 17 over the library's curves at contact offsets around the refined point.
+//! 2. *Kalman filter* (Eqs. 18-21) over the record for mu, alpha and what is left of the contact offset, from the result of the fast search,
+//!    for the standard errors of all three.
+//! 3. *Search*: Eq. 17 over the record again, from the refined point.
+//! 4. *Library*: Eq. 17 over the library's curves at contact offsets around the refined point.
 
 use super::record::Record;
-use crate::contact::LeastOnLine;
+use crate::contact::{ContactPoint, LeastOnLine};
+use crate::kalman::indentation::Indentation;
+use crate::kalman::{Bounding, Estimator, Filter, Region};
 use crate::profile::{Fitted, ProfileSearch};
 use crate::recognition::Comparison;
 use crate::search::{Search, Shapes, Slice};
-use protocol::lut::Table;
+use crate::surface::Surface;
+use core::ops::Range;
+use nalgebra::Vector3;
+use protocol::lut::{Table, axis_name};
 use protocol::message::Recognition;
 
 /// How the analysis is divided.
@@ -29,6 +36,12 @@ pub struct AnalysisConfig {
     pub fine: u8,
     /// Samples that the search takes in one tick.
     pub search_samples: u8,
+    /// Passes of the Kalman filter over the record: each is a Gauss-Newton step from where the one before it ended.
+    pub filter_passes: u8,
+    /// How far the filter may move the contact point, mm.
+    pub offset_mm: f32,
+    /// Standard deviation of the force that the filter assumes at least, N: the load cell's quantisation.
+    pub noise_floor_n: f32,
     /// Contact offsets at which the library is compared, one a tick. They span three deviations of the refined contact point at 4 mm/s
     /// and 1 % noise (0.08 mm); more would let an offset pass for another material.
     pub library_offsets: u8,
@@ -43,6 +56,9 @@ impl Default for AnalysisConfig {
             coarse: 33,
             fine: 9,
             search_samples: 16,
+            filter_passes: 3,
+            offset_mm: 0.3,
+            noise_floor_n: 0.0005,
             library_offsets: 25,
             library_step_mm: 0.02,
         }
@@ -54,6 +70,7 @@ enum Phase {
     Start,
     Coarse(Line),
     Fine(Line),
+    Filtering { height_mm: f32, next: usize, pass: u8, filtering: Filtering },
     Searching { height_mm: f32, next: usize },
     Comparing { height_mm: f32, next: u8 },
 }
@@ -96,6 +113,7 @@ pub struct Analysis {
     phase: Phase,
     shapes: Shapes,
     fitted: Option<Fitted>,
+    filtered: Option<Estimator<3>>,
     comparison: Comparison,
 }
 
@@ -112,6 +130,8 @@ pub struct Finished {
     pub height_mm: f32,
     /// Parameters between the columns.
     pub fitted: Option<Fitted>,
+    /// The Kalman filter after the last sample: mu (MPa), alpha, and how much deeper (mm) than `height_mm` says.
+    pub filtered: Option<Estimator<3>>,
     /// Nearest library material.
     pub recognition: Recognition,
 }
@@ -123,20 +143,22 @@ impl Analysis {
             phase: Phase::Start,
             shapes: Shapes { first: 0, stride: 1, count: 0 },
             fitted: None,
+            filtered: None,
             comparison: Comparison::new(),
         }
     }
 
-    /// One piece; the result after the last one. `first_mm` is the first estimate of the contact height.
+    /// One piece; the result after the last one. `point` is the first estimate of the contact point.
     pub fn step(
         &mut self,
         config: &AnalysisConfig,
         table: &Table<'_>,
         slice: &Slice,
         record: &Record,
-        first_mm: f32,
+        point: &ContactPoint,
         search: &mut Search,
     ) -> Option<Finished> {
+        let (first_mm, noise_n) = (point.height_mm, point.noise_n);
         match &mut self.phase {
             Phase::Start => {
                 let best = search.found(slice).map_or(0, |f| f.index);
@@ -154,6 +176,23 @@ impl Analysis {
                     let lowest_mm = height_mm - table.depth_max_mm();
                     self.fitted = profile(table, self.shapes, record, lowest_mm, height_mm).found(table);
                     search.reset();
+                    self.phase = match begin(config, table, self.fitted) {
+                        Some(filtering) => Phase::Filtering { height_mm, next: 0, pass: 1, filtering },
+                        None => Phase::Searching { height_mm, next: 0 },
+                    };
+                }
+            }
+            Phase::Filtering { height_mm, next, pass, filtering } => {
+                let end = *next + usize::from(config.search_samples.max(1));
+                filtering.take(table, slice, record, *next..end, *height_mm, noise_n.max(config.noise_floor_n));
+                *next = end;
+                if end >= record.samples().len() && *pass < config.filter_passes {
+                    (*next, *pass) = (0, *pass + 1);
+                    filtering.again();
+                } else if end >= record.samples().len() {
+                    filtering.estimator.filter.state = filtering.estimator.most_likely();
+                    self.filtered = (filtering.estimator.samples > 0).then_some(filtering.estimator);
+                    let height_mm = *height_mm;
                     self.phase = Phase::Searching { height_mm, next: 0 };
                 }
             }
@@ -169,12 +208,13 @@ impl Analysis {
                 }
             }
             Phase::Comparing { height_mm, next } => {
-                compare(config, table, record, *height_mm, *next, &mut self.comparison);
+                compare(config, table, slice, record, *height_mm, *next, &mut self.comparison);
                 *next += 1;
                 if *next >= config.library_offsets {
                     return Some(Finished {
                         height_mm: *height_mm,
                         fitted: self.fitted,
+                        filtered: self.filtered,
                         recognition: self.comparison.result(table),
                     });
                 }
@@ -184,10 +224,65 @@ impl Analysis {
     }
 }
 
+/// The filter over the record, linearised at one place a pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Filtering {
+    /// Before the first sample.
+    first: Filter<3>,
+    /// Where the model is linearised.
+    reference: Vector3<f32>,
+    estimator: Estimator<3>,
+}
+
+/// The filter before the first sample: at the result of the fast search, with the covariance of Eq. 21 over the table's region. `None` for
+/// a table without mu and alpha.
+fn begin(config: &AnalysisConfig, table: &Table<'_>, fitted: Option<Fitted>) -> Option<Filtering> {
+    let range = |name| table.axis(name).map(|a| (a.value(0), a.value(a.len().saturating_sub(1))));
+    let (mus, alphas) = (range(axis_name::MU)?, range(axis_name::ALPHA)?);
+    let region = Region {
+        low: Vector3::new(mus.0, alphas.0, -config.offset_mm),
+        high: Vector3::new(mus.1, alphas.1, config.offset_mm),
+    };
+    let fitted = fitted?;
+    let reference = region.nearest(&Vector3::new(fitted.mu_mpa, fitted.alpha, 0.0));
+    let estimator = Estimator::new(reference, region, Bounding::Constrained { linearisations: 1 });
+    Some(Filtering { first: estimator.filter, reference, estimator })
+}
+
+impl Filtering {
+    /// Takes some samples of the record.
+    fn take(
+        &mut self,
+        table: &Table<'_>,
+        slice: &Slice,
+        record: &Record,
+        some: Range<usize>,
+        height_mm: f32,
+        noise_n: f32,
+    ) {
+        let Some(surface) = Surface::new(table, slice) else {
+            return;
+        };
+        let model = Indentation { surface };
+        for sample in record.samples().iter().take(some.end).skip(some.start) {
+            let depth_mm = height_mm - sample.probe_mm;
+            self.estimator.step_about(&model, &self.reference, depth_mm, sample.force_n, noise_n * noise_n);
+        }
+    }
+
+    /// From the first sample again, linearised where the last pass ended.
+    fn again(&mut self) {
+        self.reference = self.estimator.most_likely();
+        self.estimator.filter = self.first;
+        self.estimator.samples = 0;
+    }
+}
+
 /// Compares the record with the library at contact offset number `offset`.
 fn compare(
     config: &AnalysisConfig,
     table: &Table<'_>,
+    slice: &Slice,
     record: &Record,
     height_mm: f32,
     offset: u8,
@@ -201,7 +296,7 @@ fn compare(
     let samples = record.samples().iter().filter(|s| s.probe_mm >= lowest_mm && s.probe_mm <= highest_mm);
     let bottom_mm = samples.clone().fold(height_mm, |bottom, s| f32::min(bottom, s.probe_mm));
     comparison.deepest_mm = height_mm - bottom_mm;
-    comparison.step(table, samples.map(|s| (at_mm - s.probe_mm, s.force_n)));
+    comparison.step(table, slice.rate_mm_s, samples.map(|s| (at_mm - s.probe_mm, s.force_n)));
 }
 
 /// Sums over the record for one contact height, over the samples at or above `lowest_mm`.

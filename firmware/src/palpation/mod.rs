@@ -11,12 +11,13 @@ mod record;
 pub use record::{RECORD_LEN, Record};
 
 use crate::contact::{Contact, ContactConfig, ContactPoint, Sample};
+use crate::kalman::Estimator;
 use crate::profile::Fitted;
 use crate::recognition::NOT_RECOGNISED;
 use crate::search::{Found, NoSlice, Search, Slice, Tolerance};
 use analysis::Analysis;
 use protocol::lut::Table;
-use protocol::message::{Outcome, Recognition, Verdict};
+use protocol::message::{Estimate, Outcome, Recognition, Verdict};
 
 /// How a palpation is judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +65,7 @@ pub struct Palpation {
     recognition: Option<Recognition>,
     found: Option<Found>,
     fitted: Option<Fitted>,
+    filtered: Option<Estimator<3>>,
 }
 
 /// What one sample brought.
@@ -112,6 +114,7 @@ impl Palpation {
             recognition: None,
             found: None,
             fitted: None,
+            filtered: None,
         }
     }
 
@@ -129,6 +132,7 @@ impl Palpation {
         self.recognition = None;
         self.found = None;
         self.fitted = None;
+        self.filtered = None;
     }
 
     /// True once contact is found.
@@ -214,14 +218,40 @@ impl Palpation {
         if self.recognition.is_some() {
             return true;
         }
-        let done = self.analysis.step(&config.analysis, table, &slice, &self.record, point.height_mm, &mut self.search);
+        let done = self.analysis.step(&config.analysis, table, &slice, &self.record, &point, &mut self.search);
         if let Some(finished) = done {
             self.found = self.search.found(&slice);
             self.fitted = finished.fitted;
+            self.filtered = finished.filtered;
             self.recognition = Some(finished.recognition);
             self.point = Some(ContactPoint { height_mm: finished.height_mm, ..point });
         }
         self.recognition.is_some()
+    }
+
+    /// True if more than a tenth of the samples in contact lie deeper than the table reaches: what is left of the press is not the press
+    /// that was asked for, and the deepest part tells materials apart best.
+    fn deeper_than(&self, depth_max_mm: f32) -> bool {
+        let height_mm = self.point.map_or(0.0, |p| p.height_mm);
+        let deeper = |depth_mm: f32| self.record.samples().iter().filter(|s| height_mm - s.probe_mm > depth_mm).count();
+        10 * deeper(depth_max_mm) > deeper(0.0)
+    }
+
+    /// The Kalman filter's result for palpation number `palpation`; `None` before the analysis has ended, or if the filter had no sample to use.
+    pub fn estimate(&self, config: &PalpationConfig, palpation: u32) -> Option<Estimate> {
+        let (filtered, point) = (self.filtered.as_ref()?, self.point?);
+        let (state, errors) = (filtered.filter.state, filtered.filter.deviations());
+        Some(Estimate {
+            palpation,
+            mu_mpa: state[0],
+            alpha: state[1],
+            height_mm: point.height_mm + state[2],
+            mu_error_mpa: errors[0],
+            alpha_error: errors[1],
+            height_error_mm: errors[2],
+            noise_n: point.noise_n.max(config.analysis.noise_floor_n),
+            samples: filtered.samples,
+        })
     }
 
     /// The verdict. `ended` is how the motion ended ([`Outcome::Identified`] for full depth); an analysis that was not run to its end
@@ -259,6 +289,10 @@ impl Palpation {
         };
         if verdict.samples < config.samples_min {
             verdict.outcome = Outcome::TooShort;
+            return verdict;
+        }
+        if self.deeper_than(table.depth_max_mm()) {
+            verdict.outcome = Outcome::DeeperThanTable;
             return verdict;
         }
         let at_edge = match &self.fitted {

@@ -37,7 +37,7 @@
 //!
 //! An axis is: name (12 bytes), unit (8), role (u8), scale (u8), count (u16), offset of its f32 values (u32), zero (u32).
 //! A material is: name (16 bytes), mu MPa, alpha, height mm, N per count, N per display point, mm per count,
-//! acceptance (f32 each), offset of its force counts, offset of its display counts (u32 each), zero (12 bytes).
+//! acceptance (f32 each), offset of its force counts, offset of its display counts (u32 each), rate mm/s (f32; 0: any rate), zero (8 bytes).
 
 mod axis;
 mod bytes;

@@ -34,6 +34,8 @@ pub struct MaterialSpec {
     pub height_mm: f64,
     /// Mean absolute difference up to which a palpation counts as this material, fraction of the peak force.
     pub acceptance: f64,
+    /// Rate the curve belongs to, mm/s: 0, or a value of the rate axis.
+    pub rate_mm_s: f64,
     /// Indentation force at every row, N.
     pub force_n: Vec<f64>,
     /// Force between points of the display curve, N.
@@ -165,7 +167,8 @@ impl TableSpec {
             }
             out.extend((curves_at as u32).to_le_bytes());
             out.extend(((curves_at + rows * 2) as u32).to_le_bytes());
-            out.extend([0; 12]);
+            out.extend((material.rate_mm_s as f32).to_le_bytes());
+            out.extend([0; 8]);
             curves_at += (rows + points) * 2;
             curves.extend(force.into_iter().chain(display));
         }
@@ -277,6 +280,7 @@ mod tests {
                 alpha: 2.0,
                 height_mm: 10.0,
                 acceptance: 0.05,
+                rate_mm_s: 0.0,
                 force_n: vec![0.1, 0.2, 0.3, 0.4],
                 display_step_n: 1.0,
                 displacement_mm: vec![2.0, 3.0, 3.5],
