@@ -11,6 +11,9 @@
 //! | [`sensor`] | ratios of the reference voltage to N, mm and A, and back |
 //! | [`contact`] | contact detection and the contact point |
 //! | [`search`] | the variance search over the table (Eq. 17) |
+//! | [`profile`] | the fast search: one row an exponent, mu in closed form |
+//! | [`surface`] | the continuous force surface of a slice, with exact derivatives |
+//! | [`kalman`] | the Kalman filter on it (Eqs. 18-27) |
 //! | [`recognition`] | the nearest library material |
 //! | [`palpation`] | one palpation: record, search, refinement of the contact point, verdict |
 //! | [`pid`] | position loop of the display |
@@ -34,15 +37,18 @@ pub mod contact;
 pub mod display;
 pub mod fast;
 pub mod flash;
+pub mod kalman;
 pub mod link;
 pub mod mode;
 pub mod number;
 pub mod palpation;
 pub mod pid;
+pub mod profile;
 pub mod recognition;
 pub mod safety;
 pub mod search;
 pub mod sensor;
+pub mod surface;
 pub mod telemetry;
 #[cfg(test)]
 mod testbed;

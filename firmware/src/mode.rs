@@ -71,8 +71,8 @@ pub struct ModeInput {
     pub force_n: f32,
     /// Contact was found in this tick or earlier.
     pub contact: bool,
-    /// Contact was found and no slice of the table is near the specimen's height.
-    pub no_such_height: bool,
+    /// Contact was found, but no slice of the table serves specimen or rate: how the palpation ends.
+    pub no_slice: Option<Outcome>,
     /// No more samples can be taken.
     pub record_full: bool,
     /// The analysis of the record has ended.
@@ -191,8 +191,8 @@ impl ModeState {
         if input.force_n >= config.force_end_n {
             // Something hard, before the contact was understood: back before the force limit makes it a fault.
             self.retract(Outcome::TooShort, input.probe_mm);
-        } else if input.no_such_height {
-            self.retract(Outcome::NoSuchHeight, input.probe_mm);
+        } else if let Some(outcome) = input.no_slice {
+            self.retract(outcome, input.probe_mm);
         } else if input.contact {
             self.enter(State::Contact);
         } else if input.probe_mm <= config.travel_min_mm || self.ticks > config.approach_ticks {
@@ -257,7 +257,7 @@ mod tests {
         depth_mm: 0.0,
         force_n: 0.0,
         contact: false,
-        no_such_height: false,
+        no_slice: None,
         record_full: false,
         analysed: true,
         faulted: false,

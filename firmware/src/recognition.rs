@@ -42,8 +42,12 @@ impl Comparison {
 
     /// Compares a recorded palpation, as pairs (depth mm, force N) at one contact offset, with every material. Depths at or above the
     /// surface have no force; depths beyond the table are left out.
-    pub fn step(&mut self, table: &Table<'_>, samples: impl Iterator<Item = (f32, f32)> + Clone) {
+    /// Curves of another rate than `rate_mm_s`, that of the slice, are left out.
+    pub fn step(&mut self, table: &Table<'_>, rate_mm_s: f32, samples: impl Iterator<Item = (f32, f32)> + Clone) {
         for (error_n, material) in self.errors_n.iter_mut().zip(table.materials()) {
+            if !material.serves(rate_mm_s) {
+                continue;
+            }
             let (mut sum_n, mut count) = (0.0, 0u16);
             for (depth_mm, force_n) in samples.clone() {
                 let modelled_n = if depth_mm > 0.0 {

@@ -23,19 +23,67 @@ pub struct Slice {
     inner: usize,
     /// Height of the slice, mm; 0 for a table without height axis.
     pub height_mm: f32,
+    /// Rate of the slice, mm/s; 0 for a table without rate axis.
+    pub rate_mm_s: f32,
+}
+
+/// How far a specimen and a rate may be from the slice that stands for them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Height, mm.
+    pub height_mm: f32,
+    /// Rate, fraction of the slice's. Prony's force follows the logarithm of the rate: a tenth changes it by less than a tenth of the
+    /// relaxing part's share.
+    pub rate: f32,
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Tolerance { height_mm: 1.0, rate: 0.1 }
+    }
+}
+
+/// Why no slice of a table serves a palpation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoSlice {
+    /// More columns than this build searches.
+    TooLarge,
+    /// No slice is near the specimen's height.
+    Height,
+    /// No slice is near the rate.
+    Rate,
 }
 
 impl Slice {
-    /// The slice nearest to a specimen's height; `None` if the table is larger than this build searches.
-    pub fn for_height(table: &Table<'_>, specimen_mm: f32) -> Option<Self> {
-        let (index, height_mm) = match table.axis(axis_name::HEIGHT) {
+    /// The slice for a specimen and a rate.
+    ///
+    /// # Errors
+    /// [`NoSlice`] if the nearest slice is farther than `tolerance`, or the table is too large. A height or rate that is not a number is
+    /// near no slice.
+    pub fn choose(table: &Table<'_>, specimen_mm: f32, rate_mm_s: f32, tolerance: &Tolerance) -> Result<Self, NoSlice> {
+        let slice = Slice::nearest(table, specimen_mm, rate_mm_s).ok_or(NoSlice::TooLarge)?;
+        if slice.rate_mm_s > 0.0 && !((slice.rate_mm_s - rate_mm_s).abs() <= tolerance.rate * slice.rate_mm_s) {
+            return Err(NoSlice::Rate);
+        }
+        if slice.height_mm > 0.0 && !((slice.height_mm - specimen_mm).abs() <= tolerance.height_mm) {
+            return Err(NoSlice::Height);
+        }
+        Ok(slice)
+    }
+
+    /// The slice nearest to a specimen's height and to a rate, however far both are; `None` if the table is larger than this build
+    /// searches. A table without rates serves every rate.
+    pub fn nearest(table: &Table<'_>, specimen_mm: f32, rate_mm_s: f32) -> Option<Self> {
+        let place = |name: &str, x: f32| match table.axis(name) {
             Some(axis) if axis.role == Role::Column => {
-                let index = axis.nearest(specimen_mm);
+                let index = axis.nearest(x);
                 (index, axis.value(index))
             }
             _ => (0, 0.0),
         };
-        let columns = table.slice(index);
+        let (height, height_mm) = place(axis_name::HEIGHT, specimen_mm);
+        let (rate, rate_of_slice) = place(axis_name::RATE, rate_mm_s);
+        let columns = table.slice(rate, height);
         let mut slice = Slice {
             first: columns.start,
             width: columns.len(),
@@ -43,6 +91,7 @@ impl Slice {
             factor_count: 1,
             inner: 1,
             height_mm,
+            rate_mm_s: rate_of_slice,
         };
         if let Some(axis) = table.factor() {
             slice.factor_count = axis.len();
@@ -62,7 +111,7 @@ impl Slice {
         self.width * self.factor_count
     }
 
-    /// True if nothing can be searched; never for a slice of [`Slice::for_height`].
+    /// True if nothing can be searched; never for a slice of [`Slice::nearest`].
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -193,19 +242,7 @@ impl Search {
             }
         } else {
             for (sums, f) in self.sums_n.chunks_exact_mut(factors.len()).zip(forces) {
-                // Five at a time, written out: the compiler does not unroll when it builds for size, and counting costs as much as adding.
-                let (fives, rest) = sums.as_chunks_mut::<5>();
-                let (factor_fives, factor_rest) = factors.as_chunks::<5>();
-                for ([a, b, c, d, e], [fa, fb, fc, fd, fe]) in fives.iter_mut().zip(factor_fives) {
-                    *a += (fa * f - force_n).abs();
-                    *b += (fb * f - force_n).abs();
-                    *c += (fc * f - force_n).abs();
-                    *d += (fd * f - force_n).abs();
-                    *e += (fe * f - force_n).abs();
-                }
-                for (sum, factor) in rest.iter_mut().zip(factor_rest) {
-                    *sum += (factor * f - force_n).abs();
-                }
+                add_differences(sums, factors, f, force_n);
             }
         }
         self.samples = self.samples.saturating_add(1);
@@ -253,6 +290,31 @@ impl Search {
     }
 }
 
+/// Adds the differences of one stored force times every factor. Each sum has its own operations, so both forms give the same bits.
+#[inline]
+fn add_differences(sums: &mut [f32], factors: &[f32], f: f32, force_n: f32) {
+    if !cfg!(target_os = "none") {
+        // A compiler that builds for speed makes vectors of this.
+        for (sum, factor) in sums.iter_mut().zip(factors) {
+            *sum += (factor * f - force_n).abs();
+        }
+        return;
+    }
+    // Five at a time, written out: the compiler does not unroll when it builds for size, and counting costs as much as adding.
+    let (fives, rest) = sums.as_chunks_mut::<5>();
+    let (factor_fives, factor_rest) = factors.as_chunks::<5>();
+    for ([a, b, c, d, e], [fa, fb, fc, fd, fe]) in fives.iter_mut().zip(factor_fives) {
+        *a += (fa * f - force_n).abs();
+        *b += (fb * f - force_n).abs();
+        *c += (fc * f - force_n).abs();
+        *d += (fd * f - force_n).abs();
+        *e += (fe * f - force_n).abs();
+    }
+    for (sum, factor) in rest.iter_mut().zip(factor_rest) {
+        *sum += (factor * f - force_n).abs();
+    }
+}
+
 /// `1 - best / runner_up`, 0 if both are zero.
 pub fn margin(best: f32, runner_up: f32) -> f32 {
     if runner_up > 0.0 { 1.0 - best / runner_up } else { 0.0 }
@@ -279,7 +341,7 @@ mod tests {
         let force = |d: f64| mus()[j] * shape_mm2(alphas()[i], height, d);
         for bytes in [factored_table(), expanded_table(height)] {
             let table = Table::parse(&bytes).unwrap();
-            let slice = Slice::for_height(&table, height as f32).unwrap();
+            let slice = Slice::nearest(&table, height as f32, 2.0).unwrap();
             assert_eq!(slice.len(), 900);
             let search = searched(&table, &slice, force);
             let found = search.found(&slice).unwrap();
@@ -297,7 +359,7 @@ mod tests {
     fn sums_are_equation_17_over_all_columns() {
         let bytes = factored_table();
         let table = Table::parse(&bytes).unwrap();
-        let slice = Slice::for_height(&table, 19.05).unwrap();
+        let slice = Slice::nearest(&table, 19.05, 2.0).unwrap();
         let search = searched(&table, &slice, |d| LIBRARY[1].force_n(d));
         for (index, sum) in search.sums_n.iter().enumerate().take(900).step_by(37) {
             let direct: f64 = (1..=50)
@@ -314,7 +376,7 @@ mod tests {
     fn runner_up_is_no_neighbour_and_the_edge_is_seen() {
         let bytes = factored_table();
         let table = Table::parse(&bytes).unwrap();
-        let slice = Slice::for_height(&table, 25.0).unwrap();
+        let slice = Slice::nearest(&table, 25.0, 2.0).unwrap();
         assert!((slice.height_mm - 25.4).abs() < 1e-5);
         let search = searched(&table, &slice, |d| mus()[29] * shape_mm2(alphas()[0], 25.4, d));
         let found = search.found(&slice).unwrap();
@@ -326,7 +388,7 @@ mod tests {
     fn depths_outside_the_table_and_strange_forces_add_nothing() {
         let bytes = factored_table();
         let table = Table::parse(&bytes).unwrap();
-        let slice = Slice::for_height(&table, 12.7).unwrap();
+        let slice = Slice::nearest(&table, 12.7, 2.0).unwrap();
         let mut search = Search::new();
         for (depth, force) in
             [(0.0, 1.0), (-1.0, 1.0), (4.5, 1.0), (f32::NAN, 1.0), (1.0, f32::NAN), (1.0, f32::INFINITY)]

@@ -72,6 +72,7 @@ fn library() -> Vec<MaterialSpec> {
             alpha: foam.alpha,
             height_mm: foam.height_mm,
             acceptance: 0.03,
+            rate_mm_s: 0.0,
             force_n: depths().iter().map(|d| foam.force_n(*d)).collect(),
             display_step_n: 0.1,
             displacement_mm: (1..=50).map(|i| 0.02 * f64::from(i) / foam.mu_mpa.sqrt()).collect(),
@@ -100,6 +101,29 @@ pub fn factored_table() -> Vec<u8> {
     let axes = vec![
         axis(axis_name::DEPTH, "mm", Role::Row, depths()),
         axis(axis_name::HEIGHT, "mm", Role::Column, heights),
+        axis(axis_name::ALPHA, "", Role::Column, alphas()),
+        axis(axis_name::MU, "MPa", Role::Factor, mus()),
+    ];
+    spec(axes, columns).to_bytes().unwrap()
+}
+
+/// How much stiffer the made-up foams of [`rated_table`] are at 1, 2 and 4 mm/s.
+pub const STIFFENING: [f64; 3] = [1.0, 1.1, 1.25];
+
+/// 30-row form with three rates and three heights.
+pub fn rated_table() -> Vec<u8> {
+    let heights = [12.7, 19.05, 25.4];
+    let curve = |by: f64, a: f64, h: f64| depths().iter().map(|d| by * shape_mm2(a, h, *d)).collect();
+    let mut columns = vec![];
+    for by in STIFFENING {
+        for height in heights {
+            columns.extend(alphas().into_iter().map(|alpha| curve(by, alpha, height)));
+        }
+    }
+    let axes = vec![
+        axis(axis_name::DEPTH, "mm", Role::Row, depths()),
+        axis(axis_name::RATE, "mm/s", Role::Column, vec![1.0, 2.0, 4.0]),
+        axis(axis_name::HEIGHT, "mm", Role::Column, heights.to_vec()),
         axis(axis_name::ALPHA, "", Role::Column, alphas()),
         axis(axis_name::MU, "MPa", Role::Factor, mus()),
     ];

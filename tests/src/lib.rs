@@ -1,8 +1,11 @@
 //! Shared ground of the cross-crate tests: where golden files lie, one sample of every message,
-//! force curves of other codes, and the documents that commands rewrite.
+//! force curves of other codes, simulated palpations, and the documents that commands rewrite.
 
+pub mod bounding;
 pub mod document;
 pub mod golden;
+pub mod palpations;
 pub mod recovery;
 pub mod reference;
 pub mod samples;
+pub mod thousand;

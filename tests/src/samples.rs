@@ -56,6 +56,7 @@ pub fn reports() -> Vec<Report> {
         Report::Fault(FaultReport { tick: 51, fault: Fault::ForceLimit as u8, value: 21.0, limit: 20.0 }),
         Report::TableState(TableState { active: Slot::B, hash: [9; 16], next_offset: 384, length: 36_000 }),
         Report::Calibration(calibration()),
+        Report::Estimate(estimate()),
     ]
 }
 
@@ -86,6 +87,20 @@ fn telemetry(faults: FaultSet) -> Telemetry {
         coil_c: 25.0,
         search_error_n: 0.0625,
         tick_us: 90,
+    }
+}
+
+fn estimate() -> Estimate {
+    Estimate {
+        palpation: 20,
+        mu_mpa: 0.25,
+        alpha: 10.5,
+        height_mm: 12.75,
+        mu_error_mpa: 0.015625,
+        alpha_error: 0.5,
+        height_error_mm: 0.03125,
+        noise_n: 0.0078125,
+        samples: 100,
     }
 }
 
@@ -135,6 +150,7 @@ pub fn small_table() -> TableSpec {
             alpha: 2.0,
             height_mm: 10.0,
             acceptance: 0.05,
+            rate_mm_s: 0.0,
             force_n: vec![0.1, 0.2, 0.3, 0.4],
             display_step_n: 1.0,
             displacement_mm: vec![2.0, 3.0, 3.5],

@@ -156,7 +156,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
                 depth_max_mm: t.depth_max_mm(),
                 materials: t.material_count(),
                 // All slices of a table are alike in size.
-                searchable: Slice::for_height(&t, 0.0).is_some(),
+                searchable: Slice::nearest(&t, 0.0, 0.0).is_some(),
             })
         };
         if mode != Mode::Idle && !self.safety.latched().is_empty() {
@@ -166,7 +166,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         self.mode.request(&self.config.mode, mode, limits)?;
         match mode {
             Mode::Palpate { rate_mm_s, .. } => {
-                self.palpation.start();
+                self.palpation.start(rate_mm_s);
                 self.palpations = self.palpations.wrapping_add(1);
                 self.palpation_rate_mm_s = rate_mm_s;
                 self.contact_ticks = (0, 0, 0);

@@ -295,7 +295,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
             depth_mm: self.palpation.depth_mm(self.measured.probe_mm),
             force_n: self.measured.load_cell_n,
             contact: self.palpation.has_contact(),
-            no_such_height: progress == Progress::NoSuchHeight,
+            no_slice: progress.refused(),
             record_full: progress == Progress::Full,
             analysed,
             faulted: !self.safety.latched().is_empty(),
@@ -312,6 +312,10 @@ impl<S: TableStore + CalibrationStore> Board<S> {
             tick_mean_us: if count > 0 { sum as f32 / count as f32 } else { 0.0 },
         };
         let verdict = self.palpation.verdict(&self.config.palpation, self.table().as_ref(), outcome, motion);
+        let identified = matches!(verdict.outcome, Outcome::Identified | Outcome::GridEdge);
+        if let Some(estimate) = self.palpation.estimate(&self.config.palpation, self.palpations).filter(|_| identified) {
+            self.transmitter.report(&Report::Estimate(estimate), Priority::Answer);
+        }
         self.transmitter.report(&Report::Verdict(verdict), Priority::Answer);
     }
 

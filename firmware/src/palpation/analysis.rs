@@ -7,13 +7,21 @@
 //!    push the contact point aside, which the sums of Eq. 17 over 30 values of mu would.
 //!    At that minimum the same sums give mu and alpha between the columns of the grid: its steps in mu (a factor 1.25) are coarser than what
 //!    the data resolve, and the best column of Eq. 17 can lie far along the valley in which mu and alpha make up for each other.
-//! 2. *Search*: Eq. 17 over the record again, from the refined point.
-//! 3. *Library*: Eq. 17 over the library's curves at contact offsets around the refined point.
+//! 2. *Kalman filter* (Eqs. 18-21) over the record for mu, alpha and what is left of the contact offset, from the result of the fast search,
+//!    for the standard errors of all three.
+//! 3. *Search*: Eq. 17 over the record again, from the refined point.
+//! 4. *Library*: Eq. 17 over the library's curves at contact offsets around the refined point.
 
 use super::record::Record;
-use crate::contact::LeastOnLine;
+use crate::contact::{ContactPoint, LeastOnLine};
+use crate::kalman::indentation::Indentation;
+use crate::kalman::{Bounding, Estimator, Filter, Region};
+use crate::profile::{Fitted, ProfileSearch};
 use crate::recognition::Comparison;
-use crate::search::{MAX_FACTORS, Search, Shapes, Slice};
+use crate::search::{Search, Shapes, Slice};
+use crate::surface::Surface;
+use core::ops::Range;
+use nalgebra::Vector3;
 use protocol::lut::{Table, axis_name};
 use protocol::message::Recognition;
 
@@ -28,6 +36,12 @@ pub struct AnalysisConfig {
     pub fine: u8,
     /// Samples that the search takes in one tick.
     pub search_samples: u8,
+    /// Passes of the Kalman filter over the record: each is a Gauss-Newton step from where the one before it ended.
+    pub filter_passes: u8,
+    /// How far the filter may move the contact point, mm.
+    pub offset_mm: f32,
+    /// Standard deviation of the force that the filter assumes at least, N: the load cell's quantisation.
+    pub noise_floor_n: f32,
     /// Contact offsets at which the library is compared, one a tick. They span three deviations of the refined contact point at 4 mm/s
     /// and 1 % noise (0.08 mm); more would let an offset pass for another material.
     pub library_offsets: u8,
@@ -42,6 +56,9 @@ impl Default for AnalysisConfig {
             coarse: 33,
             fine: 9,
             search_samples: 16,
+            filter_passes: 3,
+            offset_mm: 0.3,
+            noise_floor_n: 0.0005,
             library_offsets: 25,
             library_step_mm: 0.02,
         }
@@ -53,6 +70,7 @@ enum Phase {
     Start,
     Coarse(Line),
     Fine(Line),
+    Filtering { height_mm: f32, next: usize, pass: u8, filtering: Filtering },
     Searching { height_mm: f32, next: usize },
     Comparing { height_mm: f32, next: u8 },
 }
@@ -83,8 +101,8 @@ impl Line {
     fn step(&mut self, table: &Table<'_>, shapes: Shapes, record: &Record) -> bool {
         // Samples that lie in the table at every height tried, so that all heights are judged on the same samples.
         let lowest_mm = self.top_mm - table.depth_max_mm();
-        let products = Products::sum(table, shapes, record, lowest_mm, self.least.next_x());
-        self.least.put(products.least().1);
+        let profile = profile(table, shapes, record, lowest_mm, self.least.next_x());
+        self.least.put(profile.least().1);
         self.least.taken() >= u16::from(self.places)
     }
 }
@@ -95,6 +113,7 @@ pub struct Analysis {
     phase: Phase,
     shapes: Shapes,
     fitted: Option<Fitted>,
+    filtered: Option<Estimator<3>>,
     comparison: Comparison,
 }
 
@@ -111,6 +130,8 @@ pub struct Finished {
     pub height_mm: f32,
     /// Parameters between the columns.
     pub fitted: Option<Fitted>,
+    /// The Kalman filter after the last sample: mu (MPa), alpha, and how much deeper (mm) than `height_mm` says.
+    pub filtered: Option<Estimator<3>>,
     /// Nearest library material.
     pub recognition: Recognition,
 }
@@ -122,20 +143,22 @@ impl Analysis {
             phase: Phase::Start,
             shapes: Shapes { first: 0, stride: 1, count: 0 },
             fitted: None,
+            filtered: None,
             comparison: Comparison::new(),
         }
     }
 
-    /// One piece; the result after the last one. `first_mm` is the first estimate of the contact height.
+    /// One piece; the result after the last one. `point` is the first estimate of the contact point.
     pub fn step(
         &mut self,
         config: &AnalysisConfig,
         table: &Table<'_>,
         slice: &Slice,
         record: &Record,
-        first_mm: f32,
+        point: &ContactPoint,
         search: &mut Search,
     ) -> Option<Finished> {
+        let (first_mm, noise_n) = (point.height_mm, point.noise_n);
         match &mut self.phase {
             Phase::Start => {
                 let best = search.found(slice).map_or(0, |f| f.index);
@@ -150,8 +173,26 @@ impl Analysis {
             Phase::Fine(line) => {
                 if line.step(table, self.shapes, record) {
                     let height_mm = line.least.result().0;
-                    self.fitted = fit(table, self.shapes, record, height_mm);
+                    let lowest_mm = height_mm - table.depth_max_mm();
+                    self.fitted = profile(table, self.shapes, record, lowest_mm, height_mm).found(table);
                     search.reset();
+                    self.phase = match begin(config, table, self.fitted) {
+                        Some(filtering) => Phase::Filtering { height_mm, next: 0, pass: 1, filtering },
+                        None => Phase::Searching { height_mm, next: 0 },
+                    };
+                }
+            }
+            Phase::Filtering { height_mm, next, pass, filtering } => {
+                let end = *next + usize::from(config.search_samples.max(1));
+                filtering.take(table, slice, record, *next..end, *height_mm, noise_n.max(config.noise_floor_n));
+                *next = end;
+                if end >= record.samples().len() && *pass < config.filter_passes {
+                    (*next, *pass) = (0, *pass + 1);
+                    filtering.again();
+                } else if end >= record.samples().len() {
+                    filtering.estimator.filter.state = filtering.estimator.most_likely();
+                    self.filtered = (filtering.estimator.samples > 0).then_some(filtering.estimator);
+                    let height_mm = *height_mm;
                     self.phase = Phase::Searching { height_mm, next: 0 };
                 }
             }
@@ -167,12 +208,13 @@ impl Analysis {
                 }
             }
             Phase::Comparing { height_mm, next } => {
-                compare(config, table, record, *height_mm, *next, &mut self.comparison);
+                compare(config, table, slice, record, *height_mm, *next, &mut self.comparison);
                 *next += 1;
                 if *next >= config.library_offsets {
                     return Some(Finished {
                         height_mm: *height_mm,
                         fitted: self.fitted,
+                        filtered: self.filtered,
                         recognition: self.comparison.result(table),
                     });
                 }
@@ -182,10 +224,65 @@ impl Analysis {
     }
 }
 
+/// The filter over the record, linearised at one place a pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Filtering {
+    /// Before the first sample.
+    first: Filter<3>,
+    /// Where the model is linearised.
+    reference: Vector3<f32>,
+    estimator: Estimator<3>,
+}
+
+/// The filter before the first sample: at the result of the fast search, with the covariance of Eq. 21 over the table's region. `None` for
+/// a table without mu and alpha.
+fn begin(config: &AnalysisConfig, table: &Table<'_>, fitted: Option<Fitted>) -> Option<Filtering> {
+    let range = |name| table.axis(name).map(|a| (a.value(0), a.value(a.len().saturating_sub(1))));
+    let (mus, alphas) = (range(axis_name::MU)?, range(axis_name::ALPHA)?);
+    let region = Region {
+        low: Vector3::new(mus.0, alphas.0, -config.offset_mm),
+        high: Vector3::new(mus.1, alphas.1, config.offset_mm),
+    };
+    let fitted = fitted?;
+    let reference = region.nearest(&Vector3::new(fitted.mu_mpa, fitted.alpha, 0.0));
+    let estimator = Estimator::new(reference, region, Bounding::Constrained { linearisations: 1 });
+    Some(Filtering { first: estimator.filter, reference, estimator })
+}
+
+impl Filtering {
+    /// Takes some samples of the record.
+    fn take(
+        &mut self,
+        table: &Table<'_>,
+        slice: &Slice,
+        record: &Record,
+        some: Range<usize>,
+        height_mm: f32,
+        noise_n: f32,
+    ) {
+        let Some(surface) = Surface::new(table, slice) else {
+            return;
+        };
+        let model = Indentation { surface };
+        for sample in record.samples().iter().take(some.end).skip(some.start) {
+            let depth_mm = height_mm - sample.probe_mm;
+            self.estimator.step_about(&model, &self.reference, depth_mm, sample.force_n, noise_n * noise_n);
+        }
+    }
+
+    /// From the first sample again, linearised where the last pass ended.
+    fn again(&mut self) {
+        self.reference = self.estimator.most_likely();
+        self.estimator.filter = self.first;
+        self.estimator.samples = 0;
+    }
+}
+
 /// Compares the record with the library at contact offset number `offset`.
 fn compare(
     config: &AnalysisConfig,
     table: &Table<'_>,
+    slice: &Slice,
     record: &Record,
     height_mm: f32,
     offset: u8,
@@ -199,94 +296,14 @@ fn compare(
     let samples = record.samples().iter().filter(|s| s.probe_mm >= lowest_mm && s.probe_mm <= highest_mm);
     let bottom_mm = samples.clone().fold(height_mm, |bottom, s| f32::min(bottom, s.probe_mm));
     comparison.deepest_mm = height_mm - bottom_mm;
-    comparison.step(table, samples.map(|s| (at_mm - s.probe_mm, s.force_n)));
+    comparison.step(table, slice.rate_mm_s, samples.map(|s| (at_mm - s.probe_mm, s.force_n)));
 }
 
-/// Sums over the record that amplitude and misfit of every shape follow from.
-struct Products {
-    /// `sum F^2`, N^2.
-    total_n2: f32,
-    /// `sum f^2` and `sum f F` of every shape.
-    shapes: [(f32, f32); MAX_FACTORS],
-    count: usize,
-}
-
-impl Products {
-    /// For one contact height, over the samples at or above `lowest_mm`.
-    fn sum(table: &Table<'_>, shapes: Shapes, record: &Record, lowest_mm: f32, height_mm: f32) -> Self {
-        let mut products =
-            Products { total_n2: 0.0, shapes: [(0.0, 0.0); MAX_FACTORS], count: shapes.count.min(MAX_FACTORS) };
-        for sample in record.samples().iter().filter(|s| s.probe_mm >= lowest_mm) {
-            products.total_n2 += sample.force_n * sample.force_n;
-            let Some(position) = table.locate(height_mm - sample.probe_mm) else {
-                continue;
-            };
-            let forces = table.forces_n(position, shapes.columns()).step_by(shapes.stride);
-            for ((ff, fm), f) in products.shapes.iter_mut().zip(forces) {
-                *ff += f * f;
-                *fm += f * sample.force_n;
-            }
-        }
-        products
+/// Sums over the record for one contact height, over the samples at or above `lowest_mm`.
+fn profile(table: &Table<'_>, shapes: Shapes, record: &Record, lowest_mm: f32, height_mm: f32) -> ProfileSearch {
+    let mut profile = ProfileSearch::over(shapes);
+    for sample in record.samples().iter().filter(|s| s.probe_mm >= lowest_mm) {
+        profile.step(table, height_mm - sample.probe_mm, sample.force_n);
     }
-
-    /// Squares left by shape number `i` at its best amplitude, N^2.
-    fn misfit_n2(&self, i: usize) -> Option<f32> {
-        let (ff, fm) = self.shapes.get(..self.count)?.get(i)?;
-        (*ff > 0.0 && *fm > 0.0).then(|| self.total_n2 - fm * fm / ff)
-    }
-
-    /// Best amplitude of shape number `i`.
-    fn amplitude(&self, i: usize) -> Option<f32> {
-        let (ff, fm) = self.shapes.get(..self.count)?.get(i)?;
-        (*ff > 0.0).then(|| fm / ff)
-    }
-
-    /// The least misfit along the shapes, which are in the order of alpha: place (a fraction between shapes) and value, N^2. The parabola
-    /// makes it smooth in the contact height, where a plain minimum would have a corner for every shape.
-    fn least(&self) -> (f32, f32) {
-        let mut line = LeastOnLine::new(0.0, 1.0);
-        for i in 0..self.count {
-            line.put(self.misfit_n2(i).unwrap_or(self.total_n2));
-        }
-        let (place, misfit_n2) = line.result();
-        (crate::number::limit(place, 0.0, self.count.saturating_sub(1) as f32), misfit_n2)
-    }
-}
-
-/// Parameters between the columns of the grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fitted {
-    /// Shear modulus, MPa.
-    pub mu_mpa: f32,
-    /// Exponent.
-    pub alpha: f32,
-    /// True if the least misfit lies at the edge of the grid in alpha, or mu beyond the grid.
-    pub at_edge: bool,
-}
-
-/// mu and alpha by least squares at the refined contact point: mu from the amplitude, alpha from the parabola through the least misfit
-/// and its neighbours. `None` for a table without these axes.
-fn fit(table: &Table<'_>, shapes: Shapes, record: &Record, height_mm: f32) -> Option<Fitted> {
-    let products = Products::sum(table, shapes, record, height_mm - table.depth_max_mm(), height_mm);
-    let (place, _) = products.least();
-    let below = place as usize;
-    let above = (below + 1).min(products.count.saturating_sub(1));
-    let weight = place - below as f32;
-    let between = |value: &dyn Fn(usize) -> Option<f32>| {
-        let (low, high) = (value(below)?, value(above)?);
-        Some(low + weight * (high - low))
-    };
-    let column = |i: usize| shapes.first + i * shapes.stride;
-    let unit_mpa = |i: usize| match table.factor() {
-        Some(_) => Some(1.0),
-        None => table.column_value(column(i), axis_name::MU),
-    };
-    let alpha = between(&|i| table.column_value(column(i), axis_name::ALPHA))?;
-    let mu_mpa = between(&|i| Some(unit_mpa(i)? * products.amplitude(i)?))?;
-    let mus = table.axis(axis_name::MU)?;
-    let mu_inside = mu_mpa >= mus.value(0) && mu_mpa <= mus.value(mus.len().saturating_sub(1));
-    let best = (place + 0.5) as usize;
-    let alpha_inside = products.count == 1 || (best > 0 && best + 1 < products.count);
-    Some(Fitted { mu_mpa, alpha, at_edge: !(mu_inside && alpha_inside) })
+    profile
 }

@@ -11,19 +11,21 @@ mod record;
 pub use record::{RECORD_LEN, Record};
 
 use crate::contact::{Contact, ContactConfig, ContactPoint, Sample};
+use crate::kalman::Estimator;
+use crate::profile::Fitted;
 use crate::recognition::NOT_RECOGNISED;
-use crate::search::{Found, Search, Slice};
-use analysis::{Analysis, Fitted};
+use crate::search::{Found, NoSlice, Search, Slice, Tolerance};
+use analysis::Analysis;
 use protocol::lut::Table;
-use protocol::message::{Outcome, Recognition, Verdict};
+use protocol::message::{Estimate, Outcome, Recognition, Verdict};
 
 /// How a palpation is judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PalpationConfig {
     /// Contact detection.
     pub contact: ContactConfig,
-    /// How far the specimen's height may be from the nearest slice of the table, mm.
-    pub height_tolerance_mm: f32,
+    /// How far specimen and rate may be from the nearest slice of the table.
+    pub tolerance: Tolerance,
     /// Fewest samples for a verdict.
     pub samples_min: u16,
     /// Buffered samples that the search catches up with in one tick.
@@ -36,7 +38,7 @@ impl Default for PalpationConfig {
     fn default() -> Self {
         PalpationConfig {
             contact: ContactConfig::default(),
-            height_tolerance_mm: 1.0,
+            tolerance: Tolerance::default(),
             samples_min: 10,
             catch_up: 4,
             analysis: analysis::AnalysisConfig::default(),
@@ -49,6 +51,8 @@ impl Default for PalpationConfig {
 pub struct Palpation {
     contact: Contact,
     point: Option<ContactPoint>,
+    /// Commanded rate, mm/s.
+    rate_mm_s: f32,
     #[cfg(test)]
     first_mm: f32,
     slice: Option<Slice>,
@@ -61,6 +65,7 @@ pub struct Palpation {
     recognition: Option<Recognition>,
     found: Option<Found>,
     fitted: Option<Fitted>,
+    filtered: Option<Estimator<3>>,
 }
 
 /// What one sample brought.
@@ -72,10 +77,23 @@ pub enum Progress {
     Contact,
     /// Contact found in this tick, but no slice of the table is near the specimen's height.
     NoSuchHeight,
+    /// Contact found in this tick, but no slice of the table is near the commanded rate.
+    NoSuchRate,
     /// In contact.
     Pressing,
     /// The record is full: as good as at depth.
     Full,
+}
+
+impl Progress {
+    /// How a palpation ends that no slice of the table serves.
+    pub const fn refused(self) -> Option<Outcome> {
+        match self {
+            Progress::NoSuchHeight => Some(Outcome::NoSuchHeight),
+            Progress::NoSuchRate => Some(Outcome::NoSuchRate),
+            Progress::Approaching | Progress::Contact | Progress::Pressing | Progress::Full => None,
+        }
+    }
 }
 
 impl Palpation {
@@ -84,6 +102,7 @@ impl Palpation {
         Palpation {
             contact: Contact::new(),
             point: None,
+            rate_mm_s: 0.0,
             #[cfg(test)]
             first_mm: 0.0,
             slice: None,
@@ -95,11 +114,13 @@ impl Palpation {
             recognition: None,
             found: None,
             fitted: None,
+            filtered: None,
         }
     }
 
-    /// Forgets the last palpation.
-    pub fn start(&mut self) {
+    /// Forgets the last palpation; the next one goes at `rate_mm_s`.
+    pub fn start(&mut self, rate_mm_s: f32) {
+        self.rate_mm_s = rate_mm_s;
         self.contact = Contact::new();
         self.point = None;
         self.slice = None;
@@ -111,6 +132,7 @@ impl Palpation {
         self.recognition = None;
         self.found = None;
         self.fitted = None;
+        self.filtered = None;
     }
 
     /// True once contact is found.
@@ -148,10 +170,8 @@ impl Palpation {
         {
             self.first_mm = point.height_mm;
         }
-        let near = Slice::for_height(table, point.height_mm).filter(|slice| {
-            slice.height_mm == 0.0 || (slice.height_mm - point.height_mm).abs() <= config.height_tolerance_mm
-        });
-        self.slice = near;
+        let near = Slice::choose(table, point.height_mm, self.rate_mm_s, &config.tolerance);
+        self.slice = near.ok();
         // The record begins a little before contact: the refinement needs to see the flat part.
         let from_mm = point.height_mm + config.analysis.lead_mm;
         for i in 0..crate::contact::BUFFER_LEN {
@@ -162,7 +182,11 @@ impl Palpation {
                 self.keep(&point, sample);
             }
         }
-        if near.is_some() { Progress::Contact } else { Progress::NoSuchHeight }
+        match near {
+            Ok(_) => Progress::Contact,
+            Err(NoSlice::Rate) => Progress::NoSuchRate,
+            Err(NoSlice::Height | NoSlice::TooLarge) => Progress::NoSuchHeight,
+        }
     }
 
     fn keep(&mut self, point: &ContactPoint, sample: Sample) -> bool {
@@ -194,14 +218,40 @@ impl Palpation {
         if self.recognition.is_some() {
             return true;
         }
-        let done = self.analysis.step(&config.analysis, table, &slice, &self.record, point.height_mm, &mut self.search);
+        let done = self.analysis.step(&config.analysis, table, &slice, &self.record, &point, &mut self.search);
         if let Some(finished) = done {
             self.found = self.search.found(&slice);
             self.fitted = finished.fitted;
+            self.filtered = finished.filtered;
             self.recognition = Some(finished.recognition);
             self.point = Some(ContactPoint { height_mm: finished.height_mm, ..point });
         }
         self.recognition.is_some()
+    }
+
+    /// True if more than a tenth of the samples in contact lie deeper than the table reaches: what is left of the press is not the press
+    /// that was asked for, and the deepest part tells materials apart best.
+    fn deeper_than(&self, depth_max_mm: f32) -> bool {
+        let height_mm = self.point.map_or(0.0, |p| p.height_mm);
+        let deeper = |depth_mm: f32| self.record.samples().iter().filter(|s| height_mm - s.probe_mm > depth_mm).count();
+        10 * deeper(depth_max_mm) > deeper(0.0)
+    }
+
+    /// The Kalman filter's result for palpation number `palpation`; `None` before the analysis has ended, or if the filter had no sample to use.
+    pub fn estimate(&self, config: &PalpationConfig, palpation: u32) -> Option<Estimate> {
+        let (filtered, point) = (self.filtered.as_ref()?, self.point?);
+        let (state, errors) = (filtered.filter.state, filtered.filter.deviations());
+        Some(Estimate {
+            palpation,
+            mu_mpa: state[0],
+            alpha: state[1],
+            height_mm: point.height_mm + state[2],
+            mu_error_mpa: errors[0],
+            alpha_error: errors[1],
+            height_error_mm: errors[2],
+            noise_n: point.noise_n.max(config.analysis.noise_floor_n),
+            samples: filtered.samples,
+        })
     }
 
     /// The verdict. `ended` is how the motion ended ([`Outcome::Identified`] for full depth); an analysis that was not run to its end
@@ -239,6 +289,10 @@ impl Palpation {
         };
         if verdict.samples < config.samples_min {
             verdict.outcome = Outcome::TooShort;
+            return verdict;
+        }
+        if self.deeper_than(table.depth_max_mm()) {
+            verdict.outcome = Outcome::DeeperThanTable;
             return verdict;
         }
         let at_edge = match &self.fitted {

@@ -3,14 +3,18 @@ use super::*;
 use crate::testbed::{Chance, LIBRARY, Press, expanded_table, factored_table};
 
 fn palpate(table: &Table<'_>, samples: &[Sample], depth_mm: f32) -> (Verdict, Palpation) {
+    palpate_at(table, samples, depth_mm, 1.0)
+}
+
+fn palpate_at(table: &Table<'_>, samples: &[Sample], depth_mm: f32, rate_mm_s: f32) -> (Verdict, Palpation) {
     let config = PalpationConfig::default();
     let mut palpation = Palpation::new();
-    palpation.start();
+    palpation.start(rate_mm_s);
     let mut ended = Outcome::NoContact;
     for sample in samples {
         let progress = palpation.step(&config, table, *sample);
-        if progress == Progress::NoSuchHeight {
-            ended = Outcome::NoSuchHeight;
+        if let Some(refused) = progress.refused() {
+            ended = refused;
             break;
         }
         if palpation.has_contact() && palpation.depth_mm(sample.probe_mm) >= depth_mm {
@@ -23,7 +27,7 @@ fn palpate(table: &Table<'_>, samples: &[Sample], depth_mm: f32) -> (Verdict, Pa
             break;
         }
     }
-    let motion = Motion { number: 1, rate_mm_s: 1.0, tick_max_us: 0, tick_mean_us: 0.0 };
+    let motion = Motion { number: 1, rate_mm_s, tick_max_us: 0, tick_mean_us: 0.0 };
     (palpation.verdict(&config, Some(table), ended, motion), palpation)
 }
 
@@ -117,4 +121,73 @@ fn a_shallow_palpation_is_held_against_the_force_it_has_reached() {
     assert_eq!(v.material.index, Recognition::NONE);
     let (v, _) = palpate(&table, &Press::clean(LIBRARY[2], 1.0).samples(&mut Chance(1)), 1.5);
     assert_eq!(v.material.index, 2);
+}
+
+#[test]
+fn every_press_that_cannot_be_identified_says_why() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    // 5 mm into a table of 4 mm.
+    let (v, p) = palpate(&table, &Press::clean(LIBRARY[0], 1.0).samples(&mut Chance(1)), 4.9);
+    assert_eq!((v.outcome, v.mu_mpa, v.material.index), (Outcome::DeeperThanTable, 0.0, Recognition::NONE));
+    assert!(p.estimate(&PalpationConfig::default(), 1).is_some(), "the board does not send it");
+    // A little beyond is the contact point's refinement.
+    let (v, _) = palpate(&table, &Press::clean(LIBRARY[0], 1.0).samples(&mut Chance(1)), 4.1);
+    assert_eq!(v.outcome, Outcome::Identified);
+    // Nothing under the probe.
+    let mut nothing = Press::clean(LIBRARY[0], 1.0);
+    nothing.gain = 0.0;
+    let (v, p) = palpate(&table, &nothing.samples(&mut Chance(1)), 4.0);
+    assert_eq!((v.outcome, v.height_mm, p.estimate(&PalpationConfig::default(), 1)), (Outcome::NoContact, 0.0, None));
+}
+
+#[test]
+fn a_table_of_rates_is_searched_at_the_commanded_rate_and_refuses_others() {
+    let bytes = crate::testbed::rated_table();
+    let table = Table::parse(&bytes).unwrap();
+    let foam = LIBRARY[0];
+    for (rate, expected) in [(1.0, 1.0), (2.0, 2.0), (4.0, 4.0), (2.1, 2.0)] {
+        let slice = Slice::choose(&table, 12.7, rate, &Tolerance::default()).unwrap();
+        assert_eq!((slice.rate_mm_s, slice.len()), (expected, 900));
+    }
+    // The foam is as stiff as the table says for 4 mm/s.
+    let mut press = Press::clean(foam, 4.0);
+    press.gain = crate::testbed::STIFFENING[2];
+    let (v, _) = palpate_at(&table, &press.samples(&mut Chance(1)), 4.0, 4.0);
+    assert_eq!(v.outcome, Outcome::Identified);
+    assert!((f64::from(v.mu_mpa) / foam.mu_mpa - 1.0).abs() < 0.08, "{v:?}");
+    for rate in [3.0, 1.2, 0.0, f32::NAN] {
+        let (v, _) = palpate_at(&table, &press.samples(&mut Chance(1)), 4.0, rate);
+        assert_eq!((v.outcome, v.mu_mpa), (Outcome::NoSuchRate, 0.0), "{rate}");
+    }
+    // A rate that fits does not excuse a height that does not.
+    let mut odd = press;
+    odd.foam.height_mm = 15.9;
+    let (v, _) = palpate_at(&table, &odd.samples(&mut Chance(1)), 4.0, 4.0);
+    assert_eq!(v.outcome, Outcome::NoSuchHeight);
+}
+
+/// The filter's own errors against what it makes of noise: the ratio is chi distributed, 0.8 to 1.2 over 64 presses by two deviations.
+#[test]
+fn the_estimate_states_its_errors() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    let mut chance = Chance(17);
+    for foam in [LIBRARY[0], LIBRARY[3]] {
+        let (mut squares, n) = ([0.0; 3], 64);
+        for _ in 0..n {
+            let press = Press { noise: 0.003, start_mm: 3.0 + chance.even(), ..Press::clean(foam, 1.0) };
+            let (v, p) = palpate(&table, &press.samples(&mut chance), 4.0);
+            let e = p.estimate(&PalpationConfig::default(), v.palpation).unwrap();
+            let off = [
+                (f64::from(e.mu_mpa) - foam.mu_mpa) / f64::from(e.mu_error_mpa),
+                (f64::from(e.alpha) - foam.alpha) / f64::from(e.alpha_error),
+                (f64::from(e.height_mm) - press.surface_mm()) / f64::from(e.height_error_mm),
+            ];
+            squares.iter_mut().zip(off).for_each(|(s, o)| *s += o * o);
+        }
+        let rms = squares.map(|s| (s / f64::from(n)).sqrt());
+        println!("{}: {rms:?}", foam.name);
+        assert!(rms.iter().all(|r| (0.7..1.4).contains(r)), "{}: {rms:?}", foam.name);
+    }
 }

@@ -40,9 +40,9 @@ pub struct Arguments {
     /// A relaxation that all materials of the table share: shear part, bulk part, time in s; may be repeated
     #[arg(long, value_name = "G,K,TAU", value_parser = relaxation)]
     relax: Vec<PronyTerm>,
-    /// Rate of the indentation, mm/s; it decides nothing without relaxation
-    #[arg(long, value_name = "MM/S", default_value_t = 1.0)]
-    rate_mm_s: f64,
+    /// Rates of the indentation, mm/s; with relaxation one table section each, and they decide nothing without
+    #[arg(long, value_name = "MM/S,..", value_delimiter = ',', default_values_t = [1.0])]
+    rate_mm_s: Vec<f64>,
     /// rows: one row an exponent, mu continuous; columns: all pairs, as in the thesis
     #[arg(long, value_enum, default_value_t = FormArgument::Rows)]
     form: FormArgument,
@@ -90,6 +90,7 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     }
     heights.sort_by(f64::total_cmp);
     heights.dedup();
+    let rates = rates(arguments)?;
     let ball = Ball { radius_mm: arguments.ball_mm };
     let progress = Progress::new();
     let mut grids = Vec::new();
@@ -97,14 +98,17 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
         BaseArgument::Bonded => Base::Bonded,
         BaseArgument::Sliding => Base::Sliding,
     };
-    for height_mm in &heights {
+    for (rate_mm_s, height_mm) in rates.iter().flat_map(|rate| heights.iter().map(move |height| (rate, height))) {
         let spec = GridSpec {
             friction: arguments.friction,
             relaxation: arguments.relax.clone(),
-            rate_mm_s: arguments.rate_mm_s,
+            rate_mm_s: *rate_mm_s,
             ..GridSpec::thesis(Specimen { base, ..Specimen::of_height(*height_mm) }, ball)
         };
-        let what = format!("height {} mm", number(*height_mm));
+        let what = match rates.len() {
+            1 => format!("height {} mm", number(*height_mm)),
+            _ => format!("height {} mm at {} mm/s", number(*height_mm), number(*rate_mm_s)),
+        };
         let grid = ForceGrid::build(&spec, &|done, total| progress.set(&what, done, total))
             .into_diagnostic()
             .wrap_err_with(|| format!("no table for a height of {height_mm} mm"))?;
@@ -117,7 +121,10 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     // Only foams the table has a section for can be recognised with it.
     let mut foams = table::foams();
     foams.retain(|foam| heights.iter().any(|height| (height - foam.height_mm).abs() < 1e-6));
-    let library = table::library(&foams, &grids[0].spec).into_diagnostic()?;
+    let mut library = Vec::new();
+    for grid in grids.iter().step_by(heights.len()) {
+        library.extend(table::library(&foams, &grid.spec).into_diagnostic()?);
+    }
     let bytes = table::write(&grids, form, library).into_diagnostic()?;
     save(&arguments.out, &bytes)?;
     let picture = arguments.out.with_extension("svg");
@@ -141,6 +148,20 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
         println!("time        {:.1} s", start.elapsed().as_secs_f64());
     }
     Ok(())
+}
+
+/// The rates that need a section: all with relaxation, rising and each once; the first without.
+fn rates(arguments: &Arguments) -> miette::Result<Vec<f64>> {
+    let mut rates = arguments.rate_mm_s.clone();
+    if let Some(rate) = rates.iter().find(|rate| !(0.01..=100.0).contains(*rate)) {
+        return Err(miette!("--rate-mm-s is {rate}; expected a rate of 0.01 to 100 mm/s"));
+    }
+    rates.sort_by(f64::total_cmp);
+    rates.dedup();
+    if arguments.relax.is_empty() {
+        rates.truncate(1);
+    }
+    Ok(rates)
 }
 
 /// `G,K,TAU`; its ranges are checked where the material is made.
@@ -207,7 +228,7 @@ fn described(table: &Table<'_>, length: usize) -> Value {
         "rows": table.rows(), "columns": table.columns(), "provenance": table.provenance(),
         "error_bound": {"discretisation": error.discretisation, "interpolation": error.interpolation,
                         "quantisation": error.quantisation, "total": error.total()},
-        "materials": table.materials().map(|m| json!({"name": m.name, "mu_MPa": m.mu_mpa, "alpha": m.alpha, "height_mm": m.height_mm})).collect::<Vec<Value>>(),
+        "materials": table.materials().map(|m| json!({"name": m.name, "mu_MPa": m.mu_mpa, "alpha": m.alpha, "height_mm": m.height_mm, "rate_mm_s": m.rate_mm_s})).collect::<Vec<Value>>(),
     })
 }
 

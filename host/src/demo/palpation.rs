@@ -1,6 +1,6 @@
 //! One palpation of the demo.
 
-use protocol::message::{Mode, Outcome, State, Verdict};
+use protocol::message::{Estimate, Mode, Outcome, State, Verdict};
 
 use super::listening::Listening;
 use super::{DemoError, Options, Stage, Watcher};
@@ -44,6 +44,8 @@ pub struct Palpated {
     pub true_height_mm: f64,
     /// What the board said.
     pub verdict: Verdict,
+    /// What its Kalman filter said before that, with standard errors.
+    pub estimate: Option<Estimate>,
     /// Name of the identified library material; empty for none.
     pub identified: String,
     /// Approach, contact and return, tick by tick.
@@ -80,12 +82,14 @@ pub(super) fn palpate(
     listening.session().set_mode(mode)?;
     let deadline_s = listening.now_s() + LONGEST_S;
     let mut trace = Vec::new();
+    let mut estimate = None;
     let verdict = loop {
         match listening.next(deadline_s)? {
             None => {
                 let state = format!("{:?}", listening.session().status()?.state);
                 return Err(DemoError::Endless { number, waited_s: LONGEST_S, state });
             }
+            Some((Event::Estimate(e), _)) => estimate = Some(e),
             Some((Event::Verdict(verdict), _)) => break verdict,
             Some((Event::Fault(fault), _)) => watch(Stage::Note(&fault_text(&fault))),
             Some((Event::Telemetry(t), truth)) => {
@@ -116,6 +120,7 @@ pub(super) fn palpate(
         true_mu_mpa: foam.mu_mpa,
         true_alpha: foam.alpha,
         true_height_mm: foam.height_mm,
+        estimate: estimate.filter(|e| e.palpation == verdict.palpation),
         verdict,
         identified,
         trace,

@@ -151,6 +151,10 @@ fn palpation_json(p: &Palpated) -> Value {
         "error_N": v.error_n,
         "height_mm": v.height_mm,
         "samples": v.samples,
+        "filter": p.estimate.as_ref().map(|e| json!({
+            "mu_MPa": e.mu_mpa, "mu_error_MPa": e.mu_error_mpa, "alpha": e.alpha, "alpha_error": e.alpha_error,
+            "height_mm": e.height_mm, "height_error_mm": e.height_error_mm, "noise_N": e.noise_n,
+        })),
         "tick_mean_us_host": v.tick_mean_us,
         "tick_max_us_host": v.tick_max_us,
     })

@@ -26,11 +26,14 @@ pub enum Channel {
     Fault,
     /// True physics of a simulated board.
     Truth,
+    /// Results of the Kalman filter.
+    Estimate,
 }
 
 impl Channel {
     /// Every channel.
-    pub const ALL: [Channel; 4] = [Channel::Telemetry, Channel::Verdict, Channel::Fault, Channel::Truth];
+    pub const ALL: [Channel; 5] =
+        [Channel::Telemetry, Channel::Verdict, Channel::Fault, Channel::Truth, Channel::Estimate];
 
     /// Name in the file.
     pub const fn topic(self) -> &'static str {
@@ -39,6 +42,7 @@ impl Channel {
             Channel::Verdict => "verdict",
             Channel::Fault => "fault",
             Channel::Truth => "truth",
+            Channel::Estimate => "estimate",
         }
     }
 }

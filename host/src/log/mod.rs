@@ -87,6 +87,17 @@ impl Recorder {
                     mcap.telemetry(self.board_s, record, traffic)?;
                 }
             }
+            Event::Estimate(e) => {
+                if let Some(csv) = &mut self.csv {
+                    csv.note(format!(
+                        "estimate {} mu_mpa={}+-{} alpha={}+-{} height_mm={}+-{}",
+                        e.palpation, e.mu_mpa, e.mu_error_mpa, e.alpha, e.alpha_error, e.height_mm, e.height_error_mm
+                    ));
+                }
+                if let Some(mcap) = &mut self.mcap {
+                    mcap.write(Channel::Estimate, self.board_s, e)?;
+                }
+            }
             Event::Verdict(verdict) => {
                 if let Some(csv) = &mut self.csv {
                     csv.note(format!(

@@ -1,13 +1,15 @@
 //! What a board says unasked.
 
 use protocol::fault::Fault;
-use protocol::message::{FaultReport, Telemetry, Verdict};
+use protocol::message::{Estimate, FaultReport, Telemetry, Verdict};
 
 /// Something the board said by itself.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
     /// One control tick.
     Telemetry(Telemetry),
+    /// What the Kalman filter made of the palpation whose verdict follows.
+    Estimate(Estimate),
     /// The end of a palpation.
     Verdict(Verdict),
     /// A fault was latched.

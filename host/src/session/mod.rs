@@ -309,6 +309,7 @@ impl<L: Link> Session<L> {
                 self.last_tick = Some(record.tick);
                 self.events.push_back(Event::Telemetry(record));
             }
+            Report::Estimate(estimate) => self.events.push_back(Event::Estimate(estimate)),
             Report::Verdict(verdict) => self.events.push_back(Event::Verdict(verdict)),
             Report::Fault(fault) => self.events.push_back(Event::Fault(fault)),
             Report::Status(status) => self.latest_status = Some(status),

@@ -31,6 +31,14 @@ pub enum LutError {
         /// What differs.
         axis: &'static str,
     },
+    /// The rates do not rise, or not every rate has the same heights.
+    #[error("grids must be sorted by rate, each rate with the same heights, but the one of {rate_mm_s} mm/s and {height_mm} mm is out of place")]
+    Rates {
+        /// Rate of the offending grid.
+        rate_mm_s: f64,
+        /// Its height.
+        height_mm: f64,
+    },
     /// The heights do not rise.
     #[error("grids must be sorted by height, but {height_mm} mm follows {before_mm} mm")]
     Order {
@@ -89,21 +97,26 @@ fn material(foam: &Foam, spec: &GridSpec) -> Result<MaterialSpec, SolveError> {
         alpha: foam.alpha,
         height_mm: foam.height_mm,
         acceptance: ACCEPTANCE,
+        rate_mm_s: if spec.relaxation.is_empty() { 0.0 } else { spec.rate_mm_s },
         force_n: curve.force_n,
         display_step_n: DISPLAY_STEP_N,
         displacement_mm: displacement?,
     })
 }
 
-/// The table of one or more grids (one a height, sorted by height) and a library.
-/// The height axis is left out when there is one grid.
+/// The table of one or more grids (one a rate and height, sorted by rate, then by height) and a library.
+/// The rate is an axis if the foams relax; a table of elastic foams serves every rate.
 ///
 /// # Errors
 /// [`LutError`] when the grids do not fit together.
 pub fn lut(grids: &[ForceGrid], form: Form, library: Vec<MaterialSpec>) -> Result<TableSpec, LutError> {
     let first = grids.first().ok_or(LutError::Empty)?;
-    for (before, grid) in grids.iter().zip(&grids[1..]) {
-        fits(first, before, grid)?;
+    let heights = heights(grids)?;
+    for rate in grids.chunks(heights.len()) {
+        for (before, grid) in rate.iter().zip(&rate[1..]) {
+            fits(first, before, grid)?;
+        }
+        fits_rate(first, &heights, rate)?;
     }
     let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
         name: name.to_owned(),
@@ -113,13 +126,16 @@ pub fn lut(grids: &[ForceGrid], form: Form, library: Vec<MaterialSpec>) -> Resul
         values: values.to_vec(),
     };
     let spec = &first.spec;
-    let heights: Vec<f64> = grids.iter().map(|g| g.spec.specimen.height_mm).collect();
     // A single height is an axis as well: the board must know which specimens the table is for.
     let mut axes = vec![
         axis(axis_name::DEPTH, "mm", Role::Row, &spec.depth_mm),
         axis(axis_name::HEIGHT, "mm", Role::Column, &heights),
         axis(axis_name::ALPHA, "", Role::Column, &spec.alpha),
     ];
+    if !spec.relaxation.is_empty() {
+        let rates: Vec<f64> = grids.iter().step_by(heights.len()).map(|g| g.spec.rate_mm_s).collect();
+        axes.insert(1, axis(axis_name::RATE, "mm/s", Role::Column, &rates));
+    }
     let role = if form == Form::Factored { Role::Factor } else { Role::Column };
     axes.push(axis(axis_name::MU, "MPa", role, &spec.mu_mpa));
     let stored = grids.iter().flat_map(|g| &g.force_per_mpa);
@@ -146,6 +162,44 @@ pub fn lut(grids: &[ForceGrid], form: Form, library: Vec<MaterialSpec>) -> Resul
 /// As [`lut`], and [`LutError::Write`].
 pub fn write(grids: &[ForceGrid], form: Form, library: Vec<MaterialSpec>) -> Result<Vec<u8>, LutError> {
     lut(grids, form, library)?.to_bytes().map_err(LutError::Write)
+}
+
+/// Heights of the grids of the first rate. Every other rate must have as many.
+fn heights(grids: &[ForceGrid]) -> Result<Vec<f64>, LutError> {
+    let rate = |grid: &ForceGrid| grid.spec.rate_mm_s;
+    let relaxing = grids.first().is_some_and(|first| !first.spec.relaxation.is_empty());
+    let count = if relaxing { grids.iter().take_while(|g| rate(g) == rate(&grids[0])).count() } else { grids.len() };
+    let mut before = f64::NEG_INFINITY;
+    for group in grids.chunks(count.max(1)) {
+        let rate_mm_s = rate(&group[0]);
+        let odd = group.iter().find(|g| relaxing && rate(g) != rate_mm_s);
+        if odd.is_some() || group.len() != count || (relaxing && rate_mm_s <= before) {
+            let spec = &odd.unwrap_or(&group[0]).spec;
+            return Err(LutError::Rates { rate_mm_s: spec.rate_mm_s, height_mm: spec.specimen.height_mm });
+        }
+        before = rate_mm_s;
+    }
+    Ok(grids[..count].iter().map(|g| g.spec.specimen.height_mm).collect())
+}
+
+/// The grids of one rate have the heights of the first rate, and all relax alike.
+fn fits_rate(first: &ForceGrid, heights: &[f64], rate: &[ForceGrid]) -> Result<(), LutError> {
+    for (height_mm, grid) in heights.iter().zip(rate) {
+        let spec = &grid.spec;
+        if spec.specimen.height_mm != *height_mm {
+            return Err(LutError::Rates { rate_mm_s: spec.rate_mm_s, height_mm: spec.specimen.height_mm });
+        }
+        let differs = [
+            (spec.relaxation != first.spec.relaxation, "relaxation"),
+            (spec.mu_mpa != first.spec.mu_mpa, "mu"),
+            (spec.alpha != first.spec.alpha, "alpha"),
+            (spec.depth_mm != first.spec.depth_mm || spec.ball != first.spec.ball, "depth"),
+        ];
+        if let Some((_, axis)) = differs.into_iter().find(|d| d.0) {
+            return Err(LutError::Mismatch { height_mm: *height_mm, axis });
+        }
+    }
+    Ok(())
 }
 
 fn fits(first: &ForceGrid, before: &ForceGrid, grid: &ForceGrid) -> Result<(), LutError> {

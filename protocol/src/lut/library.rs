@@ -18,6 +18,9 @@ pub struct Material<'a> {
     /// Mean absolute difference up to which a palpation counts as this material, fraction of
     /// the curve's peak force.
     pub acceptance: f32,
+    /// Rate the curve belongs to, mm/s; 0 for a material whose force does not depend on it. A relaxing material has an entry of its own,
+    /// of the same name, for every rate of the table.
+    pub rate_mm_s: f32,
     n_per_count: f32,
     n_per_display_point: f32,
     mm_per_count: f32,
@@ -51,18 +54,28 @@ impl<'a> Material<'a> {
             }
         }
         let [mu_mpa, alpha, height_mm, n_per_count, n_per_display_point, mm_per_count, acceptance] = fields;
+        let rate_mm_s = f32_at(data, at + 52);
+        if !(rate_mm_s.is_finite() && rate_mm_s >= 0.0) {
+            return Err(bad("its rate is negative or not finite"));
+        }
         Ok(Material {
             name,
             mu_mpa,
             alpha,
             height_mm,
             acceptance,
+            rate_mm_s,
             n_per_count,
             n_per_display_point,
             mm_per_count,
             curve: counts(at + 44, rows)?,
             display: counts(at + 48, points)?,
         })
+    }
+
+    /// True for a press at a table's slice of rate `slice_mm_s` (0 for a table without rates).
+    pub fn serves(&self, slice_mm_s: f32) -> bool {
+        self.rate_mm_s == 0.0 || slice_mm_s == 0.0 || self.rate_mm_s == slice_mm_s
     }
 
     /// Indentation force at a depth, N.

@@ -37,7 +37,7 @@
 //!
 //! An axis is: name (12 bytes), unit (8), role (u8), scale (u8), count (u16), offset of its f32 values (u32), zero (u32).
 //! A material is: name (16 bytes), mu MPa, alpha, height mm, N per count, N per display point, mm per count,
-//! acceptance (f32 each), offset of its force counts, offset of its display counts (u32 each), zero (12 bytes).
+//! acceptance (f32 each), offset of its force counts, offset of its display counts (u32 each), rate mm/s (f32; 0: any rate), zero (8 bytes).
 
 mod axis;
 mod bytes;
@@ -76,7 +76,10 @@ pub const MAX_AXES: usize = 8;
 pub mod axis_name {
     /// Depth after contact, mm: the rows.
     pub const DEPTH: &str = "depth";
-    /// Height of the specimen, mm: the slowest column axis, if there is one.
+    /// Rate of the indentation, mm/s: the slowest column axis of a table of relaxing materials, followed by the height. A table
+    /// without it serves every rate. Readers that do not know it refuse such a table, because height is not its slowest axis.
+    pub const RATE: &str = "rate";
+    /// Height of the specimen, mm: the slowest column axis but for the rate, if there is one.
     pub const HEIGHT: &str = "height";
     /// Exponent of the one-term Hyperfoam.
     pub const ALPHA: &str = "alpha";

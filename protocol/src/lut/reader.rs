@@ -178,6 +178,7 @@ impl<'a> Table<'a> {
         let mut product = 1u32;
         let mut factors = 0;
         let mut step = 0.0;
+        let rated = self.axis(axis_name::RATE).is_some();
         for number in 0..self.axis_count {
             let axis = Axis::parse(self.data, self.axes_at, number)?;
             match (number, axis.role) {
@@ -185,9 +186,7 @@ impl<'a> Table<'a> {
                 (0, _) => return Err(bad(0, "the first axis must be the rows")),
                 (_, Role::Row) => return Err(bad(number, "only the first axis may be the rows")),
                 (_, Role::Column) => {
-                    if axis.name == axis_name::HEIGHT && number != 1 {
-                        return Err(bad(number, "height must be the slowest column axis"));
-                    }
+                    check_place(number, &axis, rated)?;
                     product = product.saturating_mul(axis.len() as u32);
                 }
                 (_, Role::Factor) if factors == 0 && axis.value(0) > 0.0 => factors += 1,
@@ -195,6 +194,9 @@ impl<'a> Table<'a> {
                     return Err(bad(number, "at most one factor axis, with values above zero"));
                 }
             }
+        }
+        if rated && self.axis(axis_name::HEIGHT).is_none() {
+            return Err(bad(1, "a rate axis must be followed by the height"));
         }
         if product as usize != self.columns {
             return Err(TableError::ColumnsMismatch { axes: product, header: self.columns as u32 });
@@ -253,16 +255,18 @@ impl<'a> Table<'a> {
         self.columns
     }
 
-    /// Stored columns that belong to value `height` of the height axis; all of them without such an axis.
-    pub fn slice(&self, height: usize) -> Range<usize> {
-        match self.axis(axis_name::HEIGHT) {
-            Some(axis) if axis.role == Role::Column => {
-                let width = self.columns / axis.len();
-                let from = height.min(axis.len() - 1) * width;
-                from..from + width
+    /// Stored columns that belong to value `rate` of the rate axis and value `height` of the height axis; an axis the table does not
+    /// have, or a value past its end, counts as its last one.
+    pub fn slice(&self, rate: usize, height: usize) -> Range<usize> {
+        let mut columns = 0..self.columns;
+        for (name, value) in [(axis_name::RATE, rate), (axis_name::HEIGHT, height)] {
+            if let Some(axis) = self.axis(name).filter(|a| a.role == Role::Column) {
+                let width = columns.len() / axis.len();
+                let from = columns.start + value.min(axis.len() - 1) * width;
+                columns = from..from + width;
             }
-            _ => 0..self.columns,
         }
+        columns
     }
 
     /// Value of column axis `name` at stored column `column`.
@@ -296,6 +300,16 @@ impl<'a> Table<'a> {
         }
         let row = (at as usize).min(self.rows - 1);
         Some(DepthPosition { row, weight: (at - row as f32).min(1.0) })
+    }
+
+    /// Force of one stored column at row number `row` (depth `(row + 1) * depth_step_mm`), N, or N per unit of the factor axis; 0 past
+    /// the end.
+    #[inline]
+    pub fn row_force_n(&self, row: usize, column: usize) -> f32 {
+        if column >= self.columns {
+            return 0.0;
+        }
+        f32::from(u16_at(self.counts, (row * self.columns + column) * 2)) * f32_at(self.scales, column * 4)
     }
 
     /// Force of one stored column, N (N per unit of the factor axis where there is one).
@@ -367,6 +381,20 @@ fn check_envelope(bytes: &[u8]) -> Result<&[u8], TableError> {
         return Err(TableError::PayloadCorrupt);
     }
     Ok(data)
+}
+
+/// Rate, then height are the slowest column axes. With a rate there must be a height: that is what makes readers from before the
+/// rate axis refuse the table instead of searching all rates at once.
+fn check_place(number: u8, axis: &Axis<'_>, rated: bool) -> Result<(), TableError> {
+    let bad = |rule| TableError::BadAxis { axis: number, rule };
+    match (number, axis.name == axis_name::RATE, axis.name == axis_name::HEIGHT) {
+        (1, true, _) if axis.value(0) > 0.0 => Ok(()),
+        (_, true, _) => Err(bad("rate must be the slowest column axis, with values above zero")),
+        (1, _, true) if !rated => Ok(()),
+        (2, _, true) if rated => Ok(()),
+        (_, _, true) => Err(bad("height must be the slowest column axis, after the rate if there is one")),
+        _ => Ok(()),
+    }
 }
 
 /// The depth axis is even, starts one step below the surface, and has as many values as there are rows.

@@ -34,6 +34,8 @@ pub struct MaterialSpec {
     pub height_mm: f64,
     /// Mean absolute difference up to which a palpation counts as this material, fraction of the peak force.
     pub acceptance: f64,
+    /// Rate the curve belongs to, mm/s: 0, or a value of the rate axis.
+    pub rate_mm_s: f64,
     /// Indentation force at every row, N.
     pub force_n: Vec<f64>,
     /// Force between points of the display curve, N.
@@ -165,7 +167,8 @@ impl TableSpec {
             }
             out.extend((curves_at as u32).to_le_bytes());
             out.extend(((curves_at + rows * 2) as u32).to_le_bytes());
-            out.extend([0; 12]);
+            out.extend((material.rate_mm_s as f32).to_le_bytes());
+            out.extend([0; 8]);
             curves_at += (rows + points) * 2;
             curves.extend(force.into_iter().chain(display));
         }
@@ -277,6 +280,7 @@ mod tests {
                 alpha: 2.0,
                 height_mm: 10.0,
                 acceptance: 0.05,
+                rate_mm_s: 0.0,
                 force_n: vec![0.1, 0.2, 0.3, 0.4],
                 display_step_n: 1.0,
                 displacement_mm: vec![2.0, 3.0, 3.5],
@@ -292,7 +296,7 @@ mod tests {
         let bytes = small().to_bytes().unwrap();
         let table = Table::parse(&bytes).unwrap();
         assert_eq!((table.rows(), table.columns(), table.material_count()), (4, 6, 1));
-        assert_eq!(table.slice(1), 3..6);
+        assert_eq!(table.slice(0, 1), 3..6);
         assert_eq!(table.column_value(5, axis_name::ALPHA), Some(4.0));
         assert_eq!(table.column_value(5, axis_name::HEIGHT), Some(20.0));
         assert_eq!(table.factor().unwrap().name, axis_name::MU);
@@ -322,6 +326,51 @@ mod tests {
         assert!((foam.displacement_mm(99.0) - 3.5).abs() < 1e-4);
         assert_eq!(foam.displacement_mm(f32::NAN), 0.0);
         assert!(table.material(1).is_none());
+    }
+
+    /// The small table at three rates, twice and thrice the force at the later ones.
+    fn rated() -> TableSpec {
+        let mut spec = small();
+        let rates =
+            AxisSpec { name: "rate".into(), unit: "mm/s".into(), values: vec![1.0, 2.0, 4.0], ..spec.axes[2].clone() };
+        spec.axes.insert(1, rates);
+        let once = spec.columns.clone();
+        let times = |by: f64| once.iter().map(move |c| c.iter().map(|f| by * f).collect::<Vec<f64>>());
+        spec.columns = [1.0, 2.0, 3.0].into_iter().flat_map(times).collect();
+        spec
+    }
+
+    #[test]
+    fn a_table_of_several_rates_has_a_slice_for_each_rate_and_height() {
+        let bytes = rated().to_bytes().unwrap();
+        let table = Table::parse(&bytes).unwrap();
+        assert_eq!((table.slice(0, 0), table.slice(2, 1), table.slice(9, 9)), (0..3, 15..18, 15..18));
+        assert_eq!(table.column_value(16, "rate"), Some(4.0));
+        assert_eq!(table.column_value(16, "height"), Some(20.0));
+        assert_eq!(table.column_value(16, "alpha"), Some(2.0));
+        let force_n = table.row_force_n(1, 16);
+        assert!((force_n - 3.0 * 2.0 / 20.0).abs() < 1e-5, "{force_n}");
+        assert_eq!((table.row_force_n(4, 16), table.row_force_n(1, 18)), (0.0, 0.0), "past the end");
+    }
+
+    #[test]
+    fn a_rate_out_of_place_is_refused_so_that_older_readers_refuse_every_table_with_rates() {
+        let rule = |spec: &TableSpec| match spec.to_bytes() {
+            Err(WriteError::Layout(TableError::BadAxis { rule, .. })) => rule,
+            other => panic!("{other:?}"),
+        };
+        let mut late = rated();
+        late.axes.swap(1, 2);
+        assert!(rule(&late).contains("after the rate"), "{}", rule(&late));
+        let mut alone = rated();
+        alone.axes.remove(2);
+        alone.columns.truncate(9);
+        assert!(rule(&alone).contains("followed by the height"), "{}", rule(&alone));
+        let mut standing = rated();
+        standing.axes[1].values[0] = 0.0;
+        assert!(rule(&standing).contains("above zero"), "{}", rule(&standing));
+        // What the version before said of such a table: its height is axis 2.
+        assert_ne!(rated().axes[1].name, axis_name::HEIGHT);
     }
 
     #[test]
@@ -395,8 +444,8 @@ mod tests {
             if let Ok(table) = Table::parse(&bytes) {
                 for step in 0..20 {
                     if let Some(position) = table.locate(step as f32 * 0.3) {
-                        let all: Vec<f32> = table.forces_n(position, table.slice(step)).collect();
-                        proptest::prop_assert_eq!(all.len(), table.slice(step).len());
+                        let all: Vec<f32> = table.forces_n(position, table.slice(0, step)).collect();
+                        proptest::prop_assert_eq!(all.len(), table.slice(0, step).len());
                         for material in table.materials() {
                             let _ = (material.force_n(position), material.displacement_mm(step as f32));
                         }

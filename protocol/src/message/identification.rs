@@ -51,6 +51,30 @@ wire! {
     }
 }
 
+wire! {
+    /// What the Kalman filter made of one palpation, with standard errors: comes right before its [`Verdict`] if there is a result.
+    pub struct Estimate {
+        /// Number of the palpation since start.
+        pub palpation: u32,
+        /// Shear modulus, MPa.
+        pub mu_mpa: f32,
+        /// Exponent.
+        pub alpha: f32,
+        /// Height of the specimen's surface, mm.
+        pub height_mm: f32,
+        /// Standard error of the modulus, MPa.
+        pub mu_error_mpa: f32,
+        /// Standard error of the exponent.
+        pub alpha_error: f32,
+        /// Standard error of the height, mm.
+        pub height_error_mm: f32,
+        /// Standard deviation of the force that the filter assumed (R of Eq. 20), N.
+        pub noise_n: f32,
+        /// Samples that it used.
+        pub samples: u16,
+    }
+}
+
 impl Recognition {
     /// Not in the library.
     pub const NONE: u8 = 0xff;
@@ -71,5 +95,9 @@ wire! {
         NoSuchHeight,
         /// The host stopped it, or a fault did.
         Aborted,
+        /// No slice of the table is near the commanded rate.
+        NoSuchRate,
+        /// The ball went deeper than the table reaches, for more than a tenth of the samples in contact.
+        DeeperThanTable,
     }
 }

@@ -11,7 +11,7 @@ mod table;
 mod telemetry;
 
 pub use board::{Hello, HelloRequest, Mode, ResetCause, State, Status};
-pub use identification::{Outcome, Recognition, Verdict};
+pub use identification::{Estimate, Outcome, Recognition, Verdict};
 pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor};
 pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
 pub use telemetry::{FaultReport, Telemetry};
@@ -210,6 +210,8 @@ messages! {
         0x88 TableState(TableState),
         /// The calibration in use.
         0x89 Calibration(Calibration),
+        /// The Kalman filter's result, right before the verdict.
+        0x8a Estimate(Estimate),
     }
 }
 

@@ -6,7 +6,7 @@ mod screen;
 use std::io::IsTerminal;
 
 use protocol::lut::Table;
-use protocol::message::{Outcome, Recognition, Verdict};
+use protocol::message::{Estimate, Outcome, Recognition, Verdict};
 
 pub use plain::Plain;
 pub use screen::Screen;
@@ -40,6 +40,14 @@ pub fn library_names(table: &Table<'_>) -> Vec<String> {
     table.materials().map(|m| m.name.to_owned()).collect()
 }
 
+/// A Kalman estimate in one line, with one standard error of each.
+pub fn estimate_text(e: &Estimate) -> String {
+    format!(
+        "palpation {}: filter mu {:.4} +- {:.4} MPa, alpha {:.2} +- {:.2}, height {:.3} +- {:.3} mm",
+        e.palpation, e.mu_mpa, e.mu_error_mpa, e.alpha, e.alpha_error, e.height_mm, e.height_error_mm
+    )
+}
+
 /// A verdict in one line; the library gives names to indices.
 pub fn verdict_text(verdict: &Verdict, library: &[String]) -> String {
     let head = format!("palpation {}", verdict.palpation);
@@ -62,5 +70,9 @@ pub fn verdict_text(verdict: &Verdict, library: &[String]) -> String {
             format!("{head}: no slice of the table is near the specimen's height of {:.2} mm", verdict.height_mm)
         }
         Outcome::Aborted => format!("{head}: stopped"),
+        Outcome::NoSuchRate => {
+            format!("{head}: no slice of the table is near the rate of {:.2} mm/s", verdict.rate_mm_s)
+        }
+        Outcome::DeeperThanTable => format!("{head}: the ball went deeper than the table reaches"),
     }
 }

@@ -1,6 +1,6 @@
 //! Lines for pipes and log files.
 
-use super::{LiveView, verdict_text};
+use super::{LiveView, estimate_text, verdict_text};
 use crate::session::{Event, Traffic, fault_text};
 use protocol::TICK_HZ;
 
@@ -41,6 +41,7 @@ impl LiveView for Plain {
                     traffic.frames_received + traffic.frames_lost,
                 );
             }
+            Event::Estimate(e) => eprintln!("{}", estimate_text(e)),
             Event::Verdict(v) => eprintln!("{}", verdict_text(v, &self.library)),
             Event::Fault(f) => eprintln!("{}", fault_text(f)),
         }

@@ -19,7 +19,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 use ratatui::{Frame, prelude::Alignment};
 
-use super::{LiveView, verdict_text};
+use super::{LiveView, estimate_text, verdict_text};
 use crate::session::{Event, Traffic, fault_text};
 
 /// Ticks that the charts show: ten seconds.
@@ -120,6 +120,7 @@ impl LiveView for Screen {
                 }
                 self.records.push_back(t.clone());
             }
+            Event::Estimate(e) => self.remember(estimate_text(e).into()),
             Event::Verdict(v) => self.remember(verdict_text(v, &self.library).into()),
             Event::Fault(f) => self.remember(Line::from(fault_text(f)).red()),
         }
