@@ -2,6 +2,7 @@
 //! force model over the exponent (and the height) built from many.
 
 mod chebyshev;
+mod compression;
 mod curve;
 mod expansion;
 mod fields;
@@ -17,6 +18,7 @@ mod simulation;
 mod specimen;
 
 pub use chebyshev::{Axis, Scale};
+pub use compression::{Compression, Ends};
 pub use curve::{Curve, Stats};
 pub use force::{ErrorBound, ForceGradient, ForceModel};
 pub use indentation::{DEPTHS, Indentation};
