@@ -313,7 +313,8 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         };
         let verdict = self.palpation.verdict(&self.config.palpation, self.table().as_ref(), outcome, motion);
         let identified = matches!(verdict.outcome, Outcome::Identified | Outcome::GridEdge);
-        if let Some(estimate) = self.palpation.estimate(&self.config.palpation, self.palpations).filter(|_| identified) {
+        if let Some(estimate) = self.palpation.estimate(&self.config.palpation, self.palpations).filter(|_| identified)
+        {
             self.transmitter.report(&Report::Estimate(estimate), Priority::Answer);
         }
         self.transmitter.report(&Report::Verdict(verdict), Priority::Answer);

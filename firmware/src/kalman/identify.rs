@@ -1,7 +1,7 @@
 //! A whole press through a filter.
 
-use super::bounds::Estimator;
 use super::Model;
+use super::bounds::Estimator;
 
 /// Takes every sample (what it was measured at, what was measured), `passes` times; returns how many samples the last pass used.
 ///

@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, RowVector3, Vector2, Vector3};
 /// Eq. 20 in f64, for comparison.
 fn updated(p: &Matrix3<f64>, h: &RowVector3<f64>, r: f64) -> Matrix3<f64> {
     let ph = p * h.transpose();
-    let s = (h * &ph)[(0, 0)] + r;
-    p - &ph * ph.transpose() / s
+    let s = (h * ph)[(0, 0)] + r;
+    p - ph * ph.transpose() / s
 }
 
 #[test]
@@ -19,7 +19,7 @@ fn gain_and_covariance_are_equations_19_and_20() {
         let gain = filter.condense(&Vector3::from(h.map(|x| x as f32)), r as f32);
         let h = RowVector3::new(h[0], h[1], h[2]);
         p = updated(&p, &h, r);
-        let expected = &p * h.transpose() / r;
+        let expected = p * h.transpose() / r;
         for i in 0..3 {
             assert!((f64::from(gain[i]) - expected[(i, 0)]).abs() < 1e-5, "{gain} {expected}");
             for j in 0..3 {

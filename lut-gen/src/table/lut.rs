@@ -32,7 +32,9 @@ pub enum LutError {
         axis: &'static str,
     },
     /// The rates do not rise, or not every rate has the same heights.
-    #[error("grids must be sorted by rate, each rate with the same heights, but the one of {rate_mm_s} mm/s and {height_mm} mm is out of place")]
+    #[error(
+        "grids must be sorted by rate, each rate with the same heights, but the one of {rate_mm_s} mm/s and {height_mm} mm is out of place"
+    )]
     Rates {
         /// Rate of the offending grid.
         rate_mm_s: f64,

@@ -250,7 +250,7 @@ fn put_padded(out: &mut Vec<u8>, text: &str, len: usize) -> Result<(), WriteErro
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
     use crate::lut::axis_name;
 

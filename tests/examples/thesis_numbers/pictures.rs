@@ -23,10 +23,9 @@ pub fn curves(bench: &Bench, docs: &Path) -> Result<(), Box<dyn std::error::Erro
     let mut figure = Figure::new(title, Axis::new("depth past contact (mm)"), Axis::new("force (N)"));
     for (colour, foam) in bench.foams.iter().enumerate() {
         let rates = if foam.softens { RATES_MM_S.len() } else { 1 };
-        for rate in 0..rates {
+        for (rate, rate_mm_s) in RATES_MM_S.iter().enumerate().take(rates) {
             let points = depths().map(|d| (d, foam.curves[rate].force_n(d))).collect();
-            let name =
-                if foam.softens { format!("{}, {} mm/s", foam.name, RATES_MM_S[rate]) } else { foam.name.into() };
+            let name = if foam.softens { format!("{}, {rate_mm_s} mm/s", foam.name) } else { foam.name.into() };
             figure = figure.with(Series::new(&name, points, Stroke::LINES[rate], colour));
         }
     }

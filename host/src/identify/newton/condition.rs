@@ -100,7 +100,7 @@ impl Condition {
             values.set(unknowns[at].kind, unknowns[at].value(point[at]));
         }
         match &self.source {
-            Source::Model(model) => Ok((self.from_model(model, &values, x), 0.0)),
+            Source::Model(model) => Ok((self.modelled(model, &values, x), 0.0)),
             Source::Solves(resolution) => {
                 let chains: Vec<Vec<(Parameter, f64)>> =
                     self.locals.iter().map(|&at| values.chain(&unknowns[at], unknowns[at].value(point[at]))).collect();
@@ -132,7 +132,7 @@ impl Condition {
         })
     }
 
-    fn from_model(&self, model: &ForceModel, values: &Values, x: Vec<f64>) -> Node {
+    fn modelled(&self, model: &ForceModel, values: &Values, x: Vec<f64>) -> Node {
         let axis = Press::ramp_axis();
         let gradients: Vec<_> = (0..RAMP_NODES)
             .map(|k| {

@@ -237,13 +237,12 @@ impl Problem<'_> {
     fn anchor(&mut self, point: &[f64]) -> bool {
         let tracks = self.tracks(point);
         let mut moved = false;
-        for at in 0..self.conditions.len() {
+        for (at, track) in tracks.iter().enumerate() {
             if self.conditions[at].hold_s <= 0.0 {
                 continue;
             }
             let of_condition: Vec<usize> = self.fitted().filter(|curve| self.condition_of[*curve] == at).collect();
-            let shift =
-                |curve: &usize| self.selection.curves[*curve].contact.contact_mm - self.contact(*curve, &tracks[at]);
+            let shift = |curve: &usize| self.selection.curves[*curve].contact.contact_mm - self.contact(*curve, track);
             let mean = of_condition.iter().map(shift).sum::<f64>() / of_condition.len().max(1) as f64;
             let condition = &mut self.conditions[at];
             if mean.abs() > MOVED * condition.depth_mm {
