@@ -3,8 +3,8 @@
 use firmware::kalman::bounds::{Bounding, Estimator, Region};
 use firmware::kalman::identify::identify;
 use firmware::kalman::indentation::Indentation;
-use firmware::surface::Surface;
 use firmware::search::Slice;
+use firmware::surface::Surface;
 use lut_gen::contact::Ball;
 use lut_gen::model::Specimen;
 use lut_gen::table::{ForceGrid, Form, GridSpec, LutError, write};
@@ -88,7 +88,10 @@ pub struct End {
 pub fn run(table: &Table<'_>, benchmark: &Benchmark, bounding: Bounding, initial: &[[f32; 2]]) -> Option<Vec<End>> {
     let slice = Slice::nearest(table, 19.05, 2.0)?;
     let surface = Surface::new(table, &slice)?;
-    let region = Region { low: nalgebra::Vector2::from(LOW.map(|x| x as f32)), high: nalgebra::Vector2::from(HIGH.map(|x| x as f32)) };
+    let region = Region {
+        low: nalgebra::Vector2::from(LOW.map(|x| x as f32)),
+        high: nalgebra::Vector2::from(HIGH.map(|x| x as f32)),
+    };
     let press: Option<Vec<(f32, f32)>> = (1..=benchmark.samples)
         .map(|i| 4.0 * f32::from(i) / f32::from(benchmark.samples))
         .map(|depth_mm| Some((depth_mm, surface.at(benchmark.mu_mpa, benchmark.alpha, depth_mm)?.force_n)))
