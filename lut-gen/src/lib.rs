@@ -13,7 +13,8 @@
 //! | [`element`] | eight-node ring element, total Lagrangian |
 //! | [`contact`] | analytic ball with shank, penalty integrated over the surface, Coulomb friction, adhesion |
 //! | [`solve`] | sparse tangent, Newton's method, adaptive path through a motion of depth or force |
-//! | [`model`] | a ball of any motion on a specimen of any material ([`model::Simulation`]) with sensitivities, the elastic indentation ([`model::Indentation`]) and the continuous [`model::ForceModel`] over exponent, depth and height |
+//! | [`model`] | a ball of any motion on a specimen of any material ([`model::Simulation`]) with sensitivities, a cylinder between platens ([`model::Compression`]), the elastic indentation ([`model::Indentation`]) and the continuous [`model::ForceModel`] over exponent, depth and height |
+//! | [`homogeneous`] | stress of a material in uniaxial, confined, equibiaxial and planar tests and in simple shear, over time, with derivatives |
 //! | [`field`] | stretches, stresses and contact pressure at one equilibrium, and their files for ParaView |
 //! | [`dynamics`] | the thesis' explicit method (appendix B), lumped mass and central differences, with an inertia report |
 //! | [`table`] | the thesis' grid and the bytes the board reads |
@@ -44,6 +45,7 @@ pub mod contact;
 pub mod dynamics;
 pub mod element;
 pub mod field;
+pub mod homogeneous;
 pub mod law;
 pub mod mesh;
 pub mod model;

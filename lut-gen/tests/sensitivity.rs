@@ -161,12 +161,21 @@ fn of_a_relaxing_foam_with_friction_through_a_cycle() {
 
 #[test]
 fn of_a_softening_ogden_solid_with_adhesion() {
-    use Parameter::{AdhesionWork, Alpha, Compressibility, Mu};
+    use Parameter::{AdhesionWork, Alpha, Compressibility, Mu, SofteningBeta, SofteningM, SofteningR};
     let material = Material::from(Ogden::one_term(0.05, 4.0, 1.0).unwrap())
         .softening(OgdenRoxburgh::new(1.5, 0.001, 0.1).unwrap());
     let adhesion = Some(Adhesion { work_n_per_mm: 2e-3, range_mm: 0.2 });
     let case = simulation(material, Interface { friction: 0.0, adhesion }, Motion::ramp(1.2, 1.0).to_depth(0.6, 1.0));
-    check(&case, &[(Mu(0), 0.05), (Alpha(0), 4.0), (Compressibility(0), 1.0), (AdhesionWork, 2e-3)]);
+    let list = [
+        (Mu(0), 0.05),
+        (Alpha(0), 4.0),
+        (Compressibility(0), 1.0),
+        (AdhesionWork, 2e-3),
+        (SofteningR, 1.5),
+        (SofteningM, 0.001),
+        (SofteningBeta, 0.1),
+    ];
+    check(&case, &list);
 }
 
 /// Under a prescribed force it is the depth that moves: `dd/dp = -(dF/dp) / (dF/dd)` for an elastic material.

@@ -5,6 +5,7 @@ pub mod bounding;
 pub mod document;
 pub mod golden;
 pub mod palpations;
+pub mod recovery;
 pub mod reference;
 pub mod samples;
 pub mod thousand;

@@ -95,7 +95,7 @@ fn exact_data_give_the_exact_answer_from_most_starts() {
     for (run, contact) in fit.runs.iter().zip([0.31, 0.07]) {
         assert!((run.contact_mm - contact).abs() < 2e-3, "{}", run.contact_mm);
     }
-    let ends = &fit.search.descents;
+    let ends = &fit.search.as_ref().unwrap().descents;
     assert!(ends.len() > 1 && ends.iter().all(|end| end.path.len() > 1));
     let agreeing = ends.iter().filter(|end| (end.point[0] - 9.0).abs() < 0.5).count();
     assert!(2 * agreeing >= ends.len(), "{agreeing} of {}", ends.len());

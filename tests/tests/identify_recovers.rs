@@ -8,6 +8,7 @@ use lut_gen::contact::Ball;
 use lut_gen::law::{Hyperfoam, Term};
 use lut_gen::model::{Indentation, Resolution, Specimen as Block};
 use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
+use palpate::identify::spec::FitSpec;
 use palpate::identify::{self, Outcome, identify, json};
 
 const MU_MPA: f64 = 0.188;
@@ -98,7 +99,7 @@ fn mu_and_alpha_of_a_finer_mesh_lie_in_their_intervals() {
             experiment.runs.push(run(indenter, &forces, contact, &mut noise));
         }
     }
-    let found = identify(&experiment, &|_, _, _| {}).unwrap();
+    let found = identify(&experiment, &FitSpec::default(), &|_, _, _| {}).unwrap();
     let [one] = &found[..] else { panic!("one material, one answer") };
     assert_eq!(one.outcome, Outcome::Fitted, "{:?}", one.messages);
     let fit = one.fit.as_ref().unwrap();
@@ -139,16 +140,16 @@ fn air_and_single_points_are_told_without_a_solve() {
     for force in &mut air.runs[0].recording.force_n {
         *force = 0.002 * noise.next();
     }
-    let found = identify(&air, &|_, _, _| panic!("nothing to solve")).unwrap();
+    let found = identify(&air, &FitSpec::default(), &|_, _, _| panic!("nothing to solve")).unwrap();
     assert_eq!(found[0].outcome, Outcome::NoContact);
     assert_eq!(json(&air, &found, None)["outcome"], "no-contact");
 
     let mut short = experiment(&[4.0]);
     short.runs.push(run(0, &[0.1, 0.2, 0.3], 0.04, &mut noise));
-    let found = identify(&short, &|_, _, _| panic!("nothing to solve")).unwrap();
+    let found = identify(&short, &FitSpec::default(), &|_, _, _| panic!("nothing to solve")).unwrap();
     assert_eq!(found[0].outcome, Outcome::TooFewPoints);
 
     let nothing = experiment(&[4.0]);
-    let found = identify::identify(&nothing, &|_, _, _| {}).unwrap();
+    let found = identify::identify(&nothing, &FitSpec::default(), &|_, _, _| {}).unwrap();
     assert_eq!(json(&nothing, &found, None)["outcome"], "too-few-points");
 }

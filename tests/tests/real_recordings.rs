@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use palpate::experiment::{self, Experiment, motion};
+use palpate::identify::spec::FitSpec;
 use palpate::identify::{self, Identification, Outcome, identify};
 use palpate::report;
 
@@ -51,7 +52,7 @@ fn check(experiment: &Experiment, found: &[Identification]) {
 #[test]
 fn silicone_of_unknown_height() {
     let Some(experiment) = experiment("silicone_ball") else { return };
-    let found = identify(&experiment, &|_, _, _| {}).unwrap();
+    let found = identify(&experiment, &FitSpec::default(), &|_, _, _| {}).unwrap();
     check(&experiment, &found);
     let fit = found[0].fit.as_ref().unwrap();
     assert!(fit.parameters.iter().any(|p| p.name == "height_mm"), "the height is a free parameter");
@@ -62,7 +63,7 @@ fn silicone_of_unknown_height() {
 #[test]
 fn beef_of_two_muscles() {
     let Some(experiment) = experiment("beef_ball") else { return };
-    let found = identify(&experiment, &|_, _, _| {}).unwrap();
+    let found = identify(&experiment, &FitSpec::default(), &|_, _, _| {}).unwrap();
     assert_eq!(found.iter().map(|one| one.material.as_str()).collect::<Vec<_>>(), ["FF", "RDG"]);
     check(&experiment, &found);
 }

@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use miette::{IntoDiagnostic, WrapErr};
 
 use crate::experiment;
+use crate::identify::newton::verdict::Standing;
+use crate::identify::spec::{Extra, FitSpec, FittedLaw, Loss, Method, Own};
 use crate::identify::{self, Identification};
 use crate::report::{self, number};
 
@@ -22,6 +24,130 @@ pub struct Arguments {
     /// Folder of the HTML report with figures [default: out/identify; with --json none]
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    fit: Fitted,
+}
+
+/// What is fitted, and how.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "What is fitted")]
+struct Fitted {
+    /// Law [default: what the specimens declare]
+    #[arg(long, value_name = "LAW")]
+    law: Option<LawWord>,
+    /// Terms of the law, 1 or 2 [default: what the specimens declare]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=2))]
+    terms: Option<u8>,
+    /// Prony terms, 0 to 2; with any the hold after the ramp is fitted as well
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=2))]
+    relax: u8,
+    /// Free besides the law's own parameters, separated by commas
+    #[arg(long, value_name = "PARAMETER", value_delimiter = ',')]
+    free: Vec<ExtraWord>,
+    /// Poisson's ratio of the hyperfoam where it is not free
+    #[arg(long, default_value_t = 0.0, value_parser = poisson)]
+    nu: f64,
+    /// Coefficient of friction between ball and specimen where it is not free
+    #[arg(long, default_value_t = 0.0, value_parser = friction)]
+    friction: f64,
+    /// Parameters that every specimen has for itself, separated by commas
+    #[arg(long, value_name = "PARAMETER", value_delimiter = ',')]
+    own: Vec<OwnWord>,
+    /// How a difference between measured and modelled force counts
+    #[arg(long, value_name = "LOSS", default_value = "huber")]
+    loss: LossWord,
+    /// Search
+    #[arg(long, value_name = "METHOD", default_value = "gauss-newton")]
+    method: MethodWord,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum LawWord {
+    Hyperfoam,
+    Ogden,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum ExtraWord {
+    Nu,
+    Friction,
+    Height,
+    BallRadius,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum OwnWord {
+    Mu,
+    Alpha,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum LossWord {
+    Squares,
+    Huber,
+    /// Eq. 14 of the thesis
+    Absolute,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum MethodWord {
+    GaussNewton,
+    /// MultiStart of the thesis: a grid, and a simplex from each candidate
+    Simplex,
+}
+
+fn poisson(text: &str) -> Result<f64, String> {
+    let nu: f64 = text.parse().map_err(|_| "expected a number from -0.9 to 0.49".to_owned())?;
+    if (-0.9..=0.49).contains(&nu) { Ok(nu) } else { Err("expected a number from -0.9 to 0.49".to_owned()) }
+}
+
+fn friction(text: &str) -> Result<f64, String> {
+    let friction: f64 = text.parse().map_err(|_| "expected a number from 0 to 1".to_owned())?;
+    if (0.0..=1.0).contains(&friction) { Ok(friction) } else { Err("expected a number from 0 to 1".to_owned()) }
+}
+
+impl Arguments {
+    fn spec(&self) -> FitSpec {
+        let fit = &self.fit;
+        FitSpec {
+            law: fit.law.map(|law| match law {
+                LawWord::Hyperfoam => FittedLaw::Hyperfoam,
+                LawWord::Ogden => FittedLaw::Ogden,
+            }),
+            terms: fit.terms.map(usize::from),
+            relaxation: usize::from(fit.relax),
+            free: fit
+                .free
+                .iter()
+                .map(|extra| match extra {
+                    ExtraWord::Nu => Extra::Nu,
+                    ExtraWord::Friction => Extra::Friction,
+                    ExtraWord::Height => Extra::Height,
+                    ExtraWord::BallRadius => Extra::BallRadius,
+                })
+                .collect(),
+            nu: fit.nu,
+            friction: fit.friction,
+            own: fit
+                .own
+                .iter()
+                .map(|own| match own {
+                    OwnWord::Mu => Own::Mu,
+                    OwnWord::Alpha => Own::Alpha,
+                })
+                .collect(),
+            loss: match fit.loss {
+                LossWord::Squares => Loss::Squares,
+                LossWord::Huber => Loss::Huber,
+                LossWord::Absolute => Loss::Absolute,
+            },
+            method: match fit.method {
+                MethodWord::GaussNewton => Method::GaussNewton,
+                MethodWord::Simplex => Method::Simplex,
+            },
+            ..FitSpec::default()
+        }
+    }
 }
 
 /// Reads, fits, reports.
@@ -30,10 +156,13 @@ pub struct Arguments {
 /// Bad input, a failing solve, or a report that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let experiment = experiment::read(&arguments.experiment)?;
+    let spec = arguments.spec();
     let progress = Progress::new();
-    let found = identify::identify(&experiment, &|what: &str, done, total| {
+    let found = identify::identify(&experiment, &spec, &|what: &str, done, total| {
         progress.set(what, done, total);
-    })?;
+    });
+    progress.end();
+    let found = found?;
     for message in found.iter().flat_map(|one| &one.messages) {
         eprintln!("{message}");
     }
@@ -69,18 +198,27 @@ fn print(found: &Identification) {
     println!("outcome          {}", found.outcome.word());
     let Some(fit) = &found.fit else { return };
     for parameter in &fit.parameters {
+        let standing = match (&parameter.verdict, parameter.at_bound, parameter.derived) {
+            (_, true, _) => "on a bound",
+            (_, _, true) => "follows from the others",
+            (Some(verdict), ..) => match verdict.standing {
+                Standing::Identified => "identified",
+                Standing::InCombination => "only in combination",
+                Standing::NotIdentifiable => "not identifiable",
+            },
+            (None, ..) => "",
+        };
         println!(
-            "{:16} {:10}  95 %: {} to {}{}",
+            "{:16} {:10}  95 %: {} to {}  {standing}",
             parameter.name,
             number(parameter.value),
             number(parameter.interval95.low),
             number(parameter.interval95.high),
-            if parameter.at_bound { "  (on a bound)" } else { "" }
         );
     }
     println!("residual         {} N rms, noise {} N", number(fit.rmse_n), number(fit.noise.sigma_n));
     if let Some(check) = found.direct_check {
-        println!("direct solve     within {} % of the model", number(100.0 * check));
+        println!("last solve       within {} % of what was expected of it", number(100.0 * check));
     }
     println!("solves           {} in {:.1} s", found.fe_solves, found.seconds);
 }

@@ -24,7 +24,15 @@ impl Progress {
         Self { bar: Mutex::new(None) }
     }
 
-    /// `done` of `total` solves of the task `what`; a new name starts a new bar.
+    /// Takes away what is drawn.
+    pub fn end(&self) {
+        if let Some((_, bar)) = self.bar.lock().ok().and_then(|mut bar| bar.take()) {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// `done` of `total` solves of the task `what`; a new name starts a new bar. With a total of 0 nobody knows how many there
+    /// will be, and they are only counted.
     pub fn set(&self, what: &str, done: usize, total: usize) {
         let Ok(mut bar) = self.bar.lock() else { return };
         let same = bar.as_ref().is_some_and(|(name, _)| name == what);
@@ -33,7 +41,7 @@ impl Progress {
         }
         if let Some((_, bar)) = bar.as_ref() {
             bar.set_position(done as u64);
-            if done >= total {
+            if total > 0 && done >= total {
                 bar.finish();
             }
         }
@@ -41,6 +49,15 @@ impl Progress {
 }
 
 fn started(what: &str, total: usize) -> ProgressBar {
+    if total == 0 {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg:30} {pos:>3} solves, {elapsed}") {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_owned());
+        bar.enable_steady_tick(TICK);
+        return bar;
+    }
     let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::stderr());
     let template = "{msg:32} [{bar:30}] {pos:>3}/{len} solves, {eta} left";
     if let Ok(style) = ProgressStyle::with_template(template) {
@@ -49,6 +66,9 @@ fn started(what: &str, total: usize) -> ProgressBar {
     bar.set_message(what.to_owned());
     bar
 }
+
+/// Between two turns of a spinner.
+const TICK: Duration = Duration::from_millis(120);
 
 /// Between two lines where nobody watches.
 const QUIET: Duration = Duration::from_secs(10);

@@ -72,6 +72,14 @@ pub struct Motion {
     pub events: Vec<Event>,
 }
 
+impl Motion {
+    /// True when loading ends where the hold begins: no slip or fault ended it before.
+    #[must_use]
+    pub fn loading_is_whole(&self) -> bool {
+        self.hold.as_ref().is_some_and(|hold| hold.start <= self.loading.end + 1)
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     Down,

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::experiment::Experiment;
 
 use super::Identification;
+use super::fit::Parameter;
 use super::objective::{ALPHA, FIRST_HEIGHT, LN_MU};
 
 /// The answer for all materials: that of the first one, and, if there are several, all of them
@@ -40,7 +41,7 @@ fn material(experiment: &Experiment, found: &Identification) -> Map<String, Valu
     let mut put = |key: &str, value: Value| answer.insert(key.to_owned(), value);
     put("outcome", json!(found.outcome.word()));
     put("material", json!(found.material));
-    put("law", json!("hyperfoam"));
+    put("law", json!(found.law.word()));
     put("parameters", parameters(found));
     if let Some(fit) = &found.fit {
         put("rmse_N", json!(fit.rmse_n));
@@ -48,6 +49,16 @@ fn material(experiment: &Experiment, found: &Identification) -> Map<String, Valu
         put("noise_from", json!(fit.noise.source.sentence()));
         put("objective_N", json!(fit.objective_n));
         put("model_error", json!(fit.model_error));
+    }
+    if let Some(newton) = found.fit.as_ref().and_then(|fit| fit.newton.as_ref()) {
+        put("method", json!("gauss-newton"));
+        put("converged", json!(newton.converged));
+        if let Some(correlation) = &newton.correlation {
+            let rows: Vec<Vec<f64>> = correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
+            put("correlation", json!(rows));
+        }
+    } else if found.fit.is_some() {
+        put("method", json!("simplex"));
     }
     put("fe_solves", json!(found.fe_solves));
     put("direct_check", json!(found.direct_check));
@@ -62,15 +73,24 @@ fn material(experiment: &Experiment, found: &Identification) -> Map<String, Valu
 fn parameters(found: &Identification) -> Value {
     let mut all = Map::new();
     for parameter in found.fit.iter().flat_map(|fit| &fit.parameters) {
-        let value = json!({
+        let mut value = json!({
             "value": parameter.value,
             "interval95": [parameter.interval95.low, parameter.interval95.high],
-            "bounds": [parameter.bounds.0, parameter.bounds.1],
+            "bounds": bounds(parameter.bounds),
             "at_bound": parameter.at_bound,
         });
+        if let (Some(verdict), Some(map)) = (&parameter.verdict, value.as_object_mut()) {
+            map.insert("standing".to_owned(), json!(verdict.standing.word()));
+            map.insert("sentence".to_owned(), json!(verdict.sentence));
+        }
         all.insert(parameter.name.clone(), value);
     }
     Value::Object(all)
+}
+
+/// A derived parameter has none.
+fn bounds((low, high): (f64, f64)) -> Value {
+    if low.is_finite() && high.is_finite() { json!([low, high]) } else { Value::Null }
 }
 
 fn place(point: &[f64]) -> Map<String, Value> {
@@ -84,15 +104,29 @@ fn place(point: &[f64]) -> Map<String, Value> {
 }
 
 fn starts(found: &Identification) -> Value {
-    let descents = found.fit.iter().flat_map(|fit| &fit.search.descents);
-    let starts = descents.map(|descent| {
+    let Some(fit) = &found.fit else { return json!([]) };
+    let descents = fit.search.iter().flat_map(|search| &search.descents).map(|descent| {
         let mut start = descent.path.first().map(|point| place(point)).unwrap_or_default();
         start.insert("end".to_owned(), Value::Object(place(&descent.point)));
         start.insert("objective".to_owned(), json!(descent.value));
         start.insert("evaluations".to_owned(), json!(descent.evaluations));
         Value::Object(start)
     });
-    Value::Array(starts.collect())
+    // Gauss-Newton goes on from the best of its first points: the path is one.
+    let newton = fit.newton.iter().map(|newton| {
+        let searched: Vec<&Parameter> = fit.parameters.iter().filter(|p| !p.derived).collect();
+        let named = |point: &[f64]| -> Map<String, Value> {
+            searched.iter().zip(point).map(|(p, x)| (p.name.clone(), json!(p.shown(*x)))).collect()
+        };
+        let mut start = newton.path.first().map(|visit| named(&visit.point)).unwrap_or_default();
+        start.insert("end".to_owned(), Value::Object(named(&newton.minimum.x)));
+        start.insert("objective".to_owned(), json!(newton.minimum.at.value));
+        start.insert("evaluations".to_owned(), json!(newton.path.len()));
+        let path: Vec<Value> = newton.path.iter().map(|visit| Value::Object(named(&visit.point))).collect();
+        start.insert("path".to_owned(), Value::Array(path));
+        Value::Object(start)
+    });
+    Value::Array(descents.chain(newton).collect())
 }
 
 fn runs(experiment: &Experiment, found: &Identification) -> Value {

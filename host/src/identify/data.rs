@@ -39,7 +39,7 @@ pub struct Pairing {
     pub depth_mm: f64,
 }
 
-/// The first loading branch of a run, cut to what the model covers.
+/// The first loading branch of a run, cut to what the model covers, and the hold after it where that is fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadingCurve {
     /// Index into [`Experiment::runs`].
@@ -50,6 +50,10 @@ pub struct LoadingCurve {
     pub depth_mm: Vec<f64>,
     /// Forces, N.
     pub force_n: Vec<f64>,
+    /// Times since the end of loading, s; negative before.
+    pub time_s: Vec<f64>,
+    /// Number of the first sample of the hold; that of all samples without one.
+    pub hold_from: usize,
     /// Contact point to start from.
     pub contact: ContactGuess,
     /// Speed, mm/s.
@@ -93,11 +97,14 @@ pub struct Selection {
     pub left_out: Vec<(usize, LeftOut)>,
     /// What the reader should know about the data.
     pub messages: Vec<String>,
+    /// Holds are fitted as well.
+    pub holds: bool,
 }
 
-/// Selects the first loading branches of all indentation runs into specimens of `material`.
-pub fn select(experiment: &Experiment, motions: &[Option<Motion>], material: &str) -> Selection {
-    let mut selection = Selection::default();
+/// Selects the first loading branches of all indentation runs into specimens of `material`, with the holds after them
+/// if `holds`.
+pub fn select(experiment: &Experiment, motions: &[Option<Motion>], material: &str, holds: bool) -> Selection {
+    let mut selection = Selection { holds, ..Selection::default() };
     for (at, run) in experiment.runs.iter().enumerate() {
         let (Some(specimen), Some(indenter)) = (run.specimen, run.indenter) else { continue };
         let belongs = experiment.specimens[specimen].material == material
@@ -175,8 +182,38 @@ impl Selection {
             let low_mm = &mut self.heights[free].low_mm;
             *low_mm = low_mm.max(deepest - contact.contact_mm);
         }
+        let end_s = run.recording.time_s[motion.loading.end - 1];
+        let since_end = |at: &usize| run.recording.time_s[*at] - end_s;
+        let mut time_s: Vec<f64> = motion.loading.clone().map(|at| since_end(&at)).collect();
+        let hold_from = force_n.len();
+        if self.holds {
+            // A ramp that was cut does not reach the depth at which the ball stood.
+            match motion.hold.clone().filter(|_| kept == motion.loading.len() && motion.loading_is_whole()) {
+                Some(hold) => {
+                    time_s.extend(hold.clone().map(|at| since_end(&at)));
+                    depth_mm.extend_from_slice(&run.recording.depth_mm[hold.clone()]);
+                    force_n.extend_from_slice(&run.recording.force_n[hold]);
+                }
+                None => self.messages.push(format!("{}: no hold is fitted, only its loading", run.file)),
+            }
+        }
+        if time_s.len() != force_n.len() {
+            // The cut keeps the samples above a depth; times follow them.
+            let mut keep = run.recording.depth_mm[motion.loading.clone()].iter();
+            time_s.retain(|_| keep.next().is_some_and(|d| d - contact.contact_mm <= deepest));
+        }
         let (rate_mm_per_s, hold_out) = (motion.rate_mm_per_s, run.hold_out);
-        self.curves.push(LoadingCurve { run: at, pairing, depth_mm, force_n, contact, rate_mm_per_s, hold_out });
+        self.curves.push(LoadingCurve {
+            run: at,
+            pairing,
+            depth_mm,
+            force_n,
+            time_s,
+            hold_from,
+            contact,
+            rate_mm_per_s,
+            hold_out,
+        });
         Ok(())
     }
 

@@ -35,6 +35,23 @@ pub enum ModelError {
         "the radius of indenter \"{0}\" is unknown: force goes like mu sqrt(R), so that a loading curve cannot tell the radius from mu; measure the ball and write radius_mm"
     )]
     UnknownBall(String),
+    /// More terms than can be told apart.
+    #[error(
+        "{terms} terms of the {law} and {relaxation} of the relaxation are asked for; identification fits at most 2 of each"
+    )]
+    TooManyTerms {
+        /// Law.
+        law: &'static str,
+        /// Its terms.
+        terms: usize,
+        /// Prony terms.
+        relaxation: usize,
+    },
+    /// MultiStart is the thesis' method for its one-term foams.
+    #[error(
+        "the simplex fits mu and alpha of a one-term hyperfoam and unknown heights, nothing else; leave out --method simplex"
+    )]
+    NotForSimplex,
     /// A solve failed.
     #[error("the finite element model of {what} failed")]
     Solve {

@@ -2,11 +2,16 @@
 
 use crate::experiment::Experiment;
 use crate::experiment::motion::noise_of;
+use lut_gen::model::{Resolution, Simulation};
 
 use super::data::{LoadingCurve, Selection};
 use super::interval::{self, Interval, StandardErrors};
 use super::model::ForwardModel;
 use super::multistart::{self, Search};
+use super::newton::coordinate::{Kind, Unknown};
+use super::newton::fit::{Newton, Span};
+use super::newton::problem::{Problem, forces};
+use super::newton::verdict::Verdict;
 use super::noise::{self, Noise, NoiseSource, Residual};
 use super::objective::{self, ALPHA, FIRST_HEIGHT, LN_MU, Objective};
 
@@ -23,9 +28,20 @@ pub struct Parameter {
     pub bounds: (f64, f64),
     /// The best value lies on a bound.
     pub at_bound: bool,
+    /// What these runs say of it; the simplex does not.
+    pub verdict: Option<Verdict>,
+    /// It follows from others and was not searched itself.
+    pub derived: bool,
+    /// It was searched by its logarithm.
+    pub logarithmic: bool,
 }
 
 impl Parameter {
+    /// The value at a coordinate of the search.
+    pub fn shown(&self, x: f64) -> f64 {
+        if self.logarithmic { x.exp() } else { x }
+    }
+
     /// The interval is the whole range that was searched.
     pub fn fills_its_bounds(&self) -> bool {
         self.interval95.low <= self.bounds.0 && self.interval95.high >= self.bounds.1
@@ -54,11 +70,9 @@ pub struct RunFit {
 /// Everything a fit found.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// alpha, ln mu, free heights.
-    pub point: Vec<f64>,
-    /// The same for the user.
+    /// What was found.
     pub parameters: Vec<Parameter>,
-    /// Eq. 14 at the optimum, N.
+    /// Eq. 14 at the optimum: the sum of absolute differences, N.
     pub objective_n: f64,
     /// Every run, predicted ones included.
     pub runs: Vec<RunFit>,
@@ -66,23 +80,25 @@ pub struct Fit {
     pub rmse_n: f64,
     /// Noise behind the intervals.
     pub noise: Noise,
-    /// Standard errors in the space of the fit.
-    pub errors: StandardErrors,
     /// Relative error bound of the forward model.
     pub model_error: f64,
-    /// MultiStart.
-    pub search: Search,
+    /// MultiStart, if that was the method.
+    pub search: Option<Search>,
+    /// Gauss-Newton, if that was the method.
+    pub newton: Option<Newton>,
+    /// The run that went deepest, simulated with what was found.
+    pub deepest: Option<Simulation>,
 }
 
-/// Fits a selection; `None` if no material pushes back like these data.
+/// Fits a selection by MultiStart; `None` if no material pushes back like these data.
 ///
-/// `groups` lists runs (indices into the experiment) that repeat each other.
-pub fn fit(
+/// Also returns the point in the search's own coordinates. `groups` lists runs (indices into the experiment) that repeat each other.
+pub fn by_simplex(
     selection: &Selection,
     model: &dyn ForwardModel,
     groups: &[Vec<usize>],
     stated_noise_n: Option<f64>,
-) -> Option<Fit> {
+) -> Option<(Fit, Vec<f64>)> {
     let objective = Objective { selection, model };
     let search = multistart::search(&objective)?;
     let best = search.descents.first()?;
@@ -107,17 +123,130 @@ pub fn fit(
     let contacts: Vec<f64> = fitted.iter().map(|run| run.contact_mm).collect();
     let errors = interval::standard_errors(&objective, &search.bounds, &point, &contacts, &noise);
     let series: Vec<Vec<f64>> = residuals.into_iter().map(|r| r.residual_n).collect();
-    Some(Fit {
+    let fit = Fit {
         parameters: parameters(selection, &point, &search, &errors),
         objective_n: best.value,
         rmse_n: noise::rms(&series),
         model_error: model.relative_error(),
-        point,
         runs,
         noise,
-        errors,
-        search,
-    })
+        search: Some(search),
+        newton: None,
+        deepest: None,
+    };
+    Some((fit, point))
+}
+
+/// What Gauss-Newton found, as a fit.
+pub fn by_newton(problem: &Problem<'_>, newton: Newton) -> Fit {
+    let selection = problem.selection;
+    let point = &newton.minimum.x;
+    let tracks = problem.tracks(point);
+    let runs: Vec<RunFit> = (0..selection.curves.len())
+        .map(|at| {
+            let track = &tracks[problem.condition_of[at]];
+            let contact_mm = problem.contact(at, track);
+            run_fit(at, &selection.curves[at], contact_mm, forces(&selection.curves[at], track, contact_mm))
+        })
+        .collect();
+    let fitted: Vec<&RunFit> = runs.iter().filter(|run| !selection.curves[run.curve].hold_out).collect();
+    let residuals: Vec<Vec<f64>> =
+        fitted.iter().map(|run| run.residual(&selection.curves[run.curve]).residual_n).collect();
+    let deepest = fitted
+        .iter()
+        .map(|run| {
+            let data = &selection.curves[run.curve];
+            let last = data.depth_mm[..data.hold_from].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            (last - run.contact_mm, run.curve)
+        })
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let deepest = deepest.and_then(|(depth_mm, curve)| {
+        let condition = problem.condition_of[curve];
+        let values = problem.values(condition, point);
+        let mut condition = problem.conditions[condition].clone();
+        (condition.depth_mm, condition.hold_s) = (depth_mm, 0.0);
+        let mut simulation = condition.simulation(&values, Resolution::Standard).ok()?;
+        simulation.material = values.material().ok()?;
+        Some(simulation)
+    });
+    let mut parameters: Vec<Parameter> = (0..problem.unknowns.len()).map(|at| found(problem, &newton, at)).collect();
+    parameters.extend(derived(problem, &newton));
+    Fit {
+        parameters,
+        objective_n: residuals.iter().flatten().map(|r| r.abs()).sum(),
+        rmse_n: noise::rms(&residuals),
+        noise: pooled(&newton, &fitted),
+        model_error: newton.model_error,
+        runs,
+        search: None,
+        deepest,
+        newton: Some(newton),
+    }
+}
+
+/// One noise for all fitted curves: the worst source, the rms of the levels, the mean correlation.
+fn pooled(newton: &Newton, fitted: &[&RunFit]) -> Noise {
+    let all: Vec<Noise> = fitted.iter().map(|run| newton.noises[run.curve]).collect();
+    let count = all.len().max(1) as f64;
+    let worst = all.iter().map(|n| n.source).max_by_key(|source| *source as u8);
+    Noise {
+        source: worst.unwrap_or(NoiseSource::Residual),
+        sigma_n: (all.iter().map(|n| n.sigma_n.powi(2)).sum::<f64>() / count).sqrt(),
+        correlated_samples: all.iter().map(|n| n.correlated_samples).sum::<f64>() / count,
+    }
+}
+
+/// Within a thousandth of its range a coordinate stands on its bound.
+const ON_BOUND: f64 = 1e-3;
+
+fn found(problem: &Problem<'_>, newton: &Newton, at: usize) -> Parameter {
+    let unknown = &problem.unknowns[at];
+    let (low, high) = unknown.bounds();
+    let x = newton.minimum.x[at];
+    let Span { low: from, high: to, .. } = newton.spans[at];
+    Parameter {
+        name: unknown.name.clone(),
+        value: unknown.value(x),
+        interval95: Interval { low: unknown.value(from), high: unknown.value(to) },
+        bounds: (unknown.low, unknown.high),
+        at_bound: (x - low).min(high - x) < ON_BOUND * (high - low),
+        verdict: newton.verdicts.get(at).cloned(),
+        derived: false,
+        logarithmic: unknown.is_logarithmic(),
+    }
+}
+
+/// Parameters that follow from the coordinates; their intervals are their range over the ends of all profiles.
+fn derived(problem: &Problem<'_>, newton: &Newton) -> Vec<Parameter> {
+    let place = |kind: Kind| problem.unknowns.iter().position(|u: &Unknown| u.kind == kind);
+    let mut list = Vec::new();
+    let mut add = |name: &str, of: &dyn Fn(&[f64]) -> f64| {
+        let value = of(&newton.minimum.x);
+        let all = newton.supports.iter().map(|point| of(point)).chain([value]);
+        let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        list.push(Parameter {
+            name: name.to_owned(),
+            value,
+            interval95: Interval { low, high },
+            bounds: (f64::NEG_INFINITY, f64::INFINITY),
+            at_bound: false,
+            verdict: None,
+            derived: true,
+            logarithmic: false,
+        });
+    };
+    let value = |at: usize| move |point: &[f64]| problem.unknowns[at].value(point[at]);
+    if let (Some(mu), Some(share)) = (place(Kind::Modulus), place(Kind::Share)) {
+        let (mu, share) = (value(mu), value(share));
+        add("mu_1_MPa", &|point| mu(point) * (1.0 - share(point)));
+        add("mu_2_MPa", &|point| mu(point) * share(point));
+    }
+    if let (Some(mu), Some(c)) = (place(Kind::Modulus), place(Kind::Compressibility)) {
+        let (mu, c) = (value(mu), value(c));
+        add("D_per_MPa", &|point| c(point) / mu(point));
+        add("nu", &|point| (3.0 - c(point)) / (6.0 + c(point)));
+    }
+    list
 }
 
 fn run_fit(curve: usize, data: &LoadingCurve, contact_mm: f64, model_n: Vec<f64>) -> RunFit {
@@ -177,6 +306,9 @@ fn parameters(selection: &Selection, point: &[f64], search: &Search, errors: &St
             interval95: Interval { low: shown(interval.low), high: shown(interval.high) },
             bounds: (shown(bounds.low[axis]), shown(bounds.high[axis])),
             at_bound: interval::at_bound(point, bounds, axis),
+            verdict: None,
+            derived: false,
+            logarithmic: axis == LN_MU,
         });
     }
     list
@@ -214,7 +346,7 @@ impl Fit {
                 parameter.name, parameter.value, parameter.bounds.0, parameter.bounds.1
             ));
         }
-        for parameter in self.parameters.iter().filter(|parameter| parameter.fills_its_bounds()) {
+        for parameter in self.parameters.iter().filter(|parameter| parameter.fills_its_bounds() && !parameter.derived) {
             messages.push(format!(
                 "{} is not determined by these data: its interval fills the range searched, {:.4} to {:.4}",
                 parameter.name, parameter.bounds.0, parameter.bounds.1
@@ -225,6 +357,7 @@ impl Fit {
             messages
                 .push(format!("{file}: the contact point, {:.3} mm, lies on a bound of its search", run.contact_mm));
         }
+        messages.extend(self.newton.iter().flat_map(Newton::messages));
         messages.push(format!("intervals: {}", self.noise.source.sentence()));
         if let Some((at, units)) = self.largest_misfit(selection)
             && units > SYSTEMATIC
@@ -239,7 +372,8 @@ impl Fit {
                 experiment.runs[selection.curves[run.curve].run].file, run.worst.1, run.worst.0, units
             ));
         }
-        let ends: Vec<f64> = self.search.descents.iter().map(|end| end.value).collect();
+        let descents = self.search.iter().flat_map(|search| &search.descents);
+        let ends: Vec<f64> = descents.map(|end| end.value).collect();
         let agreeing = ends.iter().filter(|value| **value <= 1.01 * self.objective_n).count();
         if agreeing < ends.len() {
             messages

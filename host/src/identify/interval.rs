@@ -40,8 +40,8 @@ impl StandardErrors {
 /// Standard errors at a fitted point, contact points free.
 ///
 /// Residuals are linearised in (alpha, ln mu, heights, contact of every run). Noise enters with
-/// its correlation length; the model's error bound enters as three smooth shapes of relative
-/// error over depth in every pairing, each uniform within the bound. If the data cannot tell the
+/// its correlation length; the model's error bound, a share of the largest force, enters as three smooth shapes of
+/// error over depth in every pairing, each uniform within the bound and nothing at contact, where every curve is Hertz's. If the data cannot tell the
 /// parameters apart at all the errors are infinite and the intervals the whole box.
 pub fn standard_errors(
     objective: &Objective<'_>,
@@ -124,11 +124,13 @@ impl Jacobian {
         Self { rows, samples }
     }
 
-    /// A relative force error cos(shape pi depth) in one pairing.
+    /// A force error `F_peak x cos(shape pi x)` in one pairing, `x` the depth over the largest.
     fn model_error(&self, pairing: usize, shape: f64) -> DVector<f64> {
-        let errors = self.samples.iter().map(|(of, share, force)| {
+        let of_pairing = self.samples.iter().filter(|(of, ..)| *of == pairing);
+        let peak = of_pairing.map(|(.., force)| *force).fold(0.0, f64::max);
+        let errors = self.samples.iter().map(|(of, share, _)| {
             let here = *of == pairing;
-            if here { force * (shape * std::f64::consts::PI * share).cos() } else { 0.0 }
+            if here { peak * share * (shape * std::f64::consts::PI * share).cos() } else { 0.0 }
         });
         DVector::from_iterator(self.samples.len(), errors)
     }

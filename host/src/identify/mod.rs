@@ -1,11 +1,10 @@
 //! Material parameters from indentation: thesis sections 2.4 to 2.8.
 //!
-//! The first loading branch of every indentation run is compared with finite elements of a
-//! one-term Hyperfoam (nu = 0). The objective is Eq. 14, the search the MultiStart of section
-//! 2.7. Three things make it fast and keep it correct: force is linear in mu, the contact point of every
-//! run is found by a one-dimensional search inside the objective, and the finite elements stand
-//! behind an interpolant in alpha (and in the height, where it is unknown) that carries an error
-//! bound and is checked by a direct solve at the end.
+//! The first loading branch of every indentation run (and the hold after it, for a relaxing material) is compared with
+//! finite elements. Two searches lead to the parameters: Gauss-Newton on the finite elements' sensitivities
+//! ([`newton`], the default), and the thesis' MultiStart on Eq. 14 ([`multistart`]), for one-term foams, in which the finite elements
+//! stand behind an interpolant in alpha that carries an error bound. In both, force is linear in the modulus and the contact point of every
+//! run is found inside the objective.
 
 mod answer;
 pub mod contact;
@@ -16,9 +15,11 @@ mod inside;
 pub mod interval;
 pub mod model;
 pub mod multistart;
+pub mod newton;
 pub mod noise;
 pub mod objective;
 pub mod simplex;
+pub mod spec;
 
 use std::time::Instant;
 
@@ -31,7 +32,15 @@ use crate::experiment::{BaseLaw, Experiment, Length, Test, replicate};
 use data::{Height, LeftOut, Selection};
 use fe::{FeModel, ModelError, Progress};
 use fit::Fit;
+use lut_gen::contact::Ball;
+use lut_gen::contact::Interface;
+use lut_gen::law::Hyperfoam;
+use lut_gen::model::{Resolution, Simulation};
+use lut_gen::solve::Motion as Path;
 use model::{ForwardModel, Shape};
+use newton::condition::{Condition, Source};
+use newton::coordinate::Kind;
+use spec::{FitSpec, FittedLaw, Method};
 
 /// How an identification ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +75,8 @@ impl Outcome {
 pub struct Identification {
     /// Name of the material; one a `material` key of the specimens.
     pub material: String,
+    /// The law that was fitted.
+    pub law: FittedLaw,
     /// How it ended.
     pub outcome: Outcome,
     /// The data that were used.
@@ -107,11 +118,15 @@ pub fn materials(experiment: &Experiment) -> Vec<String> {
 /// Identifies every material of an experiment with finite elements.
 ///
 /// # Errors
-/// If a finite element solve fails, or a ball's radius is unknown.
-pub fn identify(experiment: &Experiment, progress: &Progress<'_>) -> Result<Vec<Identification>, ModelError> {
+/// If no finite element solve succeeds, a ball's radius is unknown, or the simplex is asked for more than a one-term foam.
+pub fn identify(
+    experiment: &Experiment,
+    spec: &FitSpec,
+    progress: &Progress<'_>,
+) -> Result<Vec<Identification>, ModelError> {
     refuse_unknown_balls(experiment)?;
     let motions = motions(experiment);
-    materials(experiment).iter().map(|material| one_material(experiment, &motions, material, progress)).collect()
+    materials(experiment).iter().map(|material| one_material(experiment, &motions, material, spec, progress)).collect()
 }
 
 /// A loading curve cannot tell the ball's radius from mu: said at once, not as a missing contact.
@@ -130,16 +145,50 @@ fn one_material(
     experiment: &Experiment,
     motions: &[Option<Motion>],
     material: &str,
+    spec: &FitSpec,
     progress: &Progress<'_>,
 ) -> Result<Identification, ModelError> {
     let start = Instant::now();
-    let mut found = Identification::before_fit(experiment, motions, material);
+    let (law, terms) = spec.resolved(experiment, material);
+    if terms > 2 || spec.relaxation > 2 {
+        return Err(ModelError::TooManyTerms { law: law.word(), terms, relaxation: spec.relaxation });
+    }
+    let mut found = Identification::before_fit(experiment, motions, material, spec);
     if found.selection.curves.iter().any(|curve| !curve.hold_out) {
-        let model = FeModel::build(experiment, &found.selection, progress)?;
-        found.messages.extend_from_slice(model.messages());
-        found.fit_with(experiment, motions, &model);
-        found.check(experiment, &model)?;
-        found.fe_solves = model.solves();
+        match spec.method {
+            Method::GaussNewton => {
+                let source = |_: &Condition| Source::Solves(Resolution::Standard);
+                found.fit_by_newton(experiment, motions, spec, &source, progress)?;
+            }
+            Method::Simplex if !spec.is_one_term_foam(law, terms) => return Err(ModelError::NotForSimplex),
+            Method::Simplex => {
+                let model = FeModel::build(experiment, &found.selection, progress)?;
+                found.messages.extend_from_slice(model.messages());
+                found.fit_with(experiment, motions, &model);
+                found.check(experiment, &model)?;
+                found.fe_solves = model.solves();
+            }
+        }
+    }
+    found.seconds = start.elapsed().as_secs_f64();
+    Ok(found)
+}
+
+/// Identifies one material by Gauss-Newton with forces from any source: a force model of each condition that was made before, or solves.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_from(
+    experiment: &Experiment,
+    material: &str,
+    spec: &FitSpec,
+    source: &dyn Fn(&Condition) -> Source,
+) -> Result<Identification, ModelError> {
+    let start = Instant::now();
+    let motions = motions(experiment);
+    let mut found = Identification::before_fit(experiment, &motions, material, spec);
+    if found.selection.curves.iter().any(|curve| !curve.hold_out) {
+        found.fit_by_newton(experiment, &motions, spec, source, &|_, _, _| {})?;
     }
     found.seconds = start.elapsed().as_secs_f64();
     Ok(found)
@@ -150,7 +199,7 @@ fn one_material(
 pub fn identify_with(experiment: &Experiment, material: &str, model: &dyn ForwardModel) -> Identification {
     let start = Instant::now();
     let motions = motions(experiment);
-    let mut found = Identification::before_fit(experiment, &motions, material);
+    let mut found = Identification::before_fit(experiment, &motions, material, &FitSpec::default());
     found.fe_solves = model.solves();
     if found.selection.curves.iter().any(|curve| !curve.hold_out) {
         found.fit_with(experiment, &motions, model);
@@ -161,12 +210,13 @@ pub fn identify_with(experiment: &Experiment, material: &str, model: &dyn Forwar
 
 impl Identification {
     /// What can be said of a material before anything is fitted.
-    fn before_fit(experiment: &Experiment, motions: &[Option<Motion>], material: &str) -> Self {
-        let selection = data::select(experiment, motions, material);
+    fn before_fit(experiment: &Experiment, motions: &[Option<Motion>], material: &str, spec: &FitSpec) -> Self {
+        let selection = data::select(experiment, motions, material, spec.relaxation > 0);
         Identification {
             material: material.to_owned(),
+            law: spec.resolved(experiment, material).0,
             outcome: outcome_without_fit(&selection),
-            assumptions: assumptions(experiment, &selection),
+            assumptions: assumptions(experiment, &selection, material, spec),
             messages: selection.messages.clone(),
             selection,
             fit: None,
@@ -178,26 +228,87 @@ impl Identification {
 
     fn fit_with(&mut self, experiment: &Experiment, motions: &[Option<Motion>], model: &dyn ForwardModel) {
         let groups = replicate::groups(experiment, motions);
-        self.fit = fit::fit(&self.selection, model, &groups, experiment.sensor.noise_n);
-        self.outcome = match &self.fit {
-            None => Outcome::NoContact,
-            Some(fit) if interval::outside(&fit.point, &fit.search.bounds) => Outcome::OutsideGrid,
-            Some(_) => Outcome::Fitted,
+        let Some((mut fit, point)) = fit::by_simplex(&self.selection, model, &groups, experiment.sensor.noise_n) else {
+            self.outcome = Outcome::NoContact;
+            return;
         };
-        if let Some(fit) = &self.fit {
-            self.messages.extend(fit.messages(experiment, &self.selection));
+        let bounds = fit.search.as_ref().map(|search| &search.bounds);
+        let outside = bounds.is_some_and(|bounds| interval::outside(&point, bounds));
+        self.outcome = if outside { Outcome::OutsideGrid } else { Outcome::Fitted };
+        fit.deepest = self.deepest(experiment, &fit, &point);
+        self.messages.extend(fit.messages(experiment, &self.selection));
+        self.fit = Some(fit);
+    }
+
+    /// The run that went deepest as a simulation of a one-term foam.
+    fn deepest(&self, experiment: &Experiment, fit: &Fit, point: &[f64]) -> Option<Simulation> {
+        let depths = fit.runs.iter().filter_map(|run| {
+            let data = &self.selection.curves[run.curve];
+            let last = data.depth_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            Some((last - run.contact_mm, data.pairing)).filter(|(depth, _)| *depth > 0.0)
+        });
+        let (depth_mm, pairing) = depths.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let pairing = &self.selection.pairings[pairing];
+        let mut specimen = fe::block(experiment, &self.selection, pairing);
+        if let Height::Free(at) = pairing.height {
+            specimen.height_mm = point[objective::FIRST_HEIGHT + at];
         }
+        let law = Hyperfoam::one_term(point[objective::LN_MU].exp(), point[objective::ALPHA]).ok()?;
+        Some(Simulation {
+            material: law.into(),
+            specimen,
+            ball: Ball { radius_mm: pairing.ball_mm },
+            interface: Interface::default(),
+            motion: Path::ramp(depth_mm, 1.0),
+            resolution: Resolution::Standard,
+        })
+    }
+
+    fn fit_by_newton(
+        &mut self,
+        experiment: &Experiment,
+        motions: &[Option<Motion>],
+        spec: &FitSpec,
+        source: &dyn Fn(&Condition) -> Source,
+        progress: &Progress<'_>,
+    ) -> Result<(), ModelError> {
+        let groups = replicate::groups(experiment, motions);
+        let mut problem = newton::setup::problem(experiment, &self.selection, &self.material, spec, source);
+        let told = |solves: usize| progress(&self.material, solves, 0);
+        let demand = newton::fit::Demand {
+            groups: &groups,
+            stated_n: experiment.sensor.noise_n,
+            most_solves: spec.most_solves,
+            told: &told,
+        };
+        let outcome = newton::fit::fit(&mut problem, &demand);
+        let found = outcome.map_err(|cause| ModelError::Solve { what: self.material.clone(), cause })?;
+        let outside = problem.unknowns.iter().zip(&found.minimum.x).any(|(unknown, x)| {
+            let value = unknown.value(*x);
+            matches!(unknown.kind, Kind::Alpha(_)) && !(TESTED_ALPHA.0..=TESTED_ALPHA.1).contains(&value)
+        });
+        let solves = problem.solves();
+        let expected = found.expected_within;
+        let fit = fit::by_newton(&problem, found);
+        let messages = fit.messages(experiment, &self.selection);
+        self.outcome = if outside { Outcome::OutsideGrid } else { Outcome::Fitted };
+        self.fe_solves = solves;
+        self.direct_check = expected.is_finite().then_some(expected);
+        self.messages.extend(messages);
+        self.fit = Some(fit);
+        Ok(())
     }
 
     /// One direct solve at the optimum, and one at the other bound of an unknown radius.
     fn check(&mut self, experiment: &Experiment, model: &FeModel) -> Result<(), ModelError> {
-        let Some(fit) = &self.fit else { return Ok(()) };
+        let Some(search) = self.fit.as_ref().and_then(|fit| fit.search.as_ref()) else { return Ok(()) };
+        let Some(point) = search.descents.first().map(|best| &best.point) else { return Ok(()) };
         let Some(pairing) = self.selection.pairings.first() else { return Ok(()) };
         let height_mm = match pairing.height {
             Height::Known(mm) => mm,
-            Height::Free(at) => fit.point[objective::FIRST_HEIGHT + at],
+            Height::Free(at) => point[objective::FIRST_HEIGHT + at],
         };
-        let shape = Shape { alpha: fit.point[objective::ALPHA], height_mm };
+        let shape = Shape { alpha: point[objective::ALPHA], height_mm };
         self.direct_check = Some(model.direct_check(0, shape)?);
         if experiment.specimens[pairing.specimen].radius_mm == Length::Unknown {
             let (low, high) = fe::UNKNOWN_RADIUS_IN_BALLS;
@@ -224,24 +335,35 @@ fn outcome_without_fit(selection: &Selection) -> Outcome {
     }
 }
 
-fn assumptions(experiment: &Experiment, selection: &Selection) -> Vec<String> {
-    let mut list = vec![
-        "one-term Hyperfoam (thesis Eq. 1) with nu = 0; a loading curve cannot tell nu from alpha".to_owned(),
-        "no friction between ball and specimen, no rate dependence: only the first loading branch is used".to_owned(),
-        "force zero and gain of the sensor are trusted; the contact point of every run is fitted".to_owned(),
-    ];
+/// Exponents the engine is tested at; a fit that ends elsewhere is outside.
+const TESTED_ALPHA: (f64, f64) = (1.0, 24.0);
+
+fn assumptions(experiment: &Experiment, selection: &Selection, material: &str, spec: &FitSpec) -> Vec<String> {
+    let (law, terms) = spec.resolved(experiment, material);
+    let free = |extra| spec.free.contains(&extra);
+    let number = if terms == 1 { "one-term" } else { "two-term" };
+    let mut list = vec![match law {
+        FittedLaw::Ogden => format!("{number} Ogden (thesis Eq. 2) with deviatoric stretches"),
+        FittedLaw::Hyperfoam if free(spec::Extra::Nu) => format!("{number} Hyperfoam (thesis Eq. 1)"),
+        FittedLaw::Hyperfoam => format!(
+            "{number} Hyperfoam (thesis Eq. 1) with nu = {}; a loading curve cannot tell nu from alpha",
+            spec.nu
+        ),
+    }];
+    list.push(match (spec.relaxation, free(spec::Extra::Friction)) {
+        (0, false) => format!(
+            "friction between ball and specimen {}, no rate dependence: only the first loading branch is used",
+            spec.friction
+        ),
+        (0, true) => "no rate dependence: only the first loading branch is used".to_owned(),
+        (n, _) => {
+            format!("{n} Prony terms (thesis Eqs. 10 to 13); the first loading branch and the hold after it are used")
+        }
+    });
+    list.push("force zero and gain of the sensor are trusted; the contact point of every run is fitted".to_owned());
     let mut specimens: Vec<usize> = selection.pairings.iter().map(|p| p.specimen).collect();
     specimens.sort_unstable();
     specimens.dedup();
-    for &at in &specimens {
-        let specimen = &experiment.specimens[at];
-        if specimen.base_law == BaseLaw::Ogden || specimen.terms > 1 {
-            list.push(format!(
-                "{} declares another law; it is fitted as a one-term Hyperfoam all the same",
-                specimen.name
-            ));
-        }
-    }
     if specimens.len() > 1 {
         list.push(format!(
             "all {} specimens are of one material; give them different `material` keys if not",

@@ -17,7 +17,7 @@ const GRAVE: [&str; 5] = ["systematically", "lies on a bound", "not used", "faul
 pub fn page(experiment: &Experiment, found: &[Identification]) -> Page {
     let mut page = Page::new(
         &format!("Identification: {}", experiment.name),
-        "Finite elements fitted to the first loading branch of every indentation run. Units: mm, N, MPa, s.",
+        "Finite elements fitted to the first loading branch of every indentation run, and to the hold after it for a relaxing material. Units: mm, N, MPa, s.",
     );
     if found.is_empty() {
         page.warning("The experiment holds no indentation run into a soft specimen.");
@@ -65,22 +65,24 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Identification) {
     if let Some(fit) = &found.fit {
         page.section("Data and fit");
         overview(page, experiment, found, fit);
-        inside(page, experiment, found);
+        inside(page, found);
         page.section("Runs");
         for run in &fit.runs {
             one_run(page, experiment, found, run);
         }
-        page.section("Objective");
-        page.figure(
-            &map::svg("Objective over alpha and mu", &fit.search),
-            "Sum of absolute force differences (Eq. 14) on the first grid of MultiStart, contact points and free heights at their best; lines: simplex paths.",
-        );
+        if let Some(search) = &fit.search {
+            page.section("Objective");
+            page.figure(
+                &map::svg("Objective over alpha and mu", search),
+                "Sum of absolute force differences (Eq. 14) on the first grid of MultiStart, contact points and free heights at their best; lines: simplex paths.",
+            );
+        }
     }
 }
 
 /// The specimen at the deepest point, computed with what was found.
-fn inside(page: &mut Page, experiment: &Experiment, found: &Identification) {
-    match deepest_field(experiment, found) {
+fn inside(page: &mut Page, found: &Identification) {
+    match deepest_field(found) {
         None => {}
         Some(Err(cause)) => page.warning(&format!("The inside of the specimen is not shown: {cause}.")),
         Some(Ok(field)) => {
@@ -95,15 +97,20 @@ fn inside(page: &mut Page, experiment: &Experiment, found: &Identification) {
 
 /// Name, value, interval, bounds and a word of warning.
 fn parameter_row(parameter: &Parameter) -> Vec<String> {
-    let range = |(low, high): (f64, f64)| format!("{} to {}", number(low), number(high));
+    let range = |(low, high): (f64, f64)| match low.is_finite() && high.is_finite() {
+        true => format!("{} to {}", number(low), number(high)),
+        false => String::new(),
+    };
     vec![
         parameter.name.clone(),
         number(parameter.value),
         range((parameter.interval95.low, parameter.interval95.high)),
         range(parameter.bounds),
-        match (parameter.at_bound, parameter.fills_its_bounds()) {
-            (true, _) => "on a bound".to_owned(),
-            (_, true) => "not determined".to_owned(),
+        match (&parameter.verdict, parameter.at_bound, parameter.derived, parameter.fills_its_bounds()) {
+            (_, true, ..) => "on a bound".to_owned(),
+            (_, _, true, _) => "follows from the others".to_owned(),
+            (Some(verdict), ..) => verdict.sentence.clone(),
+            (None, .., true) => "not determined".to_owned(),
             _ => String::new(),
         },
     ]
@@ -118,7 +125,7 @@ fn figures_of_fit(found: &Identification, fit: &Fit) -> Vec<Vec<String>> {
         row("error bound of the model, of the largest force (%)", number(100.0 * fit.model_error)),
     ];
     if let Some(check) = found.direct_check {
-        rows.push(row("direct solve at the optimum differs from it by (%)", number(100.0 * check)));
+        rows.push(row("last solve differs from what was expected of it by (%)", number(100.0 * check)));
     }
     rows.push(row("finite element solves", found.fe_solves.to_string()));
     rows.push(row("time (s)", number(found.seconds)));

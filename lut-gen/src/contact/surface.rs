@@ -1,6 +1,6 @@
-//! Contact integrated over the undeformed top surface.
+//! Contact integrated over the undeformed surface.
 
-use super::{Ball, Interface, Penalty, Touch};
+use super::{Ball, Indenter, Interface, Penalty, Platen, Touch};
 use crate::element::{gauss, line3};
 use crate::scalar::Real;
 
@@ -26,7 +26,7 @@ pub struct Grip<T = f64> {
     pub traction_mpa: T,
 }
 
-/// The part of the block's top that can touch the ball.
+/// The part of the block's surface that can touch the ball or the platen.
 ///
 /// The pressure per reference area is `p(g)` of a [`Penalty`] of the penetration `g`, the gradient
 /// of an energy. Integrating between the nodes lets the contact edge move smoothly through an element.
@@ -37,7 +37,7 @@ pub struct Grip<T = f64> {
 /// `mu g`. A point that entered within the step takes the part of its motion after its entry.
 #[derive(Debug, Clone)]
 pub struct Surface<T = f64> {
-    ball: Ball<T>,
+    indenter: Indenter<T>,
     interface: Interface<T>,
     edges: Vec<[usize; 3]>,
     points: Vec<Point<T>>,
@@ -96,36 +96,52 @@ struct Traction<T> {
 }
 
 impl<T: Real> Surface<T> {
-    /// Contact of `ball` with the edges of `top` that start within `reach_mm` of the axis.
+    /// Contact of a ball or a platen with the edges of `edges` that start within `reach_mm` of the axis.
     #[must_use]
     pub fn new(
-        ball: Ball<T>,
+        indenter: impl Into<Indenter<T>>,
         interface: Interface<T>,
         nodes: &[[T; 2]],
-        top: &[[usize; 3]],
+        edges: &[[usize; 3]],
         reach_mm: f64,
         per_edge: usize,
         penalty: Penalty<T>,
     ) -> Self {
         let rule = gauss(per_edge);
-        let edges: Vec<_> = top.iter().copied().filter(|e| nodes[e[0]][0].value() < reach_mm).collect();
+        let edges: Vec<_> = edges.iter().copied().filter(|e| nodes[e[0]][0].value() < reach_mm).collect();
         let mut points = Vec::with_capacity(edges.len() * per_edge);
         for e in &edges {
             for &(x, w) in &rule {
                 let (shape, slope) = line3(x);
                 let sum = |f: &[f64; 3], k: usize| (0..3).fold(T::from(0.0), |s, i| s + nodes[e[i]][k] * f[i]);
                 let at = [sum(&shape, 0), sum(&shape, 1)];
-                let area = std::f64::consts::TAU * at[0].value() * sum(&slope, 0).value() * w;
+                let length = sum(&slope, 0).value().hypot(sum(&slope, 1).value());
+                let area = std::f64::consts::TAU * at[0].value() * length * w;
                 points.push(Point { area, at, shape });
             }
         }
-        Self { ball, interface, edges, points, per_edge, penalty }
+        Self { indenter: indenter.into(), interface, edges, points, per_edge, penalty }
     }
 
-    /// The ball.
+    /// The ball, where it is one that presses.
     #[must_use]
-    pub fn ball(&self) -> Ball<T> {
-        self.ball
+    pub fn ball(&self) -> Option<Ball<T>> {
+        match self.indenter {
+            Indenter::Ball(ball) => Some(ball),
+            Indenter::Platen(_) => None,
+        }
+    }
+
+    /// True when the top is glued to a platen.
+    #[must_use]
+    pub fn is_bonded(&self) -> bool {
+        matches!(self.indenter, Indenter::Platen(Platen { bonded: true }))
+    }
+
+    /// Height (mm) of the ball's centre or of the platen's face above the base of a block of `height_mm` at a depth.
+    #[must_use]
+    pub fn datum_mm(&self, height_mm: T, depth_mm: T) -> T {
+        self.indenter.datum_mm(height_mm, depth_mm)
     }
 
     /// Friction and adhesion.
@@ -153,10 +169,10 @@ impl<T: Real> Surface<T> {
     }
 
     /// Pressure per reference area (MPa) at a point of the surface in its current position: the
-    /// penalty's inside the ball, adhesion's (negative) outside.
+    /// penalty's inside the indenter, adhesion's (negative) outside.
     #[must_use]
-    pub fn pressure_mpa(&self, x: [T; 2], centre_mm: T) -> T {
-        let g = self.ball.touch(x, centre_mm).depth_mm;
+    pub fn pressure_mpa(&self, x: [T; 2], datum_mm: T) -> T {
+        let g = self.indenter.touch(x, datum_mm).depth_mm;
         match &self.interface.adhesion {
             _ if g.value() > 0.0 => self.penalty.push(g).1,
             Some(adhesion) => adhesion.pull(g).1,
@@ -164,11 +180,11 @@ impl<T: Real> Surface<T> {
         }
     }
 
-    /// Grips of an untouched surface under a ball whose centre is at `centre_mm`; empty without friction.
+    /// Grips of an untouched surface under an indenter whose datum is at `datum_mm`; empty without friction.
     #[must_use]
-    pub fn grips(&self, centre_mm: T) -> Vec<Grip<T>> {
+    pub fn grips(&self, datum_mm: T) -> Vec<Grip<T>> {
         let free = |p: &Point<T>| {
-            let t = self.ball.touch(p.at, centre_mm);
+            let t = self.indenter.touch(p.at, datum_mm);
             Grip { depth_mm: t.depth_mm, arc_mm: t.arc_mm, traction_mpa: T::from(0.0) }
         };
         if self.has_friction() { self.points.iter().map(free).collect() } else { Vec::new() }
@@ -190,7 +206,7 @@ impl<T: Real> Surface<T> {
     pub fn edge(
         &self,
         index: usize,
-        centre_mm: T,
+        datum_mm: T,
         u: &[T; 6],
         old: &[Grip<T>],
         mut new: Option<&mut [Grip<T>]>,
@@ -201,7 +217,7 @@ impl<T: Real> Surface<T> {
         let points = &self.points[index * self.per_edge..][..self.per_edge];
         for (i, p) in points.iter().enumerate() {
             let x = Self::position(p, u);
-            let touch = self.ball.touch(x, centre_mm);
+            let touch = self.indenter.touch(x, datum_mm);
             let traction = self.traction(&touch, old.get(i));
             if let Some(grip) = new.as_deref_mut().and_then(|n| n.get_mut(i)) {
                 let traction_mpa = traction.as_ref().map_or(T::from(0.0), |t| t.friction);

@@ -96,7 +96,7 @@ impl Body {
 
     /// Height of the ball's centre above the base (mm) at a depth.
     pub(super) fn centre_mm(&self, depth_mm: f64) -> f64 {
-        self.height_mm + self.surface.ball().radius_mm - depth_mm
+        self.surface.datum_mm(self.height_mm, depth_mm)
     }
 
     /// Displacements of an edge of the surface at the current positions `x`.

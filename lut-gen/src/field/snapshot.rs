@@ -21,6 +21,9 @@ pub enum FieldError {
         /// Depth of the ball (mm).
         depth_mm: f64,
     },
+    /// Fields describe a ball; a platen presses here.
+    #[error("fields are for a ball, but a platen presses the specimen")]
+    Platen,
     /// Displacements that do not belong to the mesh.
     #[error("displacements of {given} nodes given, but the mesh has {nodes}")]
     Nodes {
@@ -78,7 +81,7 @@ impl Field {
     /// after the other, as in [`crate::solve::History`].
     ///
     /// # Errors
-    /// [`FieldError::Nodes`] and [`FieldError::Inverted`].
+    /// [`FieldError::Nodes`], [`FieldError::Inverted`] and [`FieldError::Platen`].
     pub fn new(
         mesh: &BlockMesh,
         displacement_mm: Vec<[f64; 2]>,
@@ -90,6 +93,7 @@ impl Field {
         if given != nodes {
             return Err(FieldError::Nodes { given, nodes });
         }
+        let ball = surface.ball().ok_or(FieldError::Platen)?;
         let state = nodal_states(mesh, &displacement_mm, stress)
             .map_err(|element| FieldError::Inverted { element, depth_mm: step.depth_mm })?;
         let mut field = Self {
@@ -99,7 +103,7 @@ impl Field {
             displacement_mm,
             state,
             pressure_mpa: vec![0.0; nodes],
-            ball: surface.ball(),
+            ball,
             height_mm: mesh.height_mm,
             step,
         };

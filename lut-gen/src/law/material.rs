@@ -95,7 +95,7 @@ impl Material {
         Material {
             elastic: self.elastic.map(&mut f),
             prony: self.prony.iter().enumerate().map(|(i, t)| t.map(i, &mut f)).collect(),
-            softening: self.softening.as_ref().map(OgdenRoxburgh::lift),
+            softening: self.softening.as_ref().map(|s| s.map(&mut f)),
         }
     }
 
@@ -114,8 +114,7 @@ impl Material {
             Elastic::Hencky(_) => "linear elastic",
         };
         let values: Vec<String> = self.parameters().iter().map(|(p, v)| format!("{p} {v}")).collect();
-        let softening = if self.softening.is_some() { ", softening" } else { "" };
-        format!("{name} {}{softening}", values.join(", "))
+        format!("{name} {}", values.join(", "))
     }
 }
 

@@ -19,7 +19,13 @@ pub enum Parameter {
     PronyK(usize),
     /// Relaxation time `tau_i` (s).
     PronyTau(usize),
-    /// Coefficient of Coulomb friction between ball and specimen (-).
+    /// Softening `r` of Ogden and Roxburgh (-).
+    SofteningR,
+    /// Softening's energy scale `m` (MPa).
+    SofteningM,
+    /// Softening's part `beta` of the largest energy (-).
+    SofteningBeta,
+    /// Coefficient of Coulomb friction between the indenter and the specimen (-).
     Friction,
     /// Work of adhesion (N/mm).
     AdhesionWork,
@@ -39,6 +45,9 @@ impl fmt::Display for Parameter {
             Self::PronyG(i) => write!(f, "g_{}", i + 1),
             Self::PronyK(i) => write!(f, "k_{}", i + 1),
             Self::PronyTau(i) => write!(f, "tau_{}", i + 1),
+            Self::SofteningR => f.write_str("softening r"),
+            Self::SofteningM => f.write_str("softening m"),
+            Self::SofteningBeta => f.write_str("softening beta"),
             Self::Friction => f.write_str("friction"),
             Self::AdhesionWork => f.write_str("adhesion work"),
             Self::BallRadius => f.write_str("ball radius"),

@@ -1,7 +1,7 @@
 //! Softening with cycles (Mullins' effect).
 
-use super::LawError;
 use super::error::demand;
+use super::{LawError, Parameter};
 use crate::scalar::Real;
 
 /// Ogden and Roxburgh's pseudo-elastic softening: below the largest energy `W_max` a
@@ -39,6 +39,14 @@ impl OgdenRoxburgh {
 }
 
 impl<T: Real> OgdenRoxburgh<T> {
+    pub(super) fn map<U: Real>(&self, f: &mut impl FnMut(Parameter, T) -> U) -> OgdenRoxburgh<U> {
+        OgdenRoxburgh {
+            r: f(Parameter::SofteningR, self.r),
+            m_mpa: f(Parameter::SofteningM, self.m_mpa),
+            beta: f(Parameter::SofteningBeta, self.beta),
+        }
+    }
+
     /// `eta`, `d eta / dW` and the new largest energy.
     pub(super) fn factor(&self, energy: T, largest: T) -> (T, T, T) {
         if energy.value() >= largest.value() {
@@ -52,12 +60,5 @@ impl<T: Real> OgdenRoxburgh<T> {
         let x = (largest - energy) / scale;
         let slope = (-(x * x)).exp() * std::f64::consts::FRAC_2_SQRT_PI / (self.r * scale);
         (-x.erf() / self.r + 1.0, slope, largest)
-    }
-}
-
-impl OgdenRoxburgh {
-    /// The same numbers, ready to be mixed with derivatives by other parameters.
-    pub(super) fn lift<U: Real>(&self) -> OgdenRoxburgh<U> {
-        OgdenRoxburgh { r: U::from(self.r), m_mpa: U::from(self.m_mpa), beta: U::from(self.beta) }
     }
 }

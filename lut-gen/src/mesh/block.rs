@@ -51,6 +51,16 @@ impl BlockMesh {
         Self::from_lines(&r, &z)
     }
 
+    /// Edges of the side from the top downward: upper, middle, lower node.
+    #[must_use]
+    pub fn side(&self) -> Vec<[usize; 3]> {
+        let outer = |e: &[usize; 8]| [e[2], e[5], e[1]];
+        let mut edges: Vec<_> =
+            self.elements.iter().map(outer).filter(|e| e.iter().all(|n| self.nodes[*n][0] >= self.radius_mm)).collect();
+        edges.reverse();
+        edges
+    }
+
     /// Meshes the rectangle spanned by the given lines (each sorted, at least two).
     #[must_use]
     pub fn from_lines(r: &[f64], z: &[f64]) -> Self {

@@ -99,6 +99,14 @@ impl Simulation {
         })
     }
 
+    /// Refuses a record whose forces do not balance, or that scatters about its smooth curve.
+    pub(super) fn trust_record(&self, record: &Record, scatter: f64) -> Result<(), SolveError> {
+        let unbalanced = |s: &crate::solve::Station| (s.base_force_n / s.force_n - 1.0).abs();
+        let imbalance = record.stations.iter().map(unbalanced).fold(0.0, f64::max);
+        self.trust("the largest difference of contact force and base reaction", imbalance, IMBALANCE)?;
+        self.trust("the scatter of the equilibria about a smooth curve", scatter, SCATTER)
+    }
+
     fn trust(&self, measure: &'static str, value: f64, limit: f64) -> Result<(), SolveError> {
         if value <= limit {
             return Ok(());
@@ -120,7 +128,7 @@ impl Simulation {
     }
 
     /// Depth (mm) of the only segment.
-    fn ramp(&self) -> Result<f64, SolveError> {
+    pub(super) fn ramp(&self) -> Result<f64, SolveError> {
         self.check()?;
         if self.interface.adhesion.is_some() {
             return Err(SolveError::parameter(

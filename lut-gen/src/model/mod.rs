@@ -2,12 +2,14 @@
 //! force model over the exponent (and the height) built from many.
 
 mod chebyshev;
+mod compression;
 mod curve;
 mod expansion;
 mod fields;
 mod force;
 mod indentation;
 mod plan;
+mod press;
 mod profile;
 mod record;
 mod relaxed;
@@ -16,10 +18,12 @@ mod simulation;
 mod specimen;
 
 pub use chebyshev::{Axis, Scale};
+pub use compression::{Compression, Ends};
 pub use curve::{Curve, Stats};
 pub use force::{ErrorBound, ForceGradient, ForceModel};
 pub use indentation::{DEPTHS, Indentation};
 pub use plan::ModelSpec;
+pub use press::{HOLD_NODES, Press, RAMP_NODES};
 pub use profile::{DepthProfile, MAX_TERMS, Sample};
 pub use record::Record;
 pub use relaxed::RampRelaxation;

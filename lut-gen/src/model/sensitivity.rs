@@ -1,6 +1,7 @@
 //! Derivatives of the force by parameters, by direct differentiation.
 
 use super::record::penalty_share;
+use super::simulation::Assembly;
 use super::{Record, Simulation, Watcher};
 use crate::law::{Material, Parameter};
 use crate::mesh::BlockMesh;
@@ -77,6 +78,26 @@ impl Tracker {
         Self { parameters: parameters.to_vec(), tracks: Vec::new(), matrix: None, state: None, stations: Vec::new() }
     }
 
+    /// Begins a path of the given equations at a depth (mm); `lift` gives them with the derivative by a parameter.
+    pub(super) fn start(
+        &mut self,
+        system: &System,
+        start_mm: f64,
+        lift: impl Fn(Parameter) -> Result<Assembly<Dual>, SolveError>,
+    ) -> Result<(), SolveError> {
+        self.tracks.clear();
+        self.stations.clear();
+        for &parameter in &self.parameters {
+            let Assembly { system, material } = lift(parameter)?;
+            let history = system.untouched(&material, Dual::from(start_mm));
+            let (raw, energy, depth) = (Vec::new(), Vec::new(), Vec::new());
+            self.tracks.push(Track { state: system.state(), system, material, history, raw, energy, depth });
+        }
+        self.matrix = Some(system.matrix(false)?);
+        self.state = Some(system.state());
+        Ok(())
+    }
+
     /// The derivatives, in the order of the parameters.
     #[must_use]
     pub fn finish(self) -> Vec<Sensitivity> {
@@ -106,27 +127,13 @@ impl Watcher for Tracker {
         stiffer: f64,
         system: &System,
     ) -> Result<(), SolveError> {
-        self.restarted();
-        for &parameter in &self.parameters {
+        self.start(system, simulation.motion.start_mm, |parameter| {
             if !simulation.has(parameter) {
                 let expected = format!("is no parameter of {}", simulation.label());
                 return Err(SolveError::Unknown { parameter: parameter.to_string(), expected });
             }
-            let lifted = simulation.lifted(mesh, stiffer, parameter);
-            let history = lifted.system.untouched(&lifted.material, Dual::from(simulation.motion.start_mm));
-            self.tracks.push(Track {
-                state: lifted.system.state(),
-                system: lifted.system,
-                material: lifted.material,
-                history,
-                raw: Vec::new(),
-                energy: Vec::new(),
-                depth: Vec::new(),
-            });
-        }
-        self.matrix = Some(system.matrix(false)?);
-        self.state = Some(system.state());
-        Ok(())
+            Ok(simulation.lifted(mesh, stiffer, parameter))
+        })
     }
 
     fn restarted(&mut self) {

@@ -240,7 +240,7 @@ impl Simulation {
         let penalty = Penalty::through((first, gap(STIFF)), (largest, gap(STIFFEST)));
         let reach = REACH * self.ball.radius_mm;
         let surface = Surface::new(ball, interface, nodes, &mesh.top, reach, POINTS_PER_EDGE, penalty);
-        let system = System::over(mesh, nodes, height_mm, self.specimen.base, surface, Quadrature::Reduced);
+        let system = System::over(mesh, nodes, height_mm, self.specimen.base, surface, |_| Quadrature::Reduced);
         Assembly { system, material }
     }
 }

@@ -65,6 +65,18 @@ pub enum SolveError {
         /// What it is not.
         expected: String,
     },
+    /// No lateral stretch leaves the free side of a homogeneous specimen without stress.
+    #[error("no {mode} state without lateral stress at stretch {stretch} (time {time_s:.4} s; {case})")]
+    NoFreeSide {
+        /// The mode.
+        mode: String,
+        /// The stretch.
+        stretch: f64,
+        /// Time since the programme's start (s).
+        time_s: f64,
+        /// The material.
+        case: String,
+    },
     /// The tangent at an equilibrium could not be solved with.
     #[error("the tangent at depth {depth_mm:.4} mm is singular: no sensitivity there")]
     Singular {

@@ -2,7 +2,7 @@
 
 use super::SolveError;
 use super::krylov::gmres;
-use super::sparse::{Factor, HELD, Pattern, Stored};
+use super::sparse::{Factor, HELD, Pattern, Stored, UnsymmetricFactor};
 use crate::contact::EdgeStiffness;
 
 /// Stiffness `K = d residual / d u` with its factor.
@@ -10,12 +10,14 @@ use crate::contact::EdgeStiffness;
 /// Symmetric problems store the lower triangle. Where friction or unequal relaxation of shear
 /// and bulk makes `K` unsymmetric, all of it is stored as well as a symmetric neighbour (the symmetric
 /// part of the solids and [`EdgeStiffness::symmetric`]), which is factorised and preconditions the
-/// iteration that solves with the whole.
+/// iteration that solves with the whole. Under a platen, where all of the surface slides, the neighbour is too far
+/// away (and seldom definite): there the whole is factorised.
 pub struct Matrix {
     lower: Pattern,
     lower_values: Vec<f64>,
     whole: Option<Whole>,
     factor: Factor,
+    direct_factor: Option<UnsymmetricFactor>,
     /// Diagonal shift of the last factorisation, relative; 0 when it was positive definite.
     shift: f64,
     solid_scatter: Vec<Vec<u32>>,
@@ -64,6 +66,7 @@ impl Matrix {
             lower,
             whole,
             factor,
+            direct_factor: None,
             shift: 0.0,
             solid_scatter: scatter,
             edge_scatter,
@@ -73,13 +76,26 @@ impl Matrix {
         })
     }
 
+    /// The same, with a factor of the whole in place of the iteration; a symmetric matrix stays as it is.
+    ///
+    /// # Errors
+    /// [`SolveError::Memory`].
+    pub fn factorising_all(mut self) -> Result<Self, SolveError> {
+        if let Some(w) = &self.whole {
+            let unknowns = self.drive.len();
+            self.direct_factor = Some(UnsymmetricFactor::new(&w.pattern).ok_or(SolveError::Memory { unknowns })?);
+        }
+        Ok(self)
+    }
+
     /// True when only the lower triangle is stored.
     #[must_use]
     pub fn is_symmetric(&self) -> bool {
         self.whole.is_none()
     }
 
-    /// True when the last factorisation needed no diagonal shift: the state is a stable equilibrium.
+    /// True when the last factorisation needed no diagonal shift: the state is a stable equilibrium. Always true where the
+    /// whole of an unsymmetric matrix is factorised.
     #[must_use]
     pub fn is_definite(&self) -> bool {
         self.shift == 0.0
@@ -148,6 +164,9 @@ impl Matrix {
     /// with a growing multiple of its diagonal added. False when that does not help either.
     pub fn factorise(&mut self) -> bool {
         self.shift = 0.0;
+        if let (Some(factor), Some(w)) = (&mut self.direct_factor, &self.whole) {
+            return factor.factorise(&w.pattern, &w.values);
+        }
         for _ in 0..8 {
             if self.factor.factorise(&self.lower, &self.lower_values) {
                 return true;
@@ -166,6 +185,12 @@ impl Matrix {
     /// Newton's direction: solves with the whole matrix where it is unsymmetric, else with the factor,
     /// which is that of a shifted matrix where the matrix is not definite.
     pub fn correct(&mut self, x: &mut [f64]) {
+        if let Some(factor) = &self.direct_factor {
+            if !factor.solve(x) {
+                x.fill(f64::NAN);
+            }
+            return;
+        }
         // the factor of a shifted matrix preconditions badly: then its own direction is soon taken
         let steps = if self.shift > 0.0 { SHIFTED_STEPS } else { KRYLOV_STEPS };
         if !self.iterate(x, OF_A_CORRECTION, steps) {
@@ -175,6 +200,9 @@ impl Matrix {
 
     /// Solves `K x = b` in place with the matrix itself, shift or not. False when the iteration fails.
     pub fn solve(&mut self, x: &mut [f64]) -> bool {
+        if let Some(factor) = &self.direct_factor {
+            return factor.solve(x);
+        }
         if self.whole.is_none() && self.shift == 0.0 {
             self.factor.solve(x);
             return true;

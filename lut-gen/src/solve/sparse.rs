@@ -1,11 +1,13 @@
-//! Symmetric sparse matrix of fixed pattern and its Cholesky factor.
+//! Sparse matrix of fixed pattern, its Cholesky factor and, where it is unsymmetric, its LU factor.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
+use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
 
@@ -159,5 +161,33 @@ impl Factor {
             Par::Seq,
             MemStack::new(&mut self.memory),
         );
+    }
+}
+
+/// LU factor with partial pivoting, symbolic analysis done once.
+pub(super) struct UnsymmetricFactor {
+    symbolic: SymbolicLu<usize>,
+    lu: Option<Lu<usize, f64>>,
+}
+
+impl UnsymmetricFactor {
+    /// Analyses a pattern of [`Stored::All`]; `None` when memory does not suffice.
+    pub fn new(pattern: &Pattern) -> Option<Self> {
+        Some(Self { symbolic: SymbolicLu::try_new(pattern.symbolic.as_ref()).ok()?, lu: None })
+    }
+
+    /// Factorises the matrix of the given values. False when it is singular or not finite.
+    pub fn factorise(&mut self, pattern: &Pattern, values: &[f64]) -> bool {
+        let matrix = SparseColMatRef::new(pattern.symbolic.as_ref(), values);
+        self.lu = Lu::try_new_with_symbolic(self.symbolic.clone(), matrix).ok();
+        self.lu.is_some()
+    }
+
+    /// Solves in place with the last factor; false when there is none.
+    pub fn solve(&self, x: &mut [f64]) -> bool {
+        let Some(lu) = &self.lu else { return false };
+        let n = x.len();
+        lu.solve_in_place(MatMut::from_column_major_slice_mut(x, n, 1));
+        x.iter().all(|v| v.is_finite())
     }
 }

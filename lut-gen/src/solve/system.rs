@@ -69,7 +69,8 @@ pub struct State<T = f64> {
 
 impl<T: Real> System<T> {
     /// Builds the equations over `nodes`, the (possibly dual) positions of the mesh's nodes (mm),
-    /// and `height_mm`, its height. `surface` lists its edges over the same nodes.
+    /// and `height_mm`, its height. `surface` lists its edges over the same nodes,
+    /// `quadrature` tells how each element is integrated.
     #[must_use]
     pub fn over(
         mesh: &BlockMesh,
@@ -77,10 +78,11 @@ impl<T: Real> System<T> {
         height_mm: T,
         base: Base,
         surface: Surface<T>,
-        quadrature: Quadrature,
+        quadrature: impl Fn(usize) -> Quadrature,
     ) -> Self {
-        let (equation, unknowns) = constraint::number(mesh, base);
-        let solids = mesh.elements.iter().map(|e| Solid::new(*e, &e.map(|n| nodes[n]), quadrature)).collect();
+        let (equation, unknowns) = constraint::number(mesh, base, surface.is_bonded());
+        let solid = |(i, e): (usize, &[usize; 8])| Solid::new(*e, &e.map(|n| nodes[n]), quadrature(i));
+        let solids = mesh.elements.iter().enumerate().map(solid).collect();
         Self { height_mm, solids, surface, equation, unknowns }
     }
 
@@ -133,12 +135,12 @@ impl<T: Real> System<T> {
         let points: usize = self.solids.iter().map(Solid::points).sum();
         History {
             matter: vec![T::from(0.0); points * material.history()],
-            grips: self.surface.grips(self.centre_mm(depth_mm)),
+            grips: self.surface.grips(self.datum_mm(depth_mm)),
         }
     }
 
-    fn centre_mm(&self, depth_mm: T) -> T {
-        self.height_mm + self.surface.ball().radius_mm - depth_mm
+    fn datum_mm(&self, depth_mm: T) -> T {
+        self.surface.datum_mm(self.height_mm, depth_mm)
     }
 
     /// Equations and values of the dofs of some nodes; held ones have the value 0.
@@ -172,8 +174,8 @@ impl<T: Real> System<T> {
             let mut force = [T::from(0.0); 6];
             let grips = index * per..(index + 1) * per;
             let kept = new.as_deref_mut().map(|h| &mut h.grips[grips.clone()]);
-            let centre = self.centre_mm(step.depth_mm);
-            self.surface.edge(index, centre, &local, &step.old.grips[grips], kept, &mut force, None, &mut out.sum);
+            let datum = self.datum_mm(step.depth_mm);
+            self.surface.edge(index, datum, &local, &step.old.grips[grips], kept, &mut force, None, &mut out.sum);
             press(&dofs, &force, out);
         }
         close(out);
@@ -194,7 +196,7 @@ impl System {
     /// Builds the equations of a mesh.
     #[must_use]
     pub fn new(mesh: &BlockMesh, base: Base, surface: Surface, quadrature: Quadrature) -> Self {
-        Self::over(mesh, &mesh.nodes, mesh.height_mm, base, surface, quadrature)
+        Self::over(mesh, &mesh.nodes, mesh.height_mm, base, surface, |_| quadrature)
     }
 
     /// An empty tangent; `symmetric` must be false with friction or an unsymmetric material.
@@ -207,7 +209,8 @@ impl System {
         };
         let solids: Vec<_> = self.solids.iter().map(|s| dofs(&s.nodes)).collect();
         let edges: Vec<_> = self.surface.edges().iter().map(|e| dofs(e)).collect();
-        Matrix::new(self.unknowns, &solids, &edges, symmetric)
+        let matrix = Matrix::new(self.unknowns, &solids, &edges, symmetric)?;
+        if self.surface.ball().is_some() { Ok(matrix) } else { matrix.factorising_all() }
     }
 
     /// As [`System::evaluate`], with the tangent.
@@ -235,8 +238,8 @@ impl System {
             let (mut force, mut k) = ([0.0; 6], EdgeStiffness::default());
             let old = &step.old.grips[index * per..(index + 1) * per];
             let energy = out.sum.energy;
-            let centre = self.centre_mm(step.depth_mm);
-            self.surface.edge(index, centre, &local, old, None, &mut force, Some(&mut k), &mut out.sum);
+            let datum = self.datum_mm(step.depth_mm);
+            self.surface.edge(index, datum, &local, old, None, &mut force, Some(&mut k), &mut out.sum);
             if out.sum.energy != energy {
                 press(&dofs, &force, out);
                 matrix.add_edge(index, &dofs, &k);

@@ -1,0 +1,162 @@
+//! One condition: a specimen under a ball at a rate, with a hold or without, shared by the runs that repeat it.
+
+use lut_gen::contact::Ball;
+use lut_gen::law::Parameter;
+use lut_gen::model::{ForceModel, Press, RAMP_NODES, Resolution, Simulation, Specimen};
+use lut_gen::solve::{Motion, SolveError};
+
+use super::coordinate::{Kind, Scope, Unknown, Values};
+use super::surrogate::{Node, Surrogate};
+use super::track::Track;
+
+/// Where the forces of a condition come from.
+#[derive(Debug, Clone)]
+pub enum Source {
+    /// A finite-element solve a point.
+    Solves(Resolution),
+    /// A continuous force model made before; for a one-term Hyperfoam at one height.
+    Model(Box<ForceModel>),
+}
+
+/// A forward problem.
+#[derive(Debug, Clone)]
+pub struct Condition {
+    /// Index into the experiment's specimens.
+    pub specimen: usize,
+    /// Index into the experiment's indenters.
+    pub indenter: usize,
+    /// The block, with the height that is known or assumed.
+    pub block: Specimen,
+    /// Radius of the ball, mm.
+    pub ball_mm: f64,
+    /// Depth of the ramp, mm.
+    pub depth_mm: f64,
+    /// Rate of the ramp, mm/s; it decides nothing without relaxation.
+    pub rate_mm_s: f64,
+    /// Duration of the hold, s; 0 without one.
+    pub hold_s: f64,
+    /// Where forces come from.
+    pub source: Source,
+    /// Unknowns that this condition depends on, without the modulus: indices into the fit's.
+    pub locals: Vec<usize>,
+    /// The modulus it depends on.
+    pub modulus: usize,
+    /// What has been solved.
+    pub surrogate: Surrogate,
+    /// Largest relative scatter of a solve's stations.
+    pub scatter: f64,
+    /// Finite-element solves.
+    pub solves: usize,
+}
+
+impl Condition {
+    /// True when an unknown acts on this condition.
+    pub fn feels(specimen: usize, indenter: usize, unknown: &Unknown) -> bool {
+        match unknown.scope {
+            Scope::All => true,
+            Scope::Specimen(at) => at == specimen,
+            Scope::Indenter(at) => at == indenter,
+        }
+    }
+
+    /// Takes the unknowns that act on it.
+    pub fn attach(&mut self, unknowns: &[Unknown]) {
+        let mine = |(_, u): &(usize, &Unknown)| Self::feels(self.specimen, self.indenter, u);
+        let (moduli, locals): (Vec<_>, Vec<_>) =
+            unknowns.iter().enumerate().filter(mine).partition(|(_, u)| u.kind == Kind::Modulus);
+        self.modulus = moduli.first().map_or(0, |(at, _)| *at);
+        self.locals = locals.iter().map(|(at, _)| *at).collect();
+        let width = |(_, u): &(usize, &Unknown)| {
+            let (low, high) = u.bounds();
+            (high - low).max(f64::MIN_POSITIVE)
+        };
+        self.surrogate = Surrogate::new(locals.iter().map(width).collect());
+    }
+
+    /// Its own coordinates out of all.
+    pub fn local(&self, point: &[f64]) -> Vec<f64> {
+        self.locals.iter().map(|at| point[*at]).collect()
+    }
+
+    /// True when the point is solved.
+    pub fn knows(&self, point: &[f64]) -> bool {
+        self.surrogate.knows(&self.local(point))
+    }
+
+    /// The force between what is solved; `None` before the first solve.
+    pub fn track(&self, point: &[f64]) -> Option<Track> {
+        let values = self.surrogate.at(&self.local(point));
+        (!values.is_empty()).then(|| Track::new(self.depth_mm, self.hold_s, &values, point[self.modulus]))
+    }
+
+    /// Solves at a point: the force for a unit modulus and its derivatives by the local coordinates.
+    ///
+    /// # Errors
+    /// What the solver says; it names the case.
+    pub fn solve(&self, base: &Values, unknowns: &[Unknown], point: &[f64]) -> Result<(Node, f64), SolveError> {
+        let x = self.local(point);
+        let mut values = Values { height_mm: self.block.height_mm, ball_mm: self.ball_mm, mu_mpa: 1.0, ..base.clone() };
+        for &at in &self.locals {
+            values.set(unknowns[at].kind, unknowns[at].value(point[at]));
+        }
+        match &self.source {
+            Source::Model(model) => Ok((self.from_model(model, &values, x), 0.0)),
+            Source::Solves(resolution) => {
+                let chains: Vec<Vec<(Parameter, f64)>> =
+                    self.locals.iter().map(|&at| values.chain(&unknowns[at], unknowns[at].value(point[at]))).collect();
+                let mut wanted: Vec<Parameter> = Vec::new();
+                for (parameter, _) in chains.iter().flatten() {
+                    if !wanted.contains(parameter) {
+                        wanted.push(*parameter);
+                    }
+                }
+                let press = self.simulation(&values, *resolution)?.press(&wanted)?;
+                Ok((node(&press, &wanted, &chains, x), press.scatter))
+            }
+        }
+    }
+
+    /// The simulation behind this condition for given parameters.
+    ///
+    /// # Errors
+    /// When a parameter lies outside the law's range.
+    pub fn simulation(&self, values: &Values, resolution: Resolution) -> Result<Simulation, SolveError> {
+        let ramp = Motion::ramp(self.depth_mm, self.rate_mm_s);
+        Ok(Simulation {
+            material: values.unit_material()?,
+            specimen: Specimen { height_mm: values.height_mm, ..self.block },
+            ball: Ball { radius_mm: values.ball_mm },
+            interface: values.interface(),
+            motion: if self.hold_s > 0.0 { ramp.hold(self.hold_s) } else { ramp },
+            resolution,
+        })
+    }
+
+    fn from_model(&self, model: &ForceModel, values: &Values, x: Vec<f64>) -> Node {
+        let axis = Press::ramp_axis();
+        let gradients: Vec<_> = (0..RAMP_NODES)
+            .map(|k| {
+                let depth_mm = self.depth_mm * axis.node(k).powi(2);
+                (depth_mm, model.gradient_at(1.0, values.alpha[0], depth_mm, values.height_mm))
+            })
+            .collect();
+        let value = gradients.iter().map(|(d, g)| (g.force_n / d.powf(1.5)).ln()).collect();
+        // The only local coordinate a force model serves is ln alpha.
+        let by = x.iter().map(|_| gradients.iter().map(|(_, g)| values.alpha[0] * g.d_alpha / g.force_n).collect());
+        Node { by: by.collect(), value, x }
+    }
+}
+
+fn node(press: &Press, wanted: &[Parameter], chains: &[Vec<(Parameter, f64)>], x: Vec<f64>) -> Node {
+    let by = chains.iter().map(|chain| {
+        let mut sum = vec![0.0; press.ramp.len() + press.hold.len()];
+        for (parameter, factor) in chain {
+            let Some(at) = wanted.iter().position(|p| p == parameter) else { continue };
+            let slopes = press.ramp_by[at].iter().chain(&press.hold_by[at]);
+            sum.iter_mut().zip(slopes).for_each(|(sum, slope)| *sum += factor * slope);
+        }
+        sum
+    });
+    let by = by.collect();
+    Node { value: press.ramp.iter().chain(&press.hold).copied().collect(), by, x }
+}

@@ -1,0 +1,269 @@
+//! A whole fit: weights, search, intervals, verdicts.
+
+use nalgebra::DMatrix;
+
+use lut_gen::solve::SolveError;
+
+use crate::identify::noise::Noise;
+
+use super::condition::Source;
+use super::coordinate::{Kind, Unknown, Values};
+use super::levenberg::Minimum;
+use super::likelihood::{End, Z95, covariance, standard_errors};
+use super::problem::Problem;
+use super::search::{Told, Visit};
+use super::setup::FIRST_ALPHA;
+use super::verdict::{Judged, Verdict, judge};
+
+/// Relative error bound of a solve on the standard mesh, worst of the twelve reference curves (docs/verification.md).
+pub const MESH_ERROR: f64 = 1.5e-3;
+/// Support points nearer than this to a solved one, in standard errors, need no solve of their own.
+const NEAR: f64 = 0.25;
+/// A ramp whose depth the fit moved by more than this share is solved anew to where it ends.
+const MOVED: f64 = 0.01;
+
+/// What is asked of the fit besides the problem itself.
+pub struct Demand<'a> {
+    /// Runs that repeat each other, indices into the experiment's.
+    pub groups: &'a [Vec<usize>],
+    /// Noise stated by the user, N.
+    pub stated_n: Option<f64>,
+    /// Most solves.
+    pub most_solves: usize,
+    /// Told of every solve.
+    pub told: &'a Told<'a>,
+}
+
+/// Interval of a coordinate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Span {
+    /// Lower end, with the simulation's own error in it.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// The data alone would go on beyond the lower bound of the search.
+    pub open_low: bool,
+    /// The same above.
+    pub open_high: bool,
+}
+
+/// What a fit found.
+#[derive(Debug, Clone)]
+pub struct Newton {
+    /// The minimum.
+    pub minimum: Minimum,
+    /// Interval of each coordinate.
+    pub spans: Vec<Span>,
+    /// Points on the edge of the 95 % region, the ends of the profiles.
+    pub supports: Vec<Vec<f64>>,
+    /// Standard errors by linearisation.
+    pub errors: Vec<f64>,
+    /// Correlation of the estimates; `None` if some parameters are exactly tied.
+    pub correlation: Option<DMatrix<f64>>,
+    /// What can be said of each parameter.
+    pub verdicts: Vec<Verdict>,
+    /// Points that were solved, in order.
+    pub path: Vec<Visit>,
+    /// The search came to rest.
+    pub converged: bool,
+    /// How far the last solve lay from what was expected of it, of the peak force.
+    pub expected_within: f64,
+    /// Solves that failed on the way.
+    pub failures: Vec<String>,
+    /// Noise of each curve.
+    pub noises: Vec<Noise>,
+    /// Relative error bound of the simulation.
+    pub model_error: f64,
+}
+
+impl Newton {
+    /// What the reader should know of the search.
+    #[must_use]
+    pub fn messages(&self) -> Vec<String> {
+        let mut messages: Vec<String> = self.verdicts.iter().map(|v| v.sentence.clone()).collect();
+        if !self.converged {
+            messages.push(format!("the search did not come to rest within {} points", self.path.len()));
+        }
+        messages.extend(self.failures.iter().map(|cause| format!("a solve on the way failed: {cause}")));
+        messages
+    }
+}
+
+/// Fits a problem.
+///
+/// # Errors
+/// When no start can be solved.
+pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, SolveError> {
+    problem.weigh_by_samples(demand.stated_n);
+    let budget = demand.most_solves;
+    let mut found = problem.search(&starts(problem), budget, demand.told)?;
+    if problem.anchor(&found.minimum.x) {
+        found = problem.search(&[found.minimum.x.clone()], budget, demand.told)?;
+    }
+    let noises = problem.weigh_by_fit(&found.minimum.x, demand.groups, demand.stated_n);
+    let points = |found: &super::search::Found| found.path.iter().map(|v| v.point.clone()).collect::<Vec<_>>();
+    let mut path = found.path.clone();
+    let mut failures = found.failures.clone();
+    let visited = points(&found);
+    found = problem.search(&visited, budget, demand.told)?;
+    path.extend_from_slice(&found.path[visited.len()..]);
+    let errors = standard_errors(&found.minimum.at.hessian);
+    let mut ends = problem.ends(&found.minimum, &errors);
+    let wanted = problem.worth_solving(&ends, &errors, budget);
+    if !wanted.is_empty() {
+        // A failing solve leaves the end where the neighbours put it.
+        failures.extend(problem.solve_at(&wanted).err().map(|cause| cause.to_string()));
+        (demand.told)(problem.solves());
+        let visited: Vec<Vec<f64>> = points(&found);
+        let before = found.expected_within;
+        found = problem.search(&visited, budget, demand.told)?;
+        found.expected_within = found.expected_within.min(before);
+        path.extend_from_slice(&found.path[visited.len()..]);
+        ends = problem.ends(&found.minimum, &standard_errors(&found.minimum.at.hessian));
+    }
+    failures.extend(found.failures.clone());
+    failures.dedup();
+    let errors = standard_errors(&found.minimum.at.hessian);
+    let model_error = problem.conditions.iter().map(|c| c.error()).fold(0.0, f64::max);
+    let moved = problem.moved_by_model(&found.minimum, model_error);
+    let spans = spans(problem, &found.minimum, &ends, &moved);
+    let verdicts = judge(&found.minimum.at.hessian, &judged(&problem.unknowns, &spans));
+    let correlation = covariance(&found.minimum.at.hessian)
+        .map(|c| DMatrix::from_fn(c.nrows(), c.ncols(), |i, j| c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt()));
+    Ok(Newton {
+        supports: ends.iter().flat_map(|(low, high)| [low.support.clone(), high.support.clone()]).collect(),
+        minimum: found.minimum,
+        spans,
+        errors,
+        correlation,
+        verdicts,
+        path,
+        converged: found.converged,
+        expected_within: found.expected_within,
+        failures,
+        noises,
+        model_error,
+    })
+}
+
+/// Two exponents that enclose most materials, everything else where its guess is.
+fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
+    let at = |alpha: f64| -> Vec<f64> {
+        let start = |u: &Unknown| match u.kind {
+            Kind::Alpha(0) => u.coordinate(alpha.clamp(u.low, u.high)),
+            _ => u.coordinate(u.start.clamp(u.low, u.high)),
+        };
+        problem.unknowns.iter().map(start).collect()
+    };
+    vec![at(FIRST_ALPHA.0), at(FIRST_ALPHA.1)]
+}
+
+fn judged(unknowns: &[Unknown], spans: &[Span]) -> Vec<Judged> {
+    unknowns
+        .iter()
+        .zip(spans)
+        .map(|(unknown, span)| {
+            let (low, high) = unknown.bounds();
+            Judged {
+                name: unknown.name.clone(),
+                range: high - low,
+                interval: span.high - span.low,
+                open: span.open_low && span.open_high,
+                logarithmic: unknown.is_logarithmic(),
+            }
+        })
+        .collect()
+}
+
+fn spans(problem: &Problem<'_>, minimum: &Minimum, ends: &[(End, End)], moved: &[f64]) -> Vec<Span> {
+    let region = problem.region();
+    ends.iter()
+        .enumerate()
+        .map(|(axis, (low, high))| {
+            let wider = |distance: f64| distance.hypot(Z95 * moved[axis]);
+            let x = minimum.x[axis];
+            Span {
+                low: (x - wider(x - low.x)).max(region.low[axis]),
+                high: (x + wider(high.x - x)).min(region.high[axis]),
+                open_low: low.at_bound,
+                open_high: high.at_bound,
+            }
+        })
+        .collect()
+}
+
+impl super::condition::Condition {
+    /// Relative error bound of its force.
+    fn error(&self) -> f64 {
+        match &self.source {
+            Source::Solves(_) => MESH_ERROR.max(self.scatter),
+            Source::Model(model) => model.error().total(),
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// Both ends of every coordinate's interval.
+    fn ends(&self, minimum: &Minimum, errors: &[f64]) -> Vec<(End, End)> {
+        let both =
+            |axis: usize| (self.end(minimum, axis, errors[axis], -1.0), self.end(minimum, axis, errors[axis], 1.0));
+        (0..self.unknowns.len()).map(both).collect()
+    }
+
+    /// Support points that lie far from every solve, as many as the budget allows.
+    fn worth_solving(&self, ends: &[(End, End)], errors: &[f64], budget: usize) -> Vec<Vec<f64>> {
+        let mut wanted: Vec<Vec<f64>> = Vec::new();
+        let near = |a: &[f64], b: &[f64], condition: usize| {
+            let locals = &self.conditions[condition].locals;
+            locals.iter().all(|&at| (a[at] - b[at]).abs() < NEAR * errors[at])
+        };
+        let mut left = budget.saturating_sub(self.solves());
+        for point in ends.iter().flat_map(|(low, high)| [&low.support, &high.support]) {
+            let known = (0..self.conditions.len()).all(|c| {
+                self.conditions[c].locals.is_empty()
+                    || self.conditions[c].knows(point)
+                    || wanted.iter().any(|other| near(point, other, c))
+            });
+            if !known && left >= self.conditions.len() {
+                left -= self.conditions.len();
+                wanted.push(point.clone());
+            }
+        }
+        wanted
+    }
+
+    /// Moves the ends of the ramps before holds to where the fitted contact points put them; true if one moved so far that it
+    /// has to be solved anew.
+    fn anchor(&mut self, point: &[f64]) -> bool {
+        let tracks = self.tracks(point);
+        let mut moved = false;
+        for at in 0..self.conditions.len() {
+            if self.conditions[at].hold_s <= 0.0 {
+                continue;
+            }
+            let of_condition: Vec<usize> = self.fitted().filter(|curve| self.condition_of[*curve] == at).collect();
+            let shift =
+                |curve: &usize| self.selection.curves[*curve].contact.contact_mm - self.contact(*curve, &tracks[at]);
+            let mean = of_condition.iter().map(shift).sum::<f64>() / of_condition.len().max(1) as f64;
+            let condition = &mut self.conditions[at];
+            if mean.abs() > MOVED * condition.depth_mm {
+                condition.depth_mm += mean;
+                condition.attach(&self.unknowns);
+                moved = true;
+            }
+        }
+        moved
+    }
+
+    /// Parameters of a condition at a point.
+    #[must_use]
+    pub fn values(&self, condition: usize, point: &[f64]) -> Values {
+        let condition = &self.conditions[condition];
+        let mut values =
+            Values { height_mm: condition.block.height_mm, ball_mm: condition.ball_mm, ..self.base.clone() };
+        for &at in condition.locals.iter().chain(std::iter::once(&condition.modulus)) {
+            values.set(self.unknowns[at].kind, self.unknowns[at].value(point[at]));
+        }
+        values
+    }
+}

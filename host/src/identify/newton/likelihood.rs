@@ -1,0 +1,124 @@
+//! Profile-likelihood intervals (Venzon and Moolgavkar 1988, doi:10.2307/2347496): a value belongs to the interval as long as
+//! some choice of all other parameters, contact points included, explains the data as well as chance allows.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::levenberg::{Minimum, Region, minimise};
+use super::problem::Problem;
+use crate::identify::spec::Loss;
+
+/// Rise of the objective at the end of a 95 % interval: the quantile of chi-squared with one degree of freedom.
+pub const RISE: f64 = 3.841_458_820_694_124;
+/// Two-sided 95 % of a normal distribution.
+pub const Z95: f64 = 1.959_963_984_540_054;
+/// Variance of a least-absolute-differences estimate over that of least squares for normal noise.
+const ABSOLUTE_OVER_SQUARES: f64 = std::f64::consts::FRAC_PI_2;
+/// Relative accuracy of an end, in its own half-width.
+const CLOSE: f64 = 0.01;
+const MOST_STEPS: usize = 12;
+
+/// One end of an interval.
+#[derive(Debug, Clone, PartialEq)]
+pub struct End {
+    /// Coordinate of the end.
+    pub x: f64,
+    /// The best point with that coordinate: where the data are explained just well enough.
+    pub support: Vec<f64>,
+    /// The bound of the search came first.
+    pub at_bound: bool,
+}
+
+/// Standard errors by linearisation, from the Gauss-Newton Hessian; infinite where it is singular.
+#[must_use]
+pub fn standard_errors(hessian: &DMatrix<f64>) -> Vec<f64> {
+    match covariance(hessian) {
+        Some(covariance) => covariance.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect(),
+        None => vec![f64::INFINITY; hessian.nrows()],
+    }
+}
+
+/// Inverse of a Hessian whose coordinates differ in scale; `None` if it is singular.
+#[must_use]
+pub fn covariance(hessian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let n = hessian.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| hessian[(i, i)].sqrt()).collect();
+    if scale.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
+        return None;
+    }
+    let scaled = DMatrix::from_fn(n, n, |i, j| hessian[(i, j)] / scale[i] / scale[j]);
+    let inverse = scaled.cholesky()?.inverse();
+    Some(DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / scale[i] / scale[j]))
+}
+
+impl Problem<'_> {
+    /// Rise of the objective that ends an interval under this loss.
+    fn rise(&self) -> f64 {
+        if self.loss == Loss::Absolute { RISE * ABSOLUTE_OVER_SQUARES } else { RISE }
+    }
+
+    /// One end of the interval of a coordinate; `sign` is -1 for the lower one.
+    #[must_use]
+    pub fn end(&self, minimum: &Minimum, axis: usize, error: f64, sign: f64) -> End {
+        let region = self.region();
+        let bound = if sign < 0.0 { region.low[axis] } else { region.high[axis] };
+        let from = minimum.x[axis];
+        let reach = (bound - from).abs();
+        let rise = self.rise().sqrt();
+        if reach <= 0.0 {
+            return End { x: bound, support: minimum.x.clone(), at_bound: true };
+        }
+        let mut distance = (rise * error).min(reach);
+        if !(distance.is_finite() && distance > 0.0) {
+            distance = reach;
+        }
+        let mut support = minimum.x.clone();
+        let (mut inside, mut outside) = (0.0, f64::INFINITY);
+        for _ in 0..MOST_STEPS {
+            let held = self.held(&region, axis, from + sign * distance, &support);
+            let rose = (held.at.value - minimum.at.value).max(0.0).sqrt();
+            support = held.x;
+            if rose < rise {
+                inside = distance;
+                if distance >= reach {
+                    return End { x: bound, support, at_bound: true };
+                }
+            } else {
+                outside = distance;
+            }
+            if (rose / rise - 1.0).abs() < CLOSE {
+                break;
+            }
+            // The root of the rise is nearly proportional to the distance.
+            let next = (distance * (rise / rose.max(1e-3 * rise)).clamp(0.2, 4.0)).min(reach);
+            let bracketed = next > inside && next < outside;
+            distance = if bracketed { next } else { 0.5 * (inside + outside.min(reach)) };
+        }
+        End { x: from + sign * distance, support, at_bound: false }
+    }
+
+    /// The best point with one coordinate held.
+    fn held(&self, region: &Region, axis: usize, x: f64, start: &[f64]) -> Minimum {
+        let mut start = start.to_vec();
+        start[axis] = x.clamp(region.low[axis], region.high[axis]);
+        let region = Region { held: Some(axis), ..region.clone() };
+        minimise(&|x| self.quadratic(x), &region, &start)
+    }
+
+    /// How far an error of the simulation itself may have moved each coordinate (one standard deviation): a relative force
+    /// error within `bound`, uniform, in each condition as three smooth shapes over depth.
+    #[must_use]
+    pub fn moved_by_model(&self, minimum: &Minimum, bound: f64) -> Vec<f64> {
+        let count = minimum.x.len();
+        let Some(inverse) = covariance(&minimum.at.hessian) else { return vec![0.0; count] };
+        let mut squares = vec![0.0; count];
+        let one_sigma = bound / 3.0_f64.sqrt();
+        for condition in 0..self.conditions.len() {
+            for shape in 0..3 {
+                let shifted = self.quadratic_with_error(&minimum.x, condition, one_sigma, f64::from(shape));
+                let moved: DVector<f64> = &inverse * (&minimum.at.gradient - shifted.gradient);
+                squares.iter_mut().zip(moved.iter()).for_each(|(s, m)| *s += m * m);
+            }
+        }
+        squares.into_iter().map(f64::sqrt).collect()
+    }
+}

@@ -1,0 +1,27 @@
+//! Identification by Gauss-Newton on finite elements with their sensitivities.
+//!
+//! ```text
+//! coordinate  what is free, its range, the chain rule to the simulation's parameters
+//! condition   one forward problem, shared by runs that repeat it; one solve gives force and all slopes
+//! surrogate   what the solves so far say about the points between them
+//! track       force over depth and hold time from the surrogate's values
+//! problem     weighted differences of all runs, contact points eliminated
+//! levenberg   Levenberg-Marquardt in a box, on the surrogate
+//! search      solve, minimise on what is known, solve there: until nothing moves
+//! likelihood  profile intervals
+//! fit         all of it, for one material
+//! verdict     which parameters these runs identify, and which only in combination
+//! ```
+
+pub mod condition;
+pub mod coordinate;
+pub mod fit;
+pub mod levenberg;
+pub mod likelihood;
+pub mod problem;
+pub mod search;
+pub mod setup;
+pub mod surrogate;
+pub mod track;
+pub mod verdict;
+pub mod weight;

@@ -1,0 +1,257 @@
+//! From an experiment's runs to a problem: which conditions there are, and what is free.
+
+use lut_gen::model::Resolution;
+
+use crate::experiment::{Experiment, Length};
+use crate::identify::data::{Height, LoadingCurve, MODEL_OF_HEIGHT, Selection};
+use crate::identify::fe::block;
+use crate::identify::spec::{Extra, FitSpec, FittedLaw, Own};
+
+use super::condition::{Condition, Source};
+use super::coordinate::{Kind, Scope, Unknown, Values};
+use super::problem::Problem;
+use super::surrogate::Surrogate;
+
+/// Bounds of an exponent. The engine is tested from 1 to 24 (`lut-gen/tests/region.rs`); what lies beyond is
+/// solved where it can be, and reported as outside when the fit ends there.
+pub const ALPHA: (f64, f64) = (0.8, 30.0);
+/// Exponents between which a search begins.
+pub const FIRST_ALPHA: (f64, f64) = (4.0, 14.0);
+/// Bounds of Poisson's ratio of a foam.
+const NU: (f64, f64) = (0.0, 0.45);
+/// Bounds of Ogden's compressibility: Poisson's ratios of 0.49993 to 0.1.
+const COMPRESSIBILITY: (f64, f64) = (4e-4, 2.4);
+/// Bounds of a relaxing part.
+const PART: (f64, f64) = (0.0, 0.97);
+/// Bounds of friction.
+const FRICTION: (f64, f64) = (1e-4, 1.0);
+/// The modulus is searched this factor around Hertz's estimate.
+const MODULUS_FACTOR: f64 = 300.0;
+/// Rates, depths and holds within these shares are one condition.
+const SAME_RATE: f64 = 0.05;
+const SAME_DEPTH: f64 = 0.03;
+const SAME_HOLD: f64 = 0.2;
+/// How much deeper than the guess of the contact says a ramp is solved, in ball radii.
+const MARGIN: f64 = 0.03;
+/// Shortest relaxation time searched, in durations of the shortest ramp, and longest, in durations of the longest run.
+const TAU: (f64, f64) = (0.02, 5.0);
+
+/// Builds the problem of one material; nothing is solved yet.
+pub fn problem<'a>(
+    experiment: &Experiment,
+    selection: &'a Selection,
+    material: &str,
+    spec: &FitSpec,
+    source: &dyn Fn(&Condition) -> Source,
+) -> Problem<'a> {
+    let (law, terms) = spec.resolved(experiment, material);
+    let (mut conditions, condition_of) = conditions(experiment, selection, spec.relaxation > 0);
+    let unknowns = unknowns(experiment, selection, spec, law, terms);
+    for condition in &mut conditions {
+        condition.attach(&unknowns);
+        condition.source = source(condition);
+    }
+    let base = Values {
+        law,
+        terms,
+        mu_mpa: 1.0,
+        share: 0.5,
+        alpha: [FIRST_ALPHA.0; 2],
+        nu: spec.nu,
+        compressibility: 0.1,
+        prony: vec![(0.3, 0.3, 1.0); spec.relaxation],
+        friction: spec.friction,
+        height_mm: 0.0,
+        ball_mm: 0.0,
+    };
+    Problem { selection, unknowns, base, conditions, condition_of, weights: Vec::new(), loss: spec.loss }
+}
+
+/// Depth past contact at the end of a run's ramp, by the guess of its contact.
+fn reached_mm(data: &LoadingCurve) -> f64 {
+    let standing = &data.depth_mm[data.hold_from..];
+    let peak = if standing.is_empty() {
+        data.depth_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    } else {
+        standing.iter().sum::<f64>() / standing.len() as f64
+    };
+    peak - data.contact.contact_mm
+}
+
+/// Duration of a run's hold, s.
+fn held_s(data: &LoadingCurve) -> f64 {
+    if data.hold_from < data.time_s.len() { data.time_s.last().copied().unwrap_or(0.0) } else { 0.0 }
+}
+
+/// Without relaxation a pairing of specimen and ball is a condition; with it, its rates, depths and holds are as well.
+fn conditions(experiment: &Experiment, selection: &Selection, relaxing: bool) -> (Vec<Condition>, Vec<usize>) {
+    let mut conditions: Vec<Condition> = Vec::new();
+    let mut of_pairing: Vec<usize> = Vec::new();
+    let mut condition_of = Vec::new();
+    for data in &selection.curves {
+        let (depth_mm, hold_s) = (reached_mm(data), held_s(data));
+        let near = |a: f64, b: f64, share: f64| (a - b).abs() <= share * a.max(b);
+        let same = (0..conditions.len()).find(|&at| {
+            let c = &conditions[at];
+            of_pairing[at] == data.pairing
+                && (!relaxing
+                    || near(c.rate_mm_s, data.rate_mm_per_s, SAME_RATE)
+                        && near(c.depth_mm, depth_mm, SAME_DEPTH)
+                        && near(c.hold_s, hold_s, SAME_HOLD))
+        });
+        let at = same.unwrap_or_else(|| {
+            let pairing = &selection.pairings[data.pairing];
+            of_pairing.push(data.pairing);
+            conditions.push(Condition {
+                specimen: pairing.specimen,
+                indenter: pairing.indenter,
+                block: block(experiment, selection, pairing),
+                ball_mm: pairing.ball_mm,
+                depth_mm: if relaxing { depth_mm } else { 0.0 },
+                rate_mm_s: if relaxing { data.rate_mm_per_s } else { 1.0 },
+                hold_s,
+                source: Source::Solves(Resolution::Standard),
+                locals: Vec::new(),
+                modulus: 0,
+                surrogate: Surrogate::default(),
+                scatter: 0.0,
+                solves: 0,
+            });
+            conditions.len() - 1
+        });
+        conditions[at].hold_s = conditions[at].hold_s.max(hold_s);
+        if !relaxing {
+            // A contact that is found earlier than guessed lets the ball go deeper; past the ramp's end the curve goes on straight.
+            let pairing = &selection.pairings[data.pairing];
+            let reach = (depth_mm + MARGIN * pairing.ball_mm).min(pairing.depth_mm);
+            conditions[at].depth_mm = conditions[at].depth_mm.max(reach);
+        }
+        condition_of.push(at);
+    }
+    (conditions, condition_of)
+}
+
+fn unknowns(
+    experiment: &Experiment,
+    selection: &Selection,
+    spec: &FitSpec,
+    law: FittedLaw,
+    terms: usize,
+) -> Vec<Unknown> {
+    let mut list = Vec::new();
+    let mut add = |kind, scope, name: String, (low, high): (f64, f64), start: f64| {
+        list.push(Unknown { kind, scope, name, low, high, start });
+    };
+    let mut specimens: Vec<usize> = selection.pairings.iter().map(|p| p.specimen).collect();
+    specimens.sort_unstable();
+    specimens.dedup();
+    let scopes = |own: Own| -> Vec<(Scope, String)> {
+        if spec.own.contains(&own) && specimens.len() > 1 {
+            let named = |at: &usize| (Scope::Specimen(*at), format!(" of {}", experiment.specimens[*at].name));
+            specimens.iter().map(named).collect()
+        } else {
+            vec![(Scope::All, String::new())]
+        }
+    };
+    let modulus = modulus_by_hertz(selection);
+    for (scope, of) in scopes(Own::Mu) {
+        let bounds = (modulus / MODULUS_FACTOR, modulus * MODULUS_FACTOR);
+        add(Kind::Modulus, scope, format!("mu_MPa{of}"), bounds, modulus);
+    }
+    for (scope, of) in scopes(Own::Alpha) {
+        for term in 0..terms {
+            let name = if terms == 1 { "alpha".to_owned() } else { format!("alpha_{}", term + 1) };
+            // Two terms that begin alike stay alike.
+            let start = if term == 0 { (FIRST_ALPHA.0 * FIRST_ALPHA.1).sqrt() } else { FIRST_ALPHA.0 / 2.0 };
+            add(Kind::Alpha(term), scope, format!("{name}{of}"), ALPHA, start);
+        }
+    }
+    if terms > 1 {
+        add(Kind::Share, Scope::All, "share_2".to_owned(), (0.0, 1.0), 0.3);
+    }
+    if law == FittedLaw::Ogden {
+        add(Kind::Compressibility, Scope::All, "D_mu".to_owned(), COMPRESSIBILITY, 0.1);
+    } else if spec.free.contains(&Extra::Nu) {
+        add(Kind::Nu, Scope::All, "nu".to_owned(), NU, 0.1);
+    }
+    if spec.relaxation > 0 {
+        relaxation(selection, spec.relaxation, &mut add);
+    }
+    if spec.free.contains(&Extra::Friction) {
+        add(Kind::Friction, Scope::All, "friction".to_owned(), FRICTION, 0.2);
+    }
+    for &at in &specimens {
+        let deepest = selection.pairings.iter().filter(|p| p.specimen == at).map(|p| p.depth_mm).fold(0.0, f64::max);
+        let specimen = &experiment.specimens[at];
+        let name =
+            if specimens.len() == 1 { "height_mm".to_owned() } else { format!("height_mm of {}", specimen.name) };
+        let free = selection.pairings.iter().find_map(|p| match p.height {
+            Height::Free(n) if p.specimen == at => selection.heights.get(n),
+            _ => None,
+        });
+        match (specimen.height_mm, free) {
+            (_, Some(free)) => {
+                let start = (free.low_mm * free.high_mm).sqrt();
+                add(Kind::Height, Scope::Specimen(at), name, (free.low_mm, free.high_mm), start);
+            }
+            (Length::Known(mm), None) if spec.free.contains(&Extra::Height) => {
+                let low = (0.5 * mm).max(deepest / MODEL_OF_HEIGHT);
+                add(Kind::Height, Scope::Specimen(at), name, (low, (2.0 * mm).max(1.5 * low)), mm.max(low));
+            }
+            _ => {}
+        }
+    }
+    if spec.free.contains(&Extra::BallRadius) {
+        let mut balls: Vec<(usize, f64)> = selection.pairings.iter().map(|p| (p.indenter, p.ball_mm)).collect();
+        balls.sort_by_key(|(at, _)| *at);
+        balls.dedup_by_key(|(at, _)| *at);
+        for (at, mm) in &balls {
+            let name = match balls.len() {
+                1 => "ball_radius_mm".to_owned(),
+                _ => format!("ball_radius_mm of {}", experiment.indenters[*at].name),
+            };
+            add(Kind::BallRadius, Scope::Indenter(*at), name, (0.5 * mm, 2.0 * mm), *mm);
+        }
+    }
+    list
+}
+
+/// Relaxing parts and times; the first guess is what the holds lose and how long they last.
+fn relaxation(selection: &Selection, terms: usize, add: &mut dyn FnMut(Kind, Scope, String, (f64, f64), f64)) {
+    let durations = selection.curves.iter().map(|data| {
+        let ramp = reached_mm(data) / data.rate_mm_per_s;
+        (ramp, ramp + held_s(data))
+    });
+    let (shortest, longest) = durations.fold((f64::INFINITY, 0.0_f64), |(a, b), (ramp, all)| (a.min(ramp), b.max(all)));
+    let held = selection.curves.iter().map(held_s).fold(0.0, f64::max);
+    let lost = selection.curves.iter().filter(|data| data.hold_from < data.force_n.len()).map(|data| {
+        let peak = data.force_n[..data.hold_from].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        1.0 - data.force_n.last().copied().unwrap_or(peak) / peak
+    });
+    let lost = lost.fold(0.3, f64::max).clamp(0.05, 0.9);
+    for term in 0..terms {
+        let of = if terms == 1 { String::new() } else { format!("_{}", term + 1) };
+        let part = lost / terms as f64;
+        let tau = match (terms, term) {
+            (1, _) => 0.3 * held.max(shortest),
+            (_, 0) => 0.05 * held.max(shortest),
+            _ => 0.5 * held.max(shortest),
+        };
+        let bounds = (TAU.0 * shortest, TAU.1 * longest);
+        add(Kind::G(term), Scope::All, format!("g{of}"), PART, part);
+        add(Kind::K(term), Scope::All, format!("k{of}"), PART, part);
+        add(Kind::Tau(term), Scope::All, format!("tau{of}_s"), bounds, tau.clamp(bounds.0, bounds.1));
+    }
+}
+
+/// Shear modulus (MPa) that Hertz's law gives for the largest forces, `F = 8/3 mu sqrt(R) d^1.5` at `nu = 0` (thesis Eq. 50).
+fn modulus_by_hertz(selection: &Selection) -> f64 {
+    let estimates = selection.curves.iter().map(|data| {
+        let ball_mm = selection.pairings[data.pairing].ball_mm;
+        let peak = data.force_n.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        peak / (8.0 / 3.0 * ball_mm.sqrt() * reached_mm(data).max(1e-3).powf(1.5))
+    });
+    let mut all: Vec<f64> = estimates.collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied().unwrap_or(0.1)
+}

@@ -1,0 +1,135 @@
+//! Force over depth and hold time of one condition, from the values of its grid.
+
+use lut_gen::model::{HOLD_NODES, Press, RAMP_NODES};
+
+/// Force of a ball that goes down and then may stand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    depth_max_mm: f64,
+    /// Of `ln(F / (mu d^1.5))` over `s`.
+    coefficients: Vec<f64>,
+    /// ln(mu / MPa).
+    ln_mu: f64,
+    hold_s: f64,
+    /// `ln(F / F_peak)`, with the peak itself first; empty without a hold.
+    hold: Vec<f64>,
+    /// An error of the force: size in peak forces, and half waves over depth.
+    error: (f64, f64),
+}
+
+impl Track {
+    /// From the values of a [`Press`] for a unit modulus: those of the ramp, then those of the hold.
+    #[must_use]
+    pub fn new(depth_max_mm: f64, hold_s: f64, values: &[f64], ln_mu: f64) -> Self {
+        let (ramp, held) = values.split_at(RAMP_NODES.min(values.len()));
+        let hold =
+            if held.is_empty() { Vec::new() } else { std::iter::once(0.0).chain(held.iter().copied()).collect() };
+        Self {
+            depth_max_mm,
+            coefficients: Press::ramp_axis().coefficients(ramp),
+            ln_mu,
+            hold_s,
+            hold,
+            error: (0.0, 0.0),
+        }
+    }
+
+    /// The same with an error of the force: `size F_peak x cos(waves pi x)`, `x = d / d_max`. Errors of the simulation are
+    /// stated relative to the peak, and vanish at contact, where every curve is Hertz's.
+    #[must_use]
+    pub fn with_error(mut self, size: f64, waves: f64) -> Self {
+        self.error = (size, waves);
+        self
+    }
+
+    /// Force (N) and its slope (N/mm) at a depth of the ramp; 0 before contact. Past the largest depth the
+    /// logarithm goes on straight in `s`.
+    #[must_use]
+    pub fn ramp(&self, depth_mm: f64) -> (f64, f64) {
+        if depth_mm <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let s = (depth_mm / self.depth_max_mm).sqrt();
+        let (mut q, slope) = chebyshev(&self.coefficients, 2.0 * s.min(1.0) - 1.0);
+        let slope = 2.0 * slope;
+        q += slope * (s - s.min(1.0));
+        let force = (self.ln_mu + q).exp() * depth_mm * depth_mm.sqrt();
+        (force + self.wrong(s * s), force * (1.5 + 0.5 * slope * s) / depth_mm)
+    }
+
+    fn wrong(&self, x: f64) -> f64 {
+        let (size, waves) = self.error;
+        if size == 0.0 {
+            return 0.0;
+        }
+        let (q, _) = chebyshev(&self.coefficients, 1.0);
+        let peak = (self.ln_mu + q).exp() * self.depth_max_mm * self.depth_max_mm.sqrt();
+        size * peak * x * (waves * std::f64::consts::PI * x).cos()
+    }
+
+    /// Force (N) at a time (s) since the peak at `peak_mm`, and its slope (N/mm) by that depth. What is left of the
+    /// peak's force depends on the time; how it depends on small changes of depth is neglected.
+    #[must_use]
+    pub fn hold(&self, peak_mm: f64, time_s: f64) -> (f64, f64) {
+        let (force, slope) = self.ramp(peak_mm);
+        let left = self.left(time_s);
+        (force * left, slope * left)
+    }
+
+    /// What is left of the peak's force, by the cubic through four neighbours on the even grid.
+    fn left(&self, time_s: f64) -> f64 {
+        if self.hold.len() < 4 {
+            return 1.0;
+        }
+        let x = Press::hold_place(self.hold_s, time_s).clamp(0.0, HOLD_NODES as f64);
+        let first = (x as usize).saturating_sub(1).min(self.hold.len() - 4);
+        let t = x - first as f64;
+        let p = &self.hold[first..first + 4];
+        let (t1, t2, t3) = (t - 1.0, t - 2.0, t - 3.0);
+        let ln =
+            -p[0] * t1 * t2 * t3 / 6.0 + p[1] * t * t2 * t3 / 2.0 - p[2] * t * t1 * t3 / 2.0 + p[3] * t * t1 * t2 / 6.0;
+        ln.exp()
+    }
+}
+
+/// A Chebyshev sum and its derivative at `x` in [-1, 1], by Clenshaw's recurrence.
+fn chebyshev(coefficients: &[f64], x: f64) -> (f64, f64) {
+    let (mut b1, mut b2, mut d1, mut d2) = (0.0, 0.0, 0.0, 0.0);
+    for c in coefficients.iter().skip(1).rev() {
+        (b1, b2, d1, d2) = (2.0 * x * b1 - b2 + c, b1, 2.0 * b1 + 2.0 * x * d1 - d2, d1);
+    }
+    let first = coefficients.first().copied().unwrap_or(0.0);
+    (x * b1 - b2 + first, b1 + x * d1 - d2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_press_comes_back_with_its_slopes() {
+        let axis = Press::ramp_axis();
+        let ramp = |d: f64| 3.0 * d.powf(1.5) / (1.0 + 0.3 * d);
+        let mut values: Vec<f64> = (0..RAMP_NODES)
+            .map(|k| {
+                let d = 4.0 * axis.node(k).powi(2);
+                (ramp(d) / d.powf(1.5)).ln()
+            })
+            .collect();
+        values.extend(Press::hold_times(10.0).iter().map(|t| (0.4 + 0.6 * (-t / 2.0).exp()).ln()));
+        let track = Track::new(4.0, 10.0, &values, 0.5_f64.ln());
+        for d in [0.01, 0.5, 2.2, 3.99] {
+            let (force, slope) = track.ramp(d);
+            // Twelve Chebyshev terms of this curve leave 1e-6 of it; the quotient has h^2 = 1e-10.
+            assert!((force / (0.5 * ramp(d)) - 1.0).abs() < 1e-6, "{d} {force}");
+            let quotient = (track.ramp(d + 1e-5).0 - track.ramp(d - 1e-5).0) / 2e-5;
+            assert!((slope / quotient - 1.0).abs() < 1e-6, "{d} {slope} {quotient}");
+        }
+        for t in [0.0, 0.05, 1.0, 3.0, 9.9] {
+            let exact = 0.5 * ramp(4.0) * (0.4 + 0.6 * (-t / 2.0_f64).exp());
+            // Four points an e-fold of time: the cubic between them is within 1e-3 where the decay is steepest.
+            assert!((track.hold(4.0, t).0 / exact - 1.0).abs() < 1e-3, "{t}");
+        }
+        assert_eq!(track.ramp(-0.1), (0.0, 0.0));
+    }
+}

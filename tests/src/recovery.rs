@@ -1,0 +1,264 @@
+//! Blind recovery: foams drawn from the thesis' ranges, recordings of two balls made on a finer mesh than the fit's, with noise and
+//! unknown contact points; what the fit finds is held against the Cramer-Rao bound of each case.
+
+use std::path::PathBuf;
+
+use lut_gen::contact::Ball;
+use lut_gen::law::Hyperfoam;
+use lut_gen::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen as Block};
+use lut_gen::solve::SolveError;
+use palpate::experiment::{self, Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
+use palpate::identify::newton::condition::{Condition, Source};
+use palpate::identify::newton::likelihood::standard_errors;
+use palpate::identify::newton::problem::Weight;
+use palpate::identify::newton::setup;
+use palpate::identify::spec::{FitSpec, Loss};
+use palpate::identify::{Identification, data, fe::ModelError, identify_from};
+use rand::{Rng, SeedableRng};
+use rand_distr::{Distribution, Normal};
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+
+/// Ranges of the thesis' grid (section 3.2.2).
+const MU_MPA: (f64, f64) = (0.0005, 0.3);
+const ALPHA: (f64, f64) = (1.0, 24.0);
+/// Height of the block, that of the thesis' B1.
+const HEIGHT_MM: f64 = 19.05;
+/// Depth past contact, a little above the equator of the smaller ball.
+const DEPTH_MM: f64 = 3.9;
+/// 50 Hz at 1 mm/s.
+const STEP_MM: f64 = 0.02;
+/// Noise of a sample as a share of the run's largest force.
+const NOISE: f64 = 0.01;
+/// The balls of thesis section 2.6.
+pub const BALLS_MM: [f64; 2] = [4.0, 6.0];
+/// The recordings' mesh is this much finer than the fit's.
+const FINER: f64 = 1.5;
+
+/// A foam and what chance adds to its recordings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// Shear modulus, MPa.
+    pub mu_mpa: f64,
+    /// Exponent.
+    pub alpha: f64,
+    /// The recordings.
+    pub experiment: Experiment,
+}
+
+/// What was recovered of a case.
+#[derive(Debug, Clone)]
+pub struct Recovered {
+    /// Truth: mu (MPa), alpha.
+    pub truth: [f64; 2],
+    /// Estimates.
+    pub value: [f64; 2],
+    /// Their 95 % intervals.
+    pub interval: [(f64, f64); 2],
+    /// Cramer-Rao bound of the standard deviations of ln mu and ln alpha, with the noise and the truth known.
+    pub bound: [f64; 2],
+    /// Word of the outcome.
+    pub outcome: &'static str,
+    /// Finite-element solves.
+    pub solves: usize,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+/// Draws `count` foams and makes their recordings, in parallel; draws that cannot be solved are left out and counted.
+#[must_use]
+pub fn cases(seed: u64, count: usize) -> (Vec<Case>, usize) {
+    let made: Vec<Option<Case>> = (0..count).into_par_iter().map(|at| case(seed, at).ok()).collect();
+    let failed = made.iter().filter(|case| case.is_none()).count();
+    (made.into_iter().flatten().collect(), failed)
+}
+
+fn case(seed: u64, at: usize) -> Result<Case, SolveError> {
+    let mut chance = Pcg64::seed_from_u64(seed.wrapping_add(at as u64));
+    let mu_mpa = MU_MPA.0 * (MU_MPA.1 / MU_MPA.0).powf(chance.random::<f64>());
+    let alpha = chance.random_range(ALPHA.0..ALPHA.1);
+    let mut experiment = bench();
+    for (indenter, &radius_mm) in BALLS_MM.iter().enumerate() {
+        let depths: Vec<f64> = (1..=(DEPTH_MM / STEP_MM) as usize).map(|i| STEP_MM * i as f64).collect();
+        let problem = Indentation {
+            law: Hyperfoam::one_term(mu_mpa, alpha)?,
+            specimen: block(),
+            ball: Ball { radius_mm },
+            depth_mm: DEPTH_MM,
+            resolution: Resolution::Refined(FINER),
+        };
+        let forces = problem.solve_at(&depths)?.force_n;
+        experiment.runs.push(run(indenter, &forces, &mut chance));
+    }
+    Ok(Case { mu_mpa, alpha, experiment })
+}
+
+/// The block under the balls.
+#[must_use]
+pub fn block() -> Block {
+    Block { height_mm: HEIGHT_MM, radius_mm: 25.0, base: lut_gen::solve::Base::Bonded }
+}
+
+fn bench() -> Experiment {
+    let ball = |mm: &f64| Indenter { name: format!("r{mm}"), radius_mm: Length::Known(*mm) };
+    Experiment {
+        name: "blind".to_owned(),
+        folder: PathBuf::new(),
+        specimens: vec![Specimen {
+            name: "foam".to_owned(),
+            material: "foam".to_owned(),
+            base_law: BaseLaw::Hyperfoam,
+            terms: 1,
+            height_mm: Length::Known(HEIGHT_MM),
+            radius_mm: Length::Known(25.0),
+            base: Base::Bonded,
+        }],
+        indenters: BALLS_MM.iter().map(ball).collect(),
+        sensor: Sensor::default(),
+        runs: Vec::new(),
+    }
+}
+
+/// A run that touches somewhere between 0.2 and 0.6 mm.
+fn run(indenter: usize, forces: &[f64], chance: &mut Pcg64) -> Run {
+    let contact_mm = chance.random_range(0.2..0.6);
+    let before = (contact_mm / STEP_MM) as usize;
+    let peak = forces.last().copied().unwrap_or(0.0);
+    let normal = Normal::new(0.0, NOISE * peak).ok();
+    let count = before + forces.len();
+    let time = (0..count).map(|i| i as f64 * STEP_MM).collect();
+    let depth = (0..count).map(|i| (i as f64 + 1.0 - before as f64) * STEP_MM + contact_mm).collect();
+    let force = (0..count)
+        .map(|i| {
+            let clean = i.checked_sub(before).map_or(0.0, |at| forces[at]);
+            clean + normal.map_or(0.0, |normal| normal.sample(chance))
+        })
+        .collect();
+    Run {
+        file: format!("ball {}", indenter + 1),
+        path: PathBuf::new(),
+        specimen: Some(0),
+        indenter: Some(indenter),
+        test: Test::Indentation,
+        spot: None,
+        cycle: None,
+        order: None,
+        start_s: None,
+        hold_out: false,
+        recording: Recording::from_samples(time, depth, force),
+    }
+}
+
+/// One force model a ball, on the fit's mesh: a thousand fits then need no solve of their own.
+///
+/// # Errors
+/// When a solve fails.
+pub fn models() -> Result<Vec<ForceModel>, SolveError> {
+    let model = |radius_mm: &f64| {
+        let mut spec = ModelSpec::new(block(), Ball { radius_mm: *radius_mm }, 1.05 * DEPTH_MM);
+        (spec.alpha, spec.alpha_nodes) = (setup::ALPHA, 14);
+        ForceModel::build(&spec, &|_, _| {})
+    };
+    BALLS_MM.iter().map(model).collect()
+}
+
+/// Fits a case: with the models if there are any, with solves of its own otherwise.
+///
+/// # Errors
+/// When the fit cannot begin.
+pub fn recover(case: &Case, models: &[ForceModel], spec: &FitSpec) -> Result<Recovered, ModelError> {
+    let source = |condition: &Condition| match models.get(condition.indenter) {
+        Some(model) => Source::Model(Box::new(model.clone())),
+        None => Source::Solves(Resolution::Standard),
+    };
+    let found = identify_from(&case.experiment, "foam", spec, &source)?;
+    let of = |name: &str| found.fit.as_ref().and_then(|fit| fit.parameters.iter().find(|p| p.name == name));
+    let (mu, alpha) = (of("mu_MPa"), of("alpha"));
+    let value = |p: Option<&palpate::identify::fit::Parameter>| p.map_or(f64::NAN, |p| p.value);
+    let interval = |p: Option<&palpate::identify::fit::Parameter>| {
+        p.map_or((f64::NAN, f64::NAN), |p| (p.interval95.low, p.interval95.high))
+    };
+    Ok(Recovered {
+        truth: [case.mu_mpa, case.alpha],
+        value: [value(mu), value(alpha)],
+        interval: [interval(mu), interval(alpha)],
+        bound: bound(case, &found, spec, &source),
+        outcome: found.outcome.word(),
+        solves: found.fe_solves,
+        seconds: found.seconds,
+    })
+}
+
+/// The Cramer-Rao bound: inverse Fisher information at the truth, with the true noise and free contact points.
+fn bound(case: &Case, found: &Identification, spec: &FitSpec, source: &dyn Fn(&Condition) -> Source) -> [f64; 2] {
+    let exact = FitSpec { loss: Loss::Squares, ..spec.clone() };
+    let mut problem = setup::problem(&case.experiment, &found.selection, "foam", &exact, source);
+    let peak = |force: &[f64]| force.iter().copied().fold(0.0, f64::max);
+    problem.weights = found
+        .selection
+        .curves
+        .iter()
+        .map(|curve| Weight { sigma_n: NOISE * peak(&curve.force_n), correlated: 1.0 })
+        .collect();
+    let truth = vec![case.mu_mpa.ln(), case.alpha.ln()];
+    if problem.solve_at(std::slice::from_ref(&truth)).is_err() {
+        return [f64::NAN; 2];
+    }
+    let errors = standard_errors(&problem.quadratic(&truth).hessian);
+    [errors[0], errors[1]]
+}
+
+/// What a set of recovered cases says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Statistics {
+    /// Cases.
+    pub cases: usize,
+    /// Median of |error of the logarithm| over what a normal error of the Cramer-Rao bound's size would have, for mu and alpha.
+    pub error_over_bound: [f64; 2],
+    /// Median of the bound: relative standard deviation of mu and of alpha.
+    pub bound: [f64; 2],
+    /// Median relative error.
+    pub error: [f64; 2],
+    /// Share of the intervals that hold the truth.
+    pub coverage: [f64; 2],
+    /// Most and mean solves.
+    pub solves: (usize, f64),
+    /// Median time, s.
+    pub seconds: f64,
+}
+
+/// Median of |x| for unit normal x.
+const MEDIAN_OF_NORMAL: f64 = 0.674_489_75;
+
+/// Summarises.
+#[must_use]
+pub fn statistics(all: &[Recovered]) -> Statistics {
+    let each = |f: &dyn Fn(&Recovered, usize) -> f64| [0, 1].map(|p| median(all.iter().map(|r| f(r, p)).collect()));
+    let error = |r: &Recovered, p: usize| (r.value[p] / r.truth[p]).ln().abs();
+    let inside = |r: &&Recovered, p: usize| r.interval[p].0 <= r.truth[p] && r.truth[p] <= r.interval[p].1;
+    let count = all.len().max(1) as f64;
+    Statistics {
+        cases: all.len(),
+        error_over_bound: each(&|r, p| error(r, p) / (MEDIAN_OF_NORMAL * r.bound[p])),
+        bound: each(&|r, p| r.bound[p]),
+        error: each(&error),
+        coverage: [0, 1].map(|p| all.iter().filter(|r| inside(r, p)).count() as f64 / count),
+        solves: (
+            all.iter().map(|r| r.solves).max().unwrap_or(0),
+            all.iter().map(|r| r.solves as f64).sum::<f64>() / count,
+        ),
+        seconds: median(all.iter().map(|r| r.seconds).collect()),
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Motions of a case's runs, for those who select data themselves.
+#[must_use]
+pub fn selection(case: &Case) -> data::Selection {
+    let motions: Vec<_> = case.experiment.runs.iter().map(|run| experiment::motion::of(&run.recording)).collect();
+    data::select(&case.experiment, &motions, "foam", false)
+}
