@@ -30,6 +30,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let columns: Vec<String> = variance.column.iter().map(usize::to_string).collect();
     std::fs::write(folder.join("columns.txt"), columns.join("\n"))?;
     println!("variance_s {:.4}", variance.seconds);
+    let truth: Vec<String> = thousand.truth.iter().map(|(_, alpha)| alpha.to_string()).collect();
+    std::fs::write(folder.join("truth.txt"), truth.join("\n"))?;
     let start = thousand.region()?.middle();
     std::fs::write(folder.join("start.txt"), format!("{} {}", start[1], start[0]))?;
     let kalman = fastest(5, || thousand.kalman(Bounding::Projection, 1))?;
