@@ -5,7 +5,21 @@ use std::path::{Path, PathBuf};
 
 use firmware::kalman::Bounding;
 use tests::palpations::Conditions;
-use tests::thousand::{Thousand, fastest};
+use tests::thousand::{Thousand, Timed, fastest};
+
+/// Boundings and passes that are timed: the thesis' filter, which Python runs as well, and the board's.
+const KALMAN: [(&str, Bounding, u8); 3] = [
+    ("projection", Bounding::Projection, 1),
+    ("constrained", Bounding::Constrained { linearisations: 1 }, 1),
+    ("three_passes", Bounding::Constrained { linearisations: 1 }, 3),
+];
+
+/// Median and 90 % quantile of the error of alpha.
+fn off(thousand: &Thousand, run: &Timed) -> [f64; 2] {
+    let mut off: Vec<f64> = run.found.iter().zip(&thousand.truth).map(|(f, t)| (f.1 - t.1).abs()).collect();
+    off.sort_by(f64::total_cmp);
+    [off.len() / 2, off.len() * 9 / 10].map(|i| off.get(i).copied().unwrap_or(f64::NAN))
+}
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("usage: versus_python FOLDER")?);
@@ -16,30 +30,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let columns: Vec<String> = variance.column.iter().map(usize::to_string).collect();
     std::fs::write(folder.join("columns.txt"), columns.join("\n"))?;
     println!("variance_s {:.4}", variance.seconds);
-    println!("fast_s {:.4}", fastest(5, || thousand.fast())?.seconds);
+    let truth: Vec<String> = thousand.truth.iter().map(|(_, alpha)| alpha.to_string()).collect();
+    std::fs::write(folder.join("truth.txt"), truth.join("\n"))?;
     let start = thousand.region()?.middle();
     std::fs::write(folder.join("start.txt"), format!("{} {}", start[1], start[0]))?;
     let kalman = fastest(5, || thousand.kalman(Bounding::Projection, 1))?;
     let lines: Vec<String> = kalman.found.iter().map(|(mu_mpa, alpha)| format!("{alpha} {mu_mpa}")).collect();
     std::fs::write(folder.join("kalman.txt"), lines.join("\n"))?;
-    println!("kalman_s {:.4}", kalman.seconds);
-    for (name, bounding, passes) in [
-        ("projection", Bounding::Projection, 1),
-        ("projection 3 passes", Bounding::Projection, 3),
-        ("constrained 1", Bounding::Constrained { linearisations: 1 }, 1),
-        ("constrained 3", Bounding::Constrained { linearisations: 3 }, 1),
-        ("constrained 1, 2 passes", Bounding::Constrained { linearisations: 1 }, 2),
-        ("constrained 2, 3 passes", Bounding::Constrained { linearisations: 2 }, 3),
-    ] {
-        let run = fastest(3, || thousand.kalman(bounding, passes))?;
-        let mut off: Vec<f64> = run.found.iter().zip(&thousand.truth).map(|(f, t)| (f.1 - t.1).abs()).collect();
-        off.sort_by(f64::total_cmp);
-        eprintln!("{name}: {:.4} s, alpha off median {:.4} 90 % {:.4}", run.seconds, off[500], off[900]);
+    for (name, bounding, passes) in KALMAN {
+        let run = fastest(5, || thousand.kalman(bounding, passes))?;
+        let [median, most] = off(&thousand, &run);
+        println!("kalman_{name}_s {:.4}\nkalman_{name}_median {median:.3}\nkalman_{name}_most {most:.3}", run.seconds);
     }
-    let run = thousand.fast()?;
-    let mut off: Vec<f64> = run.found.iter().zip(&thousand.truth).map(|(f, t)| (f.1 - t.1).abs()).collect();
-    off.sort_by(f64::total_cmp);
-    eprintln!("fast: alpha off median {:.4} 90 % {:.4}", off[500], off[900]);
+    let fast = fastest(5, || thousand.fast())?;
+    println!("fast_s {:.4}", fast.seconds);
+    for (name, run) in [("variance", &variance), ("fast", &fast)] {
+        let [median, most] = off(&thousand, run);
+        println!("{name}_median {median:.3}\n{name}_most {most:.3}");
+    }
     Ok(())
 }
 

@@ -2,6 +2,8 @@
 //! `cargo run --release -p tests --example thesis_numbers`.
 
 mod assumptions;
+mod bounding;
+mod inverse;
 mod pictures;
 mod recognition;
 mod row;
@@ -78,13 +80,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let mut rows = recognition::rows(&bench, &studies);
     rows.extend(spread::rows(&bench, &studies));
+    let (bounds, successes) = bounding::measure(&docs)?;
+    rows.extend(bounds);
     rows.extend(times::rows()?);
+    rows.extend(inverse::rows()?);
     let sections = [
         ("rows", row::table(&rows)),
         ("assumptions", assumptions::table(&conditions)),
         ("recognition", recognition::table(&bench, &studies)),
         ("what if", what_if::table(&bench, &docs)?),
         ("spread", spread::table(&bench, &studies)),
+        ("bounding", successes),
     ];
     let path = docs.join("thesis-numbers.md");
     let mut text = std::fs::read_to_string(&path)?;

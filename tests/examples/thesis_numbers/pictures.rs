@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use palpate::report::figure::{Axis, Figure, Series, Stroke};
-use tests::palpations::{DEPTH_MM, RATES_MM_S, Study, THESIS_COUNTS};
+use tests::palpations::{DEPTH_MM, Palpated, RATES_MM_S, Study, THESIS_COUNTS};
 
 use super::{Bench, save};
 
@@ -43,11 +43,36 @@ pub fn curves(bench: &Bench, docs: &Path) -> Result<(), Box<dyn std::error::Erro
     Ok(())
 }
 
+/// Who identified.
+#[derive(Clone, Copy)]
+enum Way {
+    Board,
+    Kalman,
+    Threshold,
+}
+
+impl Way {
+    /// Modulus and exponent that were found.
+    fn of(self, palpated: &Palpated) -> Option<(f64, f64)> {
+        match self {
+            Way::Board => {
+                let verdict = &palpated.judged.verdict;
+                Some((f64::from(verdict.mu_mpa), f64::from(verdict.alpha)))
+            }
+            Way::Kalman => {
+                let estimate = &palpated.judged.filtered.as_ref()?.estimate;
+                Some((f64::from(estimate.mu_mpa), f64::from(estimate.alpha)))
+            }
+            Way::Threshold => palpated.thesis.map(|t| (t.mu_mpa, t.alpha)),
+        }
+    }
+}
+
 /// Modulus and exponent over the palpations of the first session at 2 mm/s (Figs. 31 and 32).
 pub fn identified(bench: &Bench, studies: &[Study], docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let Some(study) = studies.get(MIDDLE) else { return Ok(()) };
     let first = &study.palpated[..THESIS_COUNTS.iter().sum::<usize>().min(study.palpated.len())];
-    let draw = |title: &str, label: &str, board: bool, exponent: bool| {
+    let draw = |title: &str, label: &str, way: Way, exponent: bool| {
         let y = if exponent { Axis::new(label).over(0.0, 24.0) } else { Axis::new(label).over(0.0, 0.3) };
         let x = Axis::new("palpation of the session").over(0.0, first.len() as f64);
         let mut figure = Figure::new(title, x, y);
@@ -56,22 +81,19 @@ pub fn identified(bench: &Bench, studies: &[Study], docs: &Path) -> Result<(), B
             let line = vec![(0.0, truth), (first.len() as f64, truth)];
             figure = figure.with(Series::new(foam.name, line, Stroke::Dashed, i));
             let points = first.iter().enumerate().filter(|(_, p)| p.foam == i).filter_map(|(at, p)| {
-                let (mu_mpa, alpha) = if board {
-                    (f64::from(p.judged.verdict.mu_mpa), f64::from(p.judged.verdict.alpha))
-                } else {
-                    p.thesis.map(|t| (t.mu_mpa, t.alpha))?
-                };
+                let (mu_mpa, alpha) = way.of(p)?;
                 Some((at as f64, if exponent { alpha } else { mu_mpa }))
             });
             figure = figure.with(Series::new("", points.collect(), Stroke::Circles, i));
         }
         figure.svg()
     };
-    for (board, way, file) in [(true, "the board", "board"), (false, "the thesis' way", "threshold")] {
+    let ways = [(Way::Board, "the board", "board"), (Way::Kalman, "the Kalman filter", "kalman"), (Way::Threshold, "the thesis' way", "threshold")];
+    for (way_of, way, file) in ways {
         let title = format!("Modulus found at 2 mm/s by {way}; dashed: identified offline");
-        save(docs, &format!("thesis-mu-{file}.svg"), &draw(&title, "mu (MPa)", board, false))?;
+        save(docs, &format!("thesis-mu-{file}.svg"), &draw(&title, "mu (MPa)", way_of, false))?;
         let title = format!("Exponent found at 2 mm/s by {way}; dashed: identified offline");
-        save(docs, &format!("thesis-alpha-{file}.svg"), &draw(&title, "alpha", board, true))?;
+        save(docs, &format!("thesis-alpha-{file}.svg"), &draw(&title, "alpha", way_of, true))?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use firmware::search::{Search, Slice};
 use protocol::lut::Table;
 use protocol::message::{Outcome, Verdict};
 
-use super::{Conditions, DEPTH_MM};
+use super::{Conditions, DEPTH_MM, Filtered};
 
 /// Pieces of an analysis at most: coarse and fine lines, the record in pieces, offsets of the library.
 const PIECES: usize = 2000;
@@ -18,6 +18,8 @@ pub struct Judged {
     pub verdict: Verdict,
     /// Place of the named material in the library; none if nothing was near enough.
     pub named: Option<usize>,
+    /// The Kalman filter's estimate and what it recognises.
+    pub filtered: Option<Filtered>,
 }
 
 /// Runs the board's palpation on the samples, one a tick, until the depth is reached and the verdict is ready.
@@ -44,7 +46,9 @@ pub fn judge(table: &Table<'_>, samples: &[Sample], rate_mm_s: f64) -> Judged {
     let motion = Motion { number: 1, rate_mm_s: rate_mm_s as f32, tick_max_us: 0, tick_mean_us: 0.0 };
     let verdict = palpation.verdict(&config, Some(table), ended, motion);
     let index = usize::from(verdict.material.index);
-    Judged { named: (index < table.material_count()).then_some(index), verdict }
+    let estimate = palpation.estimate(&config, motion.number);
+    let filtered = estimate.and_then(|e| Filtered::of(table, e, rate_mm_s));
+    Judged { named: (index < table.material_count()).then_some(index), verdict, filtered }
 }
 
 /// What the thesis' way finds.

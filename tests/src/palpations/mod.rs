@@ -13,7 +13,7 @@ mod spread;
 mod study;
 mod table;
 
-pub use filtered::{Filtered, filter};
+pub use filtered::Filtered;
 pub use foam::{B1_RELAXATION, BALL, PressedFoam, pressed_foams};
 pub use judged::{Judged, THRESHOLD_SIGMAS, ThesisWay, by_threshold, judge};
 pub use press::{Conditions, Press, Softening, session};

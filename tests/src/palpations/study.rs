@@ -2,9 +2,7 @@
 
 use protocol::lut::Table;
 
-use super::{
-    Conditions, Filtered, Judged, PressedFoam, RATES_MM_S, Spread, ThesisWay, by_threshold, filter, judge, session,
-};
+use super::{Conditions, Judged, PressedFoam, RATES_MM_S, Spread, ThesisWay, by_threshold, judge, session};
 
 /// Presses of EVA, B1, ICF and A2 in a session of 150 (thesis section 3.4).
 pub const THESIS_COUNTS: [usize; 4] = [34, 50, 24, 42];
@@ -22,8 +20,6 @@ pub struct Palpated {
     pub judged: Judged,
     /// The thesis' way on the same samples.
     pub thesis: Option<ThesisWay>,
-    /// The Kalman filter on the same samples.
-    pub filtered: Option<Filtered>,
 }
 
 /// How many of how many.
@@ -74,7 +70,6 @@ impl Study {
                     surface_mm: press.surface_mm,
                     judged: judge(table, &press.samples, rate_mm_s),
                     thesis: by_threshold(table, &press.samples, foam.height_mm, noise_n),
-                    filtered: filter(table, &press.samples, rate_mm_s),
                 });
             }
             done();
@@ -100,7 +95,7 @@ impl Study {
 
     /// The same for the Kalman filter: nearest curve of the library to that of its estimate.
     pub fn recognised_by_filter(&self, foams: &[PressedFoam], foam: Option<usize>) -> Count {
-        let named = |p: &Palpated| p.filtered.and_then(|f| f.named);
+        let named = |p: &Palpated| p.judged.filtered.as_ref().and_then(|f| f.named);
         let right = self.of(foam).filter(|p| named(p) == Some(foams[p.foam].index)).count();
         Count { right, of: self.of(foam).count() }
     }
@@ -117,6 +112,11 @@ impl Study {
 
     /// Spread of the exponent that the filter found for a foam.
     pub fn alpha_by_filter(&self, foam: usize) -> Spread {
-        Spread::of(&self.of(Some(foam)).filter_map(|p| p.filtered.map(|f| f.alpha)).collect::<Vec<_>>())
+        Spread::of(
+            &self
+                .of(Some(foam))
+                .filter_map(|p| p.judged.filtered.as_ref().map(|f| f64::from(f.estimate.alpha)))
+                .collect::<Vec<_>>(),
+        )
     }
 }
