@@ -36,6 +36,7 @@ pub mod config;
 pub mod contact;
 pub mod display;
 pub mod fast;
+pub mod fingerprint;
 pub mod flash;
 pub mod kalman;
 pub mod link;

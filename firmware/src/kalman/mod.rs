@@ -12,6 +12,7 @@
 pub mod bounds;
 pub mod identify;
 pub mod indentation;
+pub mod relaxing;
 
 pub use bounds::{Bounding, Estimator, Region};
 
