@@ -51,7 +51,9 @@ pub fn measure(docs: &Path) -> Result<(Vec<Row>, String), Box<dyn std::error::Er
             case: case.to_owned(),
             thesis: thesis.to_owned(),
             goal: goal.to_owned(),
-            measured: format!("nearest neighbour {neighbour}, penalty {penalty}, projection {projection}, ours {constrained}"),
+            measured: format!(
+                "nearest neighbour {neighbour}, penalty {penalty}, projection {projection}, ours {constrained}"
+            ),
             met: Some(order && constrained == all),
         });
         counts.push(found);

@@ -88,7 +88,11 @@ pub fn identified(bench: &Bench, studies: &[Study], docs: &Path) -> Result<(), B
         }
         figure.svg()
     };
-    let ways = [(Way::Board, "the board", "board"), (Way::Kalman, "the Kalman filter", "kalman"), (Way::Threshold, "the thesis' way", "threshold")];
+    let ways = [
+        (Way::Board, "the board", "board"),
+        (Way::Kalman, "the Kalman filter", "kalman"),
+        (Way::Threshold, "the thesis' way", "threshold"),
+    ];
     for (way_of, way, file) in ways {
         let title = format!("Modulus found at 2 mm/s by {way}; dashed: identified offline");
         save(docs, &format!("thesis-mu-{file}.svg"), &draw(&title, "mu (MPa)", way_of, false))?;
