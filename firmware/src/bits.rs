@@ -98,12 +98,16 @@ mod emulated {
             }
         }
         tell(u32::MAX);
-        loop {}
+        loop {
+            core::hint::spin_loop();
+        }
     }
 
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
         tell(u32::MAX);
-        loop {}
+        loop {
+            core::hint::spin_loop();
+        }
     }
 }

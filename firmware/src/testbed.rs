@@ -63,8 +63,8 @@ fn axis(name: &str, unit: &str, role: Role, values: Vec<f64>) -> AxisSpec {
     AxisSpec { name: name.into(), unit: unit.into(), role, scale: Scale::Listed, values }
 }
 
-fn library() -> Vec<MaterialSpec> {
-    LIBRARY
+fn library(foams: &[Foam]) -> Vec<MaterialSpec> {
+    foams
         .iter()
         .map(|foam| MaterialSpec {
             name: foam.name.into(),
@@ -84,7 +84,7 @@ fn spec(axes: Vec<AxisSpec>, columns: Vec<Vec<f64>>) -> TableSpec {
     TableSpec {
         axes,
         columns,
-        library: library(),
+        library: library(&LIBRARY),
         discretisation: 0.001,
         interpolation: 0.001,
         provenance: "made up for tests".into(),
@@ -93,6 +93,10 @@ fn spec(axes: Vec<AxisSpec>, columns: Vec<Vec<f64>>) -> TableSpec {
 
 /// 30-row form with three heights: mu is a factor.
 pub fn factored_table() -> Vec<u8> {
+    factored_spec().to_bytes().unwrap()
+}
+
+fn factored_spec() -> TableSpec {
     let heights = vec![12.7, 19.05, 25.4];
     let columns = heights
         .iter()
@@ -104,7 +108,12 @@ pub fn factored_table() -> Vec<u8> {
         axis(axis_name::ALPHA, "", Role::Column, alphas()),
         axis(axis_name::MU, "MPa", Role::Factor, mus()),
     ];
-    spec(axes, columns).to_bytes().unwrap()
+    spec(axes, columns)
+}
+
+/// The same with another library.
+pub fn factored_table_with(foams: &[Foam]) -> Vec<u8> {
+    TableSpec { library: library(foams), ..factored_spec() }.to_bytes().unwrap()
 }
 
 /// How much stiffer the made-up foams of [`rated_table`] are at 1, 2 and 4 mm/s.

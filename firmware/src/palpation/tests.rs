@@ -191,3 +191,37 @@ fn the_estimate_states_its_errors() {
         assert!(rms.iter().all(|r| (0.7..1.4).contains(r)), "{}: {rms:?}", foam.name);
     }
 }
+
+/// Two materials whose curves differ by 2 % of their peak, at 0.2 % of noise without gain jitter: each is told from the other, with a margin that says how near
+/// the other is; what lies farther off than the acceptance is neither.
+#[test]
+fn two_near_equal_dummies_are_told_apart_and_the_margin_says_how_near_they_are() {
+    let twin = crate::testbed::Foam { name: "twin", mu_mpa: 0.188 * 1.02, alpha: 11.16, height_mm: 19.05 };
+    let bytes = crate::testbed::factored_table_with(&[LIBRARY[1], twin, LIBRARY[6]]);
+    let table = Table::parse(&bytes).unwrap();
+    let mut chance = Chance(23);
+    let press = |foam, chance: &mut Chance| {
+        let press = Press { noise: 0.002, start_mm: 3.0 + chance.even(), ..Press::clean(foam, 1.0) };
+        palpate(&table, &press.samples(chance), 4.0).0.material
+    };
+    let (mut right, mut near) = (0, 0.0);
+    for i in 0..40u8 {
+        let m = press(if i % 2 == 0 { LIBRARY[1] } else { twin }, &mut chance);
+        right += u8::from(m.index == i % 2 && m.runner_up == 1 - i % 2);
+        near += m.margin / 40.0;
+    }
+    // Contact offsets make up for some of the 2 %.
+    assert!(right >= 38, "{right} of 40");
+    let mut clear = 0.0;
+    for _ in 0..10 {
+        let m = press(LIBRARY[6], &mut chance);
+        assert_eq!(m.index, 2);
+        clear += m.margin / 10.0;
+    }
+    assert!(near < 0.9 && clear > near + 0.05, "{near} {clear}");
+    for by in [0.78, 1.28] {
+        let m = press(crate::testbed::Foam { mu_mpa: by * 0.188, ..LIBRARY[1] }, &mut chance);
+        assert_eq!(m.index, Recognition::NONE, "{by}: {m:?}");
+        assert!(m.runner_up != Recognition::NONE && m.error_n > 0.0);
+    }
+}
