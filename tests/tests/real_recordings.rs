@@ -43,7 +43,7 @@ fn check(experiment: &Experiment, found: &[Identification]) {
         }
     }
     let html = report::identification::page(experiment, found).html();
-    for needed in ["Measured minus fitted", "Objective over alpha and mu", "Assumptions", "systematically wrong"] {
+    for needed in ["Measured minus fitted", "Objective around the minimum", "Assumptions", "systematically wrong"] {
         assert!(html.contains(needed), "{needed}");
     }
     assert!(!html.contains("NaN") && !html.contains("<script"));

@@ -1,11 +1,14 @@
 //! The report of `palpate identify`.
 
 use crate::experiment::Experiment;
+use crate::identify::data::LoadingCurve;
 use crate::identify::fit::{Fit, Parameter, RunFit};
+use crate::identify::newton::fit::Newton;
+use crate::identify::newton::valley::Valley;
 use crate::identify::{Identification, Outcome, deepest_field};
 
 use super::figure::{Axis, Figure, Series, Stroke};
-use super::{Page, field, map, number};
+use super::{Page, field, map, number, valley};
 
 /// Most measured samples drawn per run; more only make the file large.
 const DRAWN_SAMPLES: usize = 90;
@@ -77,7 +80,36 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Identification) {
                 "Sum of absolute force differences (Eq. 14) on the first grid of MultiStart, contact points and free heights at their best; lines: simplex paths.",
             );
         }
+        if let Some(newton) = &fit.newton {
+            page.section("Objective");
+            around(page, found, newton);
+        }
     }
+}
+
+/// How the parameters hang together: the objective around the minimum, correlations.
+fn around(page: &mut Page, found: &Identification, newton: &Newton) {
+    let Some(valley) = Valley::around(newton, &found.selection) else {
+        page.paragraph("One parameter: nothing makes up for it but the contact points.");
+        return;
+    };
+    page.figure(&valley::svg("Objective around the minimum", newton, &valley), &valley::caption(newton, &valley));
+    let Some(correlation) = &newton.correlation else {
+        page.warning("The data tie some parameters exactly: no correlations can be given.");
+        return;
+    };
+    let names: Vec<&str> = newton.solved.unknowns.iter().map(|unknown| unknown.name.as_str()).collect();
+    let rows: Vec<Vec<String>> = names
+        .iter()
+        .enumerate()
+        .map(|(i, name)| {
+            let cells =
+                (0..names.len()).map(|j| if j > i { String::new() } else { format!("{:.2}", correlation[(i, j)]) });
+            std::iter::once((*name).to_owned()).chain(cells).collect()
+        })
+        .collect();
+    page.paragraph("Correlation of the estimates:");
+    page.table(&std::iter::once("").chain(names.iter().copied()).collect::<Vec<_>>(), &rows);
 }
 
 /// The specimen at the deepest point, computed with what was found.
@@ -214,4 +246,21 @@ fn one_run(page: &mut Page, experiment: &Experiment, found: &Identification, run
         number(run.rmse_n),
     );
     page.figure(&format!("{}{}", forces.svg(), left.svg()), &caption);
+    if data.hold_from < data.force_n.len() {
+        hold(page, &name, data, run);
+    }
+}
+
+/// A ramp and its hold over time, which a figure over depth draws as one upright line.
+fn hold(page: &mut Page, name: &str, data: &LoadingCurve, run: &RunFit) {
+    let over_time =
+        |values: &[f64]| -> Vec<(f64, f64)> { data.time_s.iter().copied().zip(values.iter().copied()).collect() };
+    let every = data.force_n.len().div_ceil(DRAWN_SAMPLES).max(1);
+    let measured: Vec<(f64, f64)> = over_time(&data.force_n).into_iter().step_by(every).collect();
+    let mut forces = Figure::new(name, Axis::new("time after the ramp (s)"), Axis::new("force (N)"))
+        .with(Series::new("measured", measured, Stroke::Circles, 1))
+        .with(Series::new("fit", over_time(&run.model_n), Stroke::Solid, 0));
+    forces.size.1 = 230.0;
+    let held = data.force_n.len() - data.hold_from;
+    page.figure(&forces.svg(), &format!("{name}: ramp and hold over time, {held} samples of the hold."));
 }

@@ -8,6 +8,7 @@ pub mod map;
 mod page;
 mod scale;
 pub mod table;
+pub mod valley;
 
 pub use page::Page;
 pub use scale::number;

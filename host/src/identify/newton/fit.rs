@@ -13,6 +13,7 @@ use super::likelihood::{End, Z95, covariance, standard_errors};
 use super::problem::Problem;
 use super::search::{Told, Visit};
 use super::setup::FIRST_ALPHA;
+use super::valley::Solved;
 use super::verdict::{Judged, Verdict, judge};
 
 /// Relative error bound of a solve on the standard mesh, worst of the twelve reference curves (docs/verification.md).
@@ -74,6 +75,8 @@ pub struct Newton {
     pub noises: Vec<Noise>,
     /// Relative error bound of the simulation.
     pub model_error: f64,
+    /// What was solved.
+    pub solved: Solved,
 }
 
 impl Newton {
@@ -98,14 +101,15 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     let budget = demand.most_solves;
     let mut found = problem.search(&starts(problem), budget, demand.told)?;
     if problem.anchor(&found.minimum.x) {
-        found = problem.search(&[found.minimum.x.clone()], budget, demand.told)?;
+        let again = problem.search(&[found.minimum.x.clone()], budget, demand.told)?;
+        found = again.after(&found);
     }
     let noises = problem.weigh_by_fit(&found.minimum.x, demand.groups, demand.stated_n);
     let points = |found: &super::search::Found| found.path.iter().map(|v| v.point.clone()).collect::<Vec<_>>();
     let mut path = found.path.clone();
     let mut failures = found.failures.clone();
     let visited = points(&found);
-    found = problem.search(&visited, budget, demand.told)?;
+    found = problem.search(&visited, budget, demand.told)?.after(&found);
     path.extend_from_slice(&found.path[visited.len()..]);
     let errors = standard_errors(&found.minimum.at.hessian);
     let mut ends = problem.ends(&found.minimum, &errors);
@@ -115,9 +119,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         failures.extend(problem.solve_at(&wanted).err().map(|cause| cause.to_string()));
         (demand.told)(problem.solves());
         let visited: Vec<Vec<f64>> = points(&found);
-        let before = found.expected_within;
-        found = problem.search(&visited, budget, demand.told)?;
-        found.expected_within = found.expected_within.min(before);
+        found = problem.search(&visited, budget, demand.told)?.after(&found);
         path.extend_from_slice(&found.path[visited.len()..]);
         ends = problem.ends(&found.minimum, &standard_errors(&found.minimum.at.hessian));
     }
@@ -143,6 +145,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         failures,
         noises,
         model_error,
+        solved: Solved::of(problem),
     })
 }
 

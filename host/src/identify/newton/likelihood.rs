@@ -9,6 +9,8 @@ use crate::identify::spec::Loss;
 
 /// Rise of the objective at the end of a 95 % interval: the quantile of chi-squared with one degree of freedom.
 pub const RISE: f64 = 3.841_458_820_694_124;
+/// The same for two parameters together: chi-squared with two degrees of freedom.
+pub const RISE_OF_TWO: f64 = 5.991_464_547_107_979;
 /// Two-sided 95 % of a normal distribution.
 pub const Z95: f64 = 1.959_963_984_540_054;
 /// Variance of a least-absolute-differences estimate over that of least squares for normal noise.
@@ -53,7 +55,17 @@ pub fn covariance(hessian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 impl Problem<'_> {
     /// Rise of the objective that ends an interval under this loss.
     fn rise(&self) -> f64 {
-        if self.loss == Loss::Absolute { RISE * ABSOLUTE_OVER_SQUARES } else { RISE }
+        RISE * self.per_square()
+    }
+
+    /// Rise of the objective on the edge of the 95 % region of two parameters under this loss.
+    #[must_use]
+    pub fn rise_of_two(&self) -> f64 {
+        RISE_OF_TWO * self.per_square()
+    }
+
+    fn per_square(&self) -> f64 {
+        if self.loss == Loss::Absolute { ABSOLUTE_OVER_SQUARES } else { 1.0 }
     }
 
     /// One end of the interval of a coordinate; `sign` is -1 for the lower one.

@@ -10,6 +10,7 @@
 //! search      solve, minimise on what is known, solve there: until nothing moves
 //! likelihood  profile intervals
 //! fit         all of it, for one material
+//! valley      the objective around the minimum, for the report
 //! verdict     which parameters these runs identify, and which only in combination
 //! ```
 
@@ -23,5 +24,6 @@ pub mod search;
 pub mod setup;
 pub mod surrogate;
 pub mod track;
+pub mod valley;
 pub mod verdict;
 pub mod weight;

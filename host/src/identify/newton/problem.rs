@@ -145,6 +145,21 @@ impl Problem<'_> {
         contact
     }
 
+    /// Objective at a point, contact points at their best; infinite while nothing is solved.
+    #[must_use]
+    pub fn value(&self, point: &[f64]) -> f64 {
+        let tracks = self.tracks(point);
+        if tracks.len() < self.conditions.len() {
+            return f64::INFINITY;
+        }
+        self.fitted()
+            .map(|at| {
+                let track = &tracks[self.condition_of[at]];
+                self.loss_of(at, &compare(&self.selection.curves[at], track, self.contact(at, track)))
+            })
+            .sum()
+    }
+
     /// Objective with its Gauss-Newton model, contact points at their best.
     ///
     /// They are eliminated: what a shift of a run's contact point would absorb is taken out of its derivatives (Kaufman 1975,

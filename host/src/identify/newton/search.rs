@@ -31,6 +31,17 @@ pub struct Found {
     pub failures: Vec<String>,
 }
 
+impl Found {
+    /// A search that goes on where another ended: where it solved nothing new, the last solve is still the other's.
+    #[must_use]
+    pub fn after(mut self, other: &Found) -> Self {
+        if self.expected_within.is_infinite() {
+            self.expected_within = other.expected_within;
+        }
+        self
+    }
+}
+
 /// A step this small in standard errors is no step: it adds 2 % of the noise's own scatter.
 const AT_REST: f64 = 0.02;
 /// And so is one below this share of every range, where the data have no noise to speak of.
