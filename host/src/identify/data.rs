@@ -258,7 +258,7 @@ impl Selection {
         let (most, least) = (longest.depth_mm.len(), shortest.depth_mm.len());
         if most as f64 > 1.1 * least as f64 {
             self.messages.push(format!(
-                "runs differ in length: {} has {most} samples, {} has {least}; the sum of Eq. 14 weighs them accordingly",
+                "runs differ in length: {} has {most} samples, {} has {least}; every sample counts, so the longer one weighs more",
                 experiment.runs[longest.run].file, experiment.runs[shortest.run].file,
             ));
         }

@@ -101,8 +101,17 @@ pub fn rms(series: &[Vec<f64>]) -> f64 {
     (sum / count.max(1) as f64).sqrt()
 }
 
-/// Integrated autocorrelation 1 + 2 sum rho_k, summed until rho falls below 0.05, at most the
-/// length of the longest series: the number of neighbouring samples that count as one.
+/// Least autocorrelation that counts.
+const LEAST_RHO: f64 = 0.05;
+/// One-sided 95 % of a normal distribution: of white noise, one series in twenty shows more.
+const Z_ONE_SIDED: f64 = 1.645;
+
+/// Integrated autocorrelation 1 + 2 sum rho_k, at most the length of the longest series: the number of neighbouring samples that count
+/// as one.
+///
+/// Summed until rho falls below 0.05 or below what white noise of that length shows by chance, whose
+/// standard error is `1/sqrt(n)` (Bartlett 1946, doi:10.2307/2983611): without the latter short runs of white noise would always seem
+/// correlated, and every interval too wide.
 pub fn correlated_samples(series: &[Vec<f64>]) -> f64 {
     let at_lag = |lag: usize| -> f64 {
         series.iter().map(|s| s.iter().zip(s.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>()).sum()
@@ -112,10 +121,12 @@ pub fn correlated_samples(series: &[Vec<f64>]) -> f64 {
     if variance <= 0.0 {
         return 1.0;
     }
+    let count: usize = series.iter().map(Vec::len).sum();
+    let chance = Z_ONE_SIDED / (count as f64).sqrt();
     let mut sum = 1.0;
     for lag in 1..longest {
         let rho = at_lag(lag) / variance;
-        if rho < 0.05 {
+        if rho < LEAST_RHO.max(chance) {
             break;
         }
         sum += 2.0 * rho;
@@ -146,6 +157,13 @@ mod tests {
         let smooth: Vec<f64> = white.windows(5).map(|w| w.iter().sum::<f64>() / 5.0).collect();
         let tau = correlated_samples(&[smooth]);
         assert!((tau - 5.0).abs() < 0.7, "{tau}");
+    }
+
+    #[test]
+    fn short_white_noise_is_seldom_called_correlated() {
+        let called = (0..400).filter(|seed| correlated_samples(&[uniform(160, 31 * seed + 7)]) > 1.0).count();
+        // 5 % of 400, within three standard deviations of its own scatter.
+        assert!((7..=33).contains(&called), "{called}");
     }
 
     #[test]

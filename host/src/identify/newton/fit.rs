@@ -20,6 +20,8 @@ use super::verdict::{Judged, Verdict, judge};
 pub const MESH_ERROR: f64 = 1.5e-3;
 /// Support points nearer than this to a solved one, in standard errors, need no solve of their own.
 const NEAR: f64 = 0.25;
+/// The end of an interval is found to a hundredth of its half-width, the rise there to twice that.
+const EDGE: f64 = 1.02;
 /// A ramp whose depth the fit moved by more than this share is solved anew to where it ends.
 const MOVED: f64 = 0.01;
 
@@ -133,7 +135,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     let correlation = covariance(&found.minimum.at.hessian)
         .map(|c| DMatrix::from_fn(c.nrows(), c.ncols(), |i, j| c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt()));
     Ok(Newton {
-        supports: ends.iter().flat_map(|(low, high)| [low.support.clone(), high.support.clone()]).collect(),
+        supports: supported(problem, &found.minimum, &ends).into_iter().map(<[f64]>::to_vec).collect(),
         minimum: found.minimum,
         spans,
         errors,
@@ -178,21 +180,33 @@ fn judged(unknowns: &[Unknown], spans: &[Span]) -> Vec<Judged> {
         .collect()
 }
 
+/// Every interval holds the points that the profiles of the other parameters found to explain the data well enough:
+/// a profile follows one branch of the valley, and there can be several.
 fn spans(problem: &Problem<'_>, minimum: &Minimum, ends: &[(End, End)], moved: &[f64]) -> Vec<Span> {
     let region = problem.region();
+    let supports: Vec<&[f64]> = supported(problem, minimum, ends);
     ends.iter()
         .enumerate()
         .map(|(axis, (low, high))| {
             let wider = |distance: f64| distance.hypot(Z95 * moved[axis]);
             let x = minimum.x[axis];
+            let all = supports.iter().map(|point| point[axis]);
+            let (from, to) = all.fold((low.x, high.x), |(from, to), v| (from.min(v), to.max(v)));
             Span {
-                low: (x - wider(x - low.x)).max(region.low[axis]),
-                high: (x + wider(high.x - x)).min(region.high[axis]),
+                low: (x - wider(x - from)).max(region.low[axis]),
+                high: (x + wider(to - x)).min(region.high[axis]),
                 open_low: low.at_bound,
                 open_high: high.at_bound,
             }
         })
         .collect()
+}
+
+/// Ends of profiles that explain the data as well as the edge of an interval may.
+fn supported<'a>(problem: &Problem<'_>, minimum: &Minimum, ends: &'a [(End, End)]) -> Vec<&'a [f64]> {
+    let allowed = EDGE * problem.rise();
+    let all = ends.iter().flat_map(|(low, high)| [low.support.as_slice(), high.support.as_slice()]);
+    all.filter(|point| problem.value(point) - minimum.at.value <= allowed).collect()
 }
 
 impl super::condition::Condition {

@@ -54,7 +54,8 @@ pub fn covariance(hessian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 
 impl Problem<'_> {
     /// Rise of the objective that ends an interval under this loss.
-    fn rise(&self) -> f64 {
+    #[must_use]
+    pub fn rise(&self) -> f64 {
         RISE * self.per_square()
     }
 
