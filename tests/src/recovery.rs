@@ -1,13 +1,11 @@
 //! Blind recovery: foams drawn from the thesis' ranges, recordings of two balls made on a finer mesh than the fit's, with noise and
 //! unknown contact points; what the fit finds is held against the Cramer-Rao bound of each case.
 
-use std::path::PathBuf;
-
 use lut_gen::contact::Ball;
 use lut_gen::law::Hyperfoam;
 use lut_gen::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen as Block};
 use lut_gen::solve::SolveError;
-use palpate::experiment::{self, Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
+use palpate::experiment::{self, BaseLaw, Experiment};
 use palpate::identify::newton::condition::{Condition, Source};
 use palpate::identify::newton::likelihood::standard_errors;
 use palpate::identify::newton::problem::Weight;
@@ -15,9 +13,10 @@ use palpate::identify::newton::setup;
 use palpate::identify::spec::{FitSpec, Loss};
 use palpate::identify::{Identification, data, fe::ModelError, identify_from};
 use rand::{Rng, SeedableRng};
-use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
+
+use crate::bench::{Bench, RADIUS_MM, STEP_MM};
 
 /// Ranges of the thesis' grid (section 3.2.2).
 const MU_MPA: (f64, f64) = (0.0005, 0.3);
@@ -26,8 +25,6 @@ const ALPHA: (f64, f64) = (1.0, 24.0);
 const HEIGHT_MM: f64 = 19.05;
 /// Depth past contact, a little above the equator of the smaller ball.
 const DEPTH_MM: f64 = 3.9;
-/// 50 Hz at 1 mm/s.
-const STEP_MM: f64 = 0.02;
 /// Noise of a sample as a share of the run's largest force.
 const NOISE: f64 = 0.01;
 /// The balls of thesis section 2.6.
@@ -77,8 +74,10 @@ fn case(seed: u64, at: usize) -> Result<Case, SolveError> {
     let mut chance = Pcg64::seed_from_u64(seed.wrapping_add(at as u64));
     let mu_mpa = MU_MPA.0 * (MU_MPA.1 / MU_MPA.0).powf(chance.random::<f64>());
     let alpha = chance.random_range(ALPHA.0..ALPHA.1);
-    let mut experiment = bench();
-    for (indenter, &radius_mm) in BALLS_MM.iter().enumerate() {
+    let mut bench = Bench::new(BaseLaw::Hyperfoam, NOISE, chance);
+    bench.specimen("foam", HEIGHT_MM);
+    for &radius_mm in &BALLS_MM {
+        let indenter = bench.ball(radius_mm);
         let depths: Vec<f64> = (1..=(DEPTH_MM / STEP_MM) as usize).map(|i| STEP_MM * i as f64).collect();
         let problem = Indentation {
             law: Hyperfoam::one_term(mu_mpa, alpha)?,
@@ -88,65 +87,15 @@ fn case(seed: u64, at: usize) -> Result<Case, SolveError> {
             resolution: Resolution::Refined(FINER),
         };
         let forces = problem.solve_at(&depths)?.force_n;
-        experiment.runs.push(run(indenter, &forces, &mut chance));
+        bench.press(0, indenter, &forces);
     }
-    Ok(Case { mu_mpa, alpha, experiment })
+    Ok(Case { mu_mpa, alpha, experiment: bench.experiment })
 }
 
 /// The block under the balls.
 #[must_use]
 pub fn block() -> Block {
-    Block { height_mm: HEIGHT_MM, radius_mm: 25.0, base: lut_gen::solve::Base::Bonded }
-}
-
-fn bench() -> Experiment {
-    let ball = |mm: &f64| Indenter { name: format!("r{mm}"), radius_mm: Length::Known(*mm) };
-    Experiment {
-        name: "blind".to_owned(),
-        folder: PathBuf::new(),
-        specimens: vec![Specimen {
-            name: "foam".to_owned(),
-            material: "foam".to_owned(),
-            base_law: BaseLaw::Hyperfoam,
-            terms: 1,
-            height_mm: Length::Known(HEIGHT_MM),
-            radius_mm: Length::Known(25.0),
-            base: Base::Bonded,
-        }],
-        indenters: BALLS_MM.iter().map(ball).collect(),
-        sensor: Sensor::default(),
-        runs: Vec::new(),
-    }
-}
-
-/// A run that touches somewhere between 0.2 and 0.6 mm.
-fn run(indenter: usize, forces: &[f64], chance: &mut Pcg64) -> Run {
-    let contact_mm = chance.random_range(0.2..0.6);
-    let before = (contact_mm / STEP_MM) as usize;
-    let peak = forces.last().copied().unwrap_or(0.0);
-    let normal = Normal::new(0.0, NOISE * peak).ok();
-    let count = before + forces.len();
-    let time = (0..count).map(|i| i as f64 * STEP_MM).collect();
-    let depth = (0..count).map(|i| (i as f64 + 1.0 - before as f64) * STEP_MM + contact_mm).collect();
-    let force = (0..count)
-        .map(|i| {
-            let clean = i.checked_sub(before).map_or(0.0, |at| forces[at]);
-            clean + normal.map_or(0.0, |normal| normal.sample(chance))
-        })
-        .collect();
-    Run {
-        file: format!("ball {}", indenter + 1),
-        path: PathBuf::new(),
-        specimen: Some(0),
-        indenter: Some(indenter),
-        test: Test::Indentation,
-        spot: None,
-        cycle: None,
-        order: None,
-        start_s: None,
-        hold_out: false,
-        recording: Recording::from_samples(time, depth, force),
-    }
+    Block { height_mm: HEIGHT_MM, radius_mm: RADIUS_MM, base: lut_gen::solve::Base::Bonded }
 }
 
 /// One force model a ball, on the fit's mesh: a thousand fits then need no solve of their own.

@@ -5,7 +5,9 @@ use nalgebra::DMatrix;
 use lut_gen::solve::SolveError;
 
 use crate::identify::noise::Noise;
+use crate::identify::spec::Loss;
 
+use super::absolute::ROUNDED;
 use super::condition::Source;
 use super::coordinate::{Kind, Unknown, Values};
 use super::levenberg::Minimum;
@@ -113,6 +115,13 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     let visited = points(&found);
     found = problem.search(&visited, budget, demand.told)?.after(&found);
     path.extend_from_slice(&found.path[visited.len()..]);
+    if problem.loss == Loss::Absolute {
+        problem.smooth = ROUNDED * problem.spread(&found.minimum);
+        let visited = points(&found);
+        let rounded = problem.search(&visited, budget, demand.told)?.after(&found);
+        found = problem.settle(rounded, budget, demand.told)?;
+        path.extend_from_slice(&found.path[visited.len()..]);
+    }
     let errors = standard_errors(&found.minimum.at.hessian);
     let mut ends = problem.ends(&found.minimum, &errors);
     let wanted = problem.worth_solving(&ends, &errors, budget);
@@ -122,6 +131,9 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         (demand.told)(problem.solves());
         let visited: Vec<Vec<f64>> = points(&found);
         found = problem.search(&visited, budget, demand.told)?.after(&found);
+        if problem.loss == Loss::Absolute {
+            found = problem.settle(found, budget, demand.told)?;
+        }
         path.extend_from_slice(&found.path[visited.len()..]);
         ends = problem.ends(&found.minimum, &standard_errors(&found.minimum.at.hessian));
     }

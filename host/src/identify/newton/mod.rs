@@ -8,12 +8,14 @@
 //! problem     weighted differences of all runs, contact points eliminated
 //! levenberg   Levenberg-Marquardt in a box, on the surrogate
 //! search      solve, minimise on what is known, solve there: until nothing moves
+//! absolute    the kinked objective of Eq. 14 by a simplex on what was solved
 //! likelihood  profile intervals
 //! fit         all of it, for one material
 //! valley      the objective around the minimum, for the report
 //! verdict     which parameters these runs identify, and which only in combination
 //! ```
 
+pub mod absolute;
 pub mod condition;
 pub mod coordinate;
 pub mod fit;

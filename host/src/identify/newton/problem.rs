@@ -7,7 +7,7 @@ use crate::identify::spec::{HUBER, Loss};
 
 use super::condition::Condition;
 use super::coordinate::{Unknown, Values};
-use super::levenberg::{Quadratic, Region};
+use super::levenberg::{Minimum, Quadratic, Region};
 use super::track::Track;
 
 /// How much a run's samples count.
@@ -35,17 +35,19 @@ pub struct Problem<'a> {
     pub weights: Vec<Weight>,
     /// Loss.
     pub loss: Loss,
+    /// Absolute differences below this many standard deviations count as squares, so that there is a smallest one.
+    pub smooth: f64,
 }
 
 /// Places at which a contact point is looked for before it is refined.
 const SCAN: usize = 24;
 const REFINEMENTS: usize = 30;
+/// Steps of a golden section: the bracket shrinks to a millionth.
+const SECTIONS: usize = 29;
 /// Contact points are exact to this share of their range.
 const CONTACT_SHARE: f64 = 1e-9;
 /// Step of a derivative by a coordinate, as a share of its range: the surrogate is smooth, so that the quotient's error is its square.
 const QUOTIENT: f64 = 1e-6;
-/// Absolute differences below this many standard deviations count as squares, so that there is a smallest one.
-const SMOOTH: f64 = 0.05;
 
 /// Forces of one run at one contact point.
 pub struct Compared {
@@ -87,7 +89,7 @@ impl Problem<'_> {
             Loss::Squares => (u * u, 1.0),
             Loss::Huber if size <= HUBER => (u * u, 1.0),
             Loss::Huber => (HUBER * (2.0 * size - HUBER), HUBER / size),
-            Loss::Absolute if size <= SMOOTH => (u * u / SMOOTH + SMOOTH, 1.0 / SMOOTH),
+            Loss::Absolute if size <= self.smooth => (u * u / self.smooth + self.smooth, 1.0 / self.smooth),
             Loss::Absolute => (2.0 * size, 1.0 / size),
         }
     }
@@ -107,7 +109,11 @@ impl Problem<'_> {
         let step = (high - low) / SCAN as f64;
         let places = (0..=SCAN).map(|i| low + i as f64 * step);
         let best = places.map(|c| (c, loss(c))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(low, |(c, _)| c);
-        self.refined(at, track, ((best - step).max(low), best, (best + step).min(high)))
+        let bracket = ((best - step).max(low), best, (best + step).min(high));
+        match self.loss {
+            Loss::Absolute => golden(loss, bracket),
+            Loss::Squares | Loss::Huber => self.refined(at, track, bracket),
+        }
     }
 
     /// Gauss-Newton along the contact point inside a bracket; a step that does not gain is halved.
@@ -143,6 +149,15 @@ impl Problem<'_> {
             }
         }
         contact
+    }
+
+    /// What a fit leaves over on average, in the standard deviations of the weights.
+    #[must_use]
+    pub fn spread(&self, minimum: &Minimum) -> f64 {
+        let count: f64 =
+            self.fitted().map(|at| self.selection.curves[at].force_n.len() as f64 / self.weights[at].correlated).sum();
+        let mean = minimum.at.value / count.max(1.0);
+        if self.loss == Loss::Absolute { 0.5 * mean } else { mean.sqrt() }
     }
 
     /// Objective at a point, contact points at their best; infinite while nothing is solved.
@@ -249,6 +264,27 @@ impl Problem<'_> {
         }
         sum.hessian += hessian;
     }
+}
+
+/// The least value inside a bracket by golden section: absolute differences have kinks that stop a gradient.
+fn golden(loss: impl Fn(f64) -> f64, (low, middle, high): (f64, f64, f64)) -> f64 {
+    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut a, mut b) = (low, high);
+    let (mut left, mut right) = (b - ratio * (b - a), a + ratio * (b - a));
+    let (mut of_left, mut of_right) = (loss(left), loss(right));
+    for _ in 0..SECTIONS {
+        if of_left < of_right {
+            (b, right, of_right) = (right, left, of_left);
+            left = b - ratio * (b - a);
+            of_left = loss(left);
+        } else {
+            (a, left, of_left) = (left, right, of_right);
+            right = a + ratio * (b - a);
+            of_right = loss(right);
+        }
+    }
+    let (best, value) = if of_left < of_right { (left, of_left) } else { (right, of_right) };
+    if value < loss(middle) { best } else { middle }
 }
 
 /// Measured against modelled forces at a contact point.

@@ -64,7 +64,7 @@ pub fn problem<'a>(
         height_mm: 0.0,
         ball_mm: 0.0,
     };
-    Problem { selection, unknowns, base, conditions, condition_of, weights: Vec::new(), loss: spec.loss }
+    Problem { selection, unknowns, base, conditions, condition_of, weights: Vec::new(), loss: spec.loss, smooth: 1.0 }
 }
 
 /// Depth past contact at the end of a run's ramp, by the guess of its contact.

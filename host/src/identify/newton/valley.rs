@@ -26,6 +26,8 @@ pub struct Solved {
     pub weights: Vec<Weight>,
     /// Loss.
     pub loss: Loss,
+    /// Where absolute differences turn linear, in standard deviations.
+    pub smooth: f64,
 }
 
 impl Solved {
@@ -39,6 +41,7 @@ impl Solved {
             condition_of: problem.condition_of.clone(),
             weights: problem.weights.clone(),
             loss: problem.loss,
+            smooth: problem.smooth,
         }
     }
 
@@ -53,6 +56,7 @@ impl Solved {
             condition_of: self.condition_of.clone(),
             weights: self.weights.clone(),
             loss: self.loss,
+            smooth: self.smooth,
         }
     }
 }
