@@ -44,6 +44,49 @@ fn nothing_found_is_an_answer() {
     assert!(html.contains("force never rises above its noise"));
 }
 
+/// A ball that touches at 0.3 mm and pushes back as Hertz has it.
+fn touch() -> String {
+    let mut csv = "time_s,depth_mm,force_N\n".to_owned();
+    for i in 0..150 {
+        let depth = f64::from(i) * 0.02;
+        csv.push_str(&format!("{depth:.2},{depth:.2},{:.5}\n", 0.5 * (depth - 0.3).max(0.0).powf(1.5)));
+    }
+    csv
+}
+
+/// Standard error in one line: the terminal's width may break a message anywhere.
+fn said(output: &Output) -> String {
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    text.split_whitespace().filter(|w| *w != "│").collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn what_cannot_be_fitted_is_refused_before_a_solve() {
+    let folder = folder("refused", &touch());
+    let path = folder.to_str().unwrap();
+    let refused = |options: &[&str]| {
+        let output = palpate(&[&["identify", path, "--json"], options].concat());
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(output.stdout.is_empty());
+        said(&output)
+    };
+    let text = refused(&["--method", "simplex", "--free", "nu"]);
+    assert!(
+        text.contains("the simplex fits mu and alpha of a one-term hyperfoam and unknown heights, nothing else"),
+        "{text}"
+    );
+    assert!(refused(&["--terms", "3"]).contains("3 is not in 1..=2"));
+    assert!(refused(&["--nu", "0.6"]).contains("expected a number from -0.9 to 0.49"));
+    assert!(refused(&["--friction=-1"]).contains("expected a number from 0 to 1"));
+    let text = refused(&["--free", "stiffness"]);
+    assert!(text.contains("possible values: nu, friction, height, ball-radius"), "{text}");
+    let description = fs::read_to_string(folder.join("experiment.toml")).unwrap();
+    fs::write(folder.join("experiment.toml"), description.replace("radius_mm = 4\n", "radius_mm = \"unknown\"\n"))
+        .unwrap();
+    let text = refused(&[]);
+    assert!(text.contains("the radius of indenter \"b\" is unknown"), "{text}");
+}
+
 #[test]
 fn bad_input_says_where_and_leaves_standard_output_empty() {
     let lines: Vec<String> =
@@ -52,10 +95,7 @@ fn bad_input_says_where_and_leaves_standard_output_empty() {
     let output = palpate(&["identify", folder.to_str().unwrap(), "--json"]);
     assert_eq!(output.status.code(), Some(2), "{output:?}");
     assert!(output.stdout.is_empty());
-    // The terminal's width may break the message anywhere.
-    let words: Vec<String> =
-        String::from_utf8(output.stderr).unwrap().split_whitespace().filter(|w| *w != "│").map(str::to_owned).collect();
-    let said = words.join(" ");
+    let said = said(&output);
     assert!(said.contains("line 57, column 3 (force_N): \"NaN\" is NaN; expected a finite number"), "{said}");
     assert!(!said.contains('\u{1b}'), "no colours where nobody watches");
 }

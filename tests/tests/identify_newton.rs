@@ -182,6 +182,18 @@ fn poissons_ratio_and_friction_are_fitted_when_asked_for() {
     assert!(friction.interval95.low <= 0.3 && 0.3 <= friction.interval95.high, "{friction:?}");
 }
 
+/// Force in proportion to the fourth power of depth, as of a foam that is squeezed solid, is that of no exponent: the answer says so.
+#[test]
+fn a_curve_that_no_exponent_explains_is_outside_the_grid() {
+    let mut bench = Bench::new(BaseLaw::Hyperfoam, 0.005, Pcg64::seed_from_u64(12));
+    let (specimen, ball) = (bench.specimen("block", HEIGHT_MM), bench.ball(4.0));
+    let forces: Vec<f64> = (1..=180).map(|i| 0.02 * (f64::from(i) * STEP_MM).powi(4)).collect();
+    bench.press(specimen, ball, &forces);
+    let one = found(&bench.experiment, &FitSpec::default());
+    assert_eq!(one.outcome, Outcome::OutsideGrid, "{:?}", one.messages);
+    assert!(one.messages.iter().any(|m| m.starts_with("alpha") && m.contains("lies on a bound")), "{:?}", one.messages);
+}
+
 #[test]
 fn every_specimen_can_have_a_modulus_of_its_own() {
     let mut bench = Bench::new(BaseLaw::Hyperfoam, 0.01, Pcg64::seed_from_u64(8));

@@ -149,6 +149,18 @@ fn air_and_single_points_are_told_without_a_solve() {
     let found = identify(&short, &FitSpec::default(), &|_, _, _| panic!("nothing to solve")).unwrap();
     assert_eq!(found[0].outcome, Outcome::TooFewPoints);
 
+    // Samples 0.8 mm apart down to 16 mm: five of them above the equator of the ball.
+    let mut deep = experiment(&[4.0]);
+    let depth: Vec<f64> = (0..20).map(|i| 0.8 * f64::from(i)).collect();
+    let force = depth.iter().map(|d| 0.3 * d.powf(1.5)).collect();
+    deep.specimens[0].height_mm = Length::Known(60.0);
+    deep.runs.push(run(0, &[0.0], 0.0, &mut noise));
+    deep.runs[0].recording = Recording::from_samples(depth.clone(), depth, force);
+    let found = identify(&deep, &FitSpec::default(), &|_, _, _| panic!("nothing to solve")).unwrap();
+    assert_eq!(found[0].outcome, Outcome::DeeperThanTable, "{:?}", found[0].messages);
+    let said = found[0].messages.join("\n");
+    assert!(said.contains("too few samples above the deepest point of the model"), "{said}");
+
     let nothing = experiment(&[4.0]);
     let found = identify::identify(&nothing, &FitSpec::default(), &|_, _, _| {}).unwrap();
     assert_eq!(json(&nothing, &found, None)["outcome"], "too-few-points");
