@@ -71,9 +71,7 @@ pub fn cases(seed: u64, count: usize) -> (Vec<Case>, usize) {
 }
 
 fn case(seed: u64, at: usize) -> Result<Case, SolveError> {
-    let mut chance = Pcg64::seed_from_u64(seed.wrapping_add(at as u64));
-    let mu_mpa = MU_MPA.0 * (MU_MPA.1 / MU_MPA.0).powf(chance.random::<f64>());
-    let alpha = chance.random_range(ALPHA.0..ALPHA.1);
+    let (mu_mpa, alpha, chance) = drawn(seed, at);
     let mut bench = Bench::new(BaseLaw::Hyperfoam, NOISE, chance);
     bench.specimen("foam", HEIGHT_MM);
     for &radius_mm in &BALLS_MM {
@@ -90,6 +88,14 @@ fn case(seed: u64, at: usize) -> Result<Case, SolveError> {
         bench.press(0, indenter, &forces);
     }
     Ok(Case { mu_mpa, alpha, experiment: bench.experiment })
+}
+
+/// A foam's mu (MPa), even in its logarithm, and alpha, and what draws the rest of its case.
+fn drawn(seed: u64, at: usize) -> (f64, f64, Pcg64) {
+    let mut chance = Pcg64::seed_from_u64(seed.wrapping_add(at as u64));
+    let mu_mpa = MU_MPA.0 * (MU_MPA.1 / MU_MPA.0).powf(chance.random::<f64>());
+    let alpha = chance.random_range(ALPHA.0..ALPHA.1);
+    (mu_mpa, alpha, chance)
 }
 
 /// The block under the balls.
@@ -210,4 +216,24 @@ fn median(mut values: Vec<f64>) -> f64 {
 pub fn selection(case: &Case) -> data::Selection {
     let motions: Vec<_> = case.experiment.runs.iter().map(|run| experiment::motion::of(&run.recording)).collect();
     data::select(&case.experiment, &motions, "foam", false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tenth of a thousand draws in every tenth of both ranges, within four standard deviations of 9.5.
+    #[test]
+    fn draws_fill_the_ranges_evenly() {
+        let mut counts = [[0_i32; 10]; 2];
+        for at in 0..1000 {
+            let (mu_mpa, alpha, _) = drawn(1, at);
+            let shares =
+                [(mu_mpa / MU_MPA.0).ln() / (MU_MPA.1 / MU_MPA.0).ln(), (alpha - ALPHA.0) / (ALPHA.1 - ALPHA.0)];
+            for (counts, share) in counts.iter_mut().zip(shares) {
+                counts[((10.0 * share) as usize).min(9)] += 1;
+            }
+        }
+        assert!(counts.iter().flatten().all(|count| (count - 100).abs() < 38), "{counts:?}");
+    }
 }

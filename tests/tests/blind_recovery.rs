@@ -1,31 +1,98 @@
 //! A part of the blind recovery of a thousand foams (`cargo run --release -p tests --example recovery`), small enough for every run.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use palpate::identify::spec::FitSpec;
+use std::sync::LazyLock;
+
+use lut_gen::model::ForceModel;
+use palpate::identify::fit::Parameter;
+use palpate::identify::model::{ForwardModel, Shape, UnitCurve};
+use palpate::identify::newton::condition::{Condition, Source};
+use palpate::identify::spec::{FitSpec, Loss};
+use palpate::identify::{Identification, identify_from, identify_with};
 use rayon::prelude::*;
 use tests::recovery::{Recovered, cases, models, recover, statistics};
 
-const CASES: usize = 30;
+const CASES: usize = 20;
+/// Past the deepest sample of a case, mm.
+const DEEPEST_MM: f64 = 4.05;
 
-/// With true 95 % intervals fewer than 26 of 30 hits happen once in 60 times by chance (the seed is fixed). The median of 30 ratios to
-/// the bound scatters by a quarter: 1.6 is more than two of these above 1.
+/// One model a ball, for all tests here.
+static MODELS: LazyLock<Vec<ForceModel>> = LazyLock::new(|| models().unwrap());
+
+/// With true 95 % intervals fewer than 17 of 20 hits happen once in 60 times by chance (the seed is fixed). The median of 20 ratios to
+/// the bound scatters by 0.3: 1.6 is two of these above 1.
 #[test]
 fn foams_are_recovered_near_the_cramer_rao_bound() {
     let (cases, failed) = cases(4001, CASES);
     assert_eq!(failed, 0);
-    let models = models().unwrap();
-    let one = |case| recover(case, &models, &FitSpec::default()).unwrap();
+    // Made before the threads of the fits ask for them: a pool that waits for itself waits for ever.
+    let models = LazyLock::force(&MODELS);
+    let one = |case| recover(case, models, &FitSpec::default()).unwrap();
     let all: Vec<Recovered> = cases.par_iter().map(one).collect();
     let found = statistics(&all);
     println!("{found:#?}");
     for (at, name) in ["mu", "alpha"].iter().enumerate() {
         let hits = (found.coverage[at] * CASES as f64).round();
-        assert!(hits >= 26.0, "{name}: {hits} of {CASES}");
+        assert!(hits >= 17.0, "{name}: {hits} of {CASES}");
         assert!(found.error_over_bound[at] < 1.6, "{name}: {found:?}");
     }
     // Intervals that hold everything would prove nothing: half their width is near 1.96 times the bound.
     for r in &all {
         let width = (r.interval[1].1 / r.interval[1].0).ln() / (2.0 * 1.96 * r.bound[1]);
         assert!(width < 3.0, "{width} {r:?}");
+    }
+}
+
+fn parameter<'a>(found: &'a Identification, name: &str) -> &'a Parameter {
+    found.fit.as_ref().unwrap().parameters.iter().find(|p| p.name == name).unwrap()
+}
+
+/// The force models of both balls as the thesis' search sees them.
+struct Shared(Vec<ForceModel>);
+
+impl ForwardModel for Shared {
+    fn curve(&self, pairing: usize, shape: Shape) -> UnitCurve {
+        let model = &self.0[pairing];
+        UnitCurve::sampled(DEEPEST_MM, 400, |d| model.gradient_at(1.0, shape.alpha, d, shape.height_mm).force_n)
+    }
+    fn alpha_bounds(&self) -> (f64, f64) {
+        (1.0, 24.0)
+    }
+    fn relative_error(&self) -> f64 {
+        0.0
+    }
+    fn solves(&self) -> usize {
+        0
+    }
+}
+
+/// On the same forces, the same samples and the same objective (Eq. 14) both must find the same point.
+#[test]
+fn on_the_same_forces_both_searches_end_at_the_same_optimum() {
+    for mut case in cases(21, 3).0 {
+        // One noise for all runs: Eq. 14 does not weigh them.
+        case.experiment.sensor.noise_n = Some(0.01);
+        let shared = Shared(MODELS.clone());
+        let simplex = identify_with(&case.experiment, "foam", &shared);
+        let source = |condition: &Condition| Source::Model(Box::new(MODELS[condition.indenter].clone()));
+        let absolute = FitSpec { loss: Loss::Absolute, ..FitSpec::default() };
+        let newton = identify_from(&case.experiment, "foam", &absolute, &source).unwrap();
+        for name in ["mu_MPa", "alpha"] {
+            let (a, b) = (parameter(&simplex, name), parameter(&newton, name));
+            let error = (b.interval95.high - b.interval95.low) / 3.92;
+            println!(
+                "{name}: truth {} {}, simplex {}, Gauss-Newton {}, error {error}",
+                case.mu_mpa, case.alpha, a.value, b.value
+            );
+            // Gauss-Newton sees the force on twelve nodes over depth, a few 1e-4 off the model between them.
+            assert!((a.value - b.value).abs() < 0.1 * error, "{name}: {} {} error {error}", a.value, b.value);
+        }
+        let objective = |found: &Identification| found.fit.as_ref().unwrap().objective_n;
+        assert!(
+            (objective(&newton) / objective(&simplex) - 1.0).abs() < 5e-4,
+            "{} {}",
+            objective(&newton),
+            objective(&simplex)
+        );
     }
 }

@@ -5,25 +5,20 @@
 
 use lut_gen::contact::{Ball, Interface};
 use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::model::{ForceModel, Resolution, Simulation, Specimen as Block};
+use lut_gen::model::{Resolution, Simulation, Specimen as Block};
 use lut_gen::solve::{Base, Motion};
 use palpate::experiment::{BaseLaw, Experiment};
 use palpate::identify::fit::Parameter;
-use palpate::identify::model::{ForwardModel, Shape, UnitCurve};
-use palpate::identify::newton::condition::{Condition, Source};
 use palpate::identify::newton::verdict::Standing;
 use palpate::identify::spec::{Extra, FitSpec, Loss, Method, Own};
-use palpate::identify::{Identification, Outcome, identify, identify_from, identify_with};
+use palpate::identify::{Identification, Outcome, identify};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use tests::bench::{Bench, RADIUS_MM, STEP_MM};
-use tests::recovery::{cases, models};
 
 const FINER: f64 = 1.5;
 const DEPTH_MM: f64 = 3.6;
 const HEIGHT_MM: f64 = 19.05;
-/// Past the deepest sample of a case of the blind recovery.
-const DEEPEST_MM: f64 = 4.05;
 
 /// A foam and how its surface rubs.
 struct Foam {
@@ -91,57 +86,6 @@ fn holds(found: &Identification, name: &str, truth: f64, widest: f64) {
 
 fn standing(found: &Identification, name: &str) -> Standing {
     parameter(found, name).verdict.as_ref().unwrap().standing
-}
-
-/// The force models of both balls as the thesis' search sees them.
-struct Shared(Vec<ForceModel>);
-
-impl ForwardModel for Shared {
-    fn curve(&self, pairing: usize, shape: Shape) -> UnitCurve {
-        let model = &self.0[pairing];
-        UnitCurve::sampled(DEEPEST_MM, 400, |d| model.gradient_at(1.0, shape.alpha, d, shape.height_mm).force_n)
-    }
-    fn alpha_bounds(&self) -> (f64, f64) {
-        (1.0, 24.0)
-    }
-    fn relative_error(&self) -> f64 {
-        0.0
-    }
-    fn solves(&self) -> usize {
-        0
-    }
-}
-
-/// On the same forces, the same samples and the same objective (Eq. 14) both must find the same point.
-#[test]
-fn on_the_same_forces_both_searches_end_at_the_same_optimum() {
-    let models = models().unwrap();
-    for mut case in cases(21, 3).0 {
-        // One noise for all runs: Eq. 14 does not weigh them.
-        case.experiment.sensor.noise_n = Some(0.01);
-        let shared = Shared(models.clone());
-        let simplex = identify_with(&case.experiment, "foam", &shared);
-        let source = |condition: &Condition| Source::Model(Box::new(models[condition.indenter].clone()));
-        let absolute = FitSpec { loss: Loss::Absolute, ..FitSpec::default() };
-        let newton = identify_from(&case.experiment, "foam", &absolute, &source).unwrap();
-        for name in ["mu_MPa", "alpha"] {
-            let (a, b) = (parameter(&simplex, name), parameter(&newton, name));
-            let error = (b.interval95.high - b.interval95.low) / 3.92;
-            println!(
-                "{name}: truth {} {}, simplex {}, Gauss-Newton {}, error {error}",
-                case.mu_mpa, case.alpha, a.value, b.value
-            );
-            // Gauss-Newton sees the force on twelve nodes over depth, a few 1e-4 off the model between them.
-            assert!((a.value - b.value).abs() < 0.1 * error, "{name}: {} {} error {error}", a.value, b.value);
-        }
-        let objective = |found: &Identification| found.fit.as_ref().unwrap().objective_n;
-        assert!(
-            (objective(&newton) / objective(&simplex) - 1.0).abs() < 5e-4,
-            "{} {}",
-            objective(&newton),
-            objective(&simplex)
-        );
-    }
 }
 
 /// As a user runs them. Each has finite elements of its own, apart by the mesh's scatter of 0.1 %: with 1 % of noise on 340 samples
