@@ -352,7 +352,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         output.unwrap_or_default()
     }
 
-    fn record(&self, inputs: &Inputs) -> Telemetry {
+    fn record(&mut self, inputs: &Inputs) -> Telemetry {
         let contact = matches!(self.mode.state, State::Contact | State::Retract);
         let depth_mm = self.palpation.depth_mm(self.measured.probe_mm);
         Telemetry {

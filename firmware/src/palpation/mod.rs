@@ -146,8 +146,8 @@ impl Palpation {
     }
 
     /// Mean absolute difference of the best column so far, N.
-    pub fn error_n(&self) -> f32 {
-        self.slice.map_or(0.0, |slice| self.search.error_n(&slice))
+    pub fn error_n(&mut self) -> f32 {
+        self.slice.as_ref().map_or(0.0, |slice| self.search.error_n(slice))
     }
 
     /// Takes a sample while the probe goes down.
