@@ -2,7 +2,7 @@
 //! tabulated force, over every column of the height slice, one depth step a tick.
 //!
 //! With a factor axis the columns of a row are multiples of one shape, and the sums of all of them follow from two additions a row and sample
-//! ([`brackets`]); columns that are stored one by one are summed one by one.
+//! (`brackets`); columns that are stored one by one are summed one by one.
 
 mod brackets;
 mod slice;
