@@ -46,23 +46,39 @@ impl Levels {
         self.count + 1
     }
 
-    /// Adds one sample to every row. `at` holds the bracket of each row's last sample: the next one mostly falls into the same, and is found from there.
+    /// Adds one sample to every row. `at` holds the bracket of each row's last sample: the next one mostly falls into the same.
     #[inline]
     pub(super) fn add(&self, rows: &mut [Bracket], at: &mut [u8], forces: impl Iterator<Item = f32>, force_n: f32) {
         for ((row, at), f) in rows.chunks_exact_mut(self.count + 1).zip(at).zip(forces) {
-            let mut k = usize::from(*at);
-            while k < self.count && self.ends.get(k + 1).is_some_and(|end| end * f < force_n) {
-                k += 1;
+            let [mut low_n, mut high_n] = self.forces_n(*at, f);
+            if (low_n >= force_n) | (high_n < force_n) {
+                *at = self.find(*at, f, force_n);
+                [low_n, high_n] = self.forces_n(*at, f);
             }
-            while k > 0 && self.ends.get(k).is_some_and(|end| end * f >= force_n) {
-                k -= 1;
+            if let Some([above, below]) = row.get_mut(usize::from(*at)) {
+                *above += force_n - low_n;
+                *below += high_n - force_n;
             }
-            if let (Some([above, below]), Some([low, high])) = (row.get_mut(k), self.ends.get(k..k + 2)) {
-                *above += force_n - low * f;
-                *below += high * f - force_n;
-            }
-            *at = k as u8;
         }
+    }
+
+    /// Forces at the ends of bracket `k` for shape `f`.
+    #[inline]
+    fn forces_n(&self, k: u8, f: f32) -> [f32; 2] {
+        let end = |i: usize| self.ends.get(i).copied().unwrap_or(0.0) * f;
+        [end(usize::from(k)), end(usize::from(k) + 1)]
+    }
+
+    /// The bracket of a force for shape `f`, sought from bracket `k`.
+    fn find(&self, k: u8, f: f32, force_n: f32) -> u8 {
+        let mut k = usize::from(k);
+        while k < self.count && self.ends.get(k + 1).is_some_and(|end| end * f < force_n) {
+            k += 1;
+        }
+        while k > 0 && self.ends.get(k).is_some_and(|end| end * f >= force_n) {
+            k -= 1;
+        }
+        k as u8
     }
 
     /// Sums of Eq. 17 of one row, one for each value of the factor axis.
