@@ -99,7 +99,7 @@ wire! {
         Aborted,
         /// No slice of the table is near the commanded rate.
         NoSuchRate,
-        /// The ball went deeper than the table reaches, for more than a tenth of the samples in contact.
+        /// The ball went deeper than the table reaches, for more than a sixth of the samples in contact.
         DeeperThanTable,
         /// More than a tenth of the readings were no numbers.
         BadReadings,
