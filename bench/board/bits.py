@@ -29,6 +29,7 @@ PIECES = {
     5: "filter of three states about a reference, one sample",
     6: "variance search, best and runner-up",
     7: "fast search, mu and alpha",
+    8: "variance search, error of the best column for telemetry",
 }
 
 

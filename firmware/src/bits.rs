@@ -65,6 +65,9 @@ mod emulated {
         let mut ours = Estimator::new(region.middle(), region, Bounding::Constrained { linearisations: 2 });
         let mut three = Estimator::new(wider.middle(), wider, Bounding::Constrained { linearisations: 1 });
         let reference = wider.middle();
+        for (depth_mm, force_n) in series.take(50) {
+            search.step(&table, &slice, depth_mm, force_n);
+        }
         for (depth_mm, force_n) in series.skip(50).take(10) {
             tell(0);
             search.step(&table, &slice, depth_mm, force_n);
@@ -81,6 +84,8 @@ mod emulated {
             tell(6);
             core::hint::black_box(profile.found(&table));
             tell(7);
+            core::hint::black_box(search.error_n(&slice));
+            tell(8);
         }
         core::hint::black_box((two, ours, three));
         Some(())

@@ -16,6 +16,8 @@
 //! | [`kalman`] | the Kalman filter on it (Eqs. 18-27) |
 //! | [`recognition`] | the nearest library material |
 //! | [`palpation`] | one palpation: record, search, refinement of the contact point, verdict |
+//! | [`readings`] | whether the samples of a press can be identified, and the name of why not |
+//! | [`press`] | a recorded press identified by one method, or a named outcome |
 //! | [`pid`] | position loop of the display |
 //! | [`coil`] | force to current to duty, and how hot the coil is |
 //! | [`mode`] | the mode state machine |
@@ -44,7 +46,9 @@ pub mod mode;
 pub mod number;
 pub mod palpation;
 pub mod pid;
+pub mod press;
 pub mod profile;
+pub mod readings;
 pub mod recognition;
 pub mod safety;
 pub mod search;

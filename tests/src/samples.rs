@@ -118,7 +118,14 @@ fn verdict() -> Verdict {
         margin: 0.5,
         peak_force_n: 6.0,
         samples: 100,
-        material: Recognition { index: 0, error_n: 0.03125, runner_up: 4, runner_up_error_n: 0.125, margin: 0.75 },
+        material: Recognition {
+            index: 0,
+            error_n: 0.03125,
+            runner_up: 4,
+            runner_up_error_n: 0.125,
+            margin: 0.75,
+            limit_n: 0.25,
+        },
         tick_max_us: 120,
         tick_mean_us: 80.5,
     }

@@ -1,8 +1,6 @@
 //! A thousand identifications on the same data, to be timed (thesis section 3.4): curves of known contact at the 200 depths of the
 //! table, for materials drawn evenly from the thesis' ranges.
 
-use std::time::Instant;
-
 use firmware::kalman::bounds::Estimator;
 use firmware::kalman::identify::identify;
 use firmware::kalman::indentation::Indentation;
@@ -17,6 +15,7 @@ use palpate::plant::{Noise, Source};
 use protocol::lut::{Table, TableError, axis_name};
 
 use crate::palpations::{BALL, Conditions};
+use crate::processor::Clock;
 
 /// Number of identifications.
 pub const IDENTIFICATIONS: usize = 1000;
@@ -51,7 +50,7 @@ pub struct Timed {
     pub column: Vec<usize>,
     /// Modulus (MPa) and exponent.
     pub found: Vec<(f64, f64)>,
-    /// CPU time of all, s, one thread.
+    /// CPU time of all, s, one thread; the thesis counts CPU time as well.
     pub seconds: f64,
 }
 
@@ -101,7 +100,7 @@ impl Thousand {
     pub fn variance(&self) -> Result<Timed, TableError> {
         let table = self.table()?;
         let mut timed = Timed { column: Vec::new(), found: Vec::new(), seconds: 0.0 };
-        let clock = Clock::start();
+        let clock = Clock::of_thread();
         let mut search = Search::new();
         for force_n in &self.force_n {
             let Some(slice) = Slice::nearest(&table, HEIGHT_MM as f32, 0.0) else { break };
@@ -114,7 +113,7 @@ impl Thousand {
             timed.column.push(found.index);
             timed.found.push((f64::from(mu_mpa), f64::from(alpha)));
         }
-        timed.seconds = clock.seconds();
+        timed.seconds = clock.cpu_s();
         Ok(timed)
     }
 
@@ -125,7 +124,7 @@ impl Thousand {
     pub fn fast(&self) -> Result<Timed, TableError> {
         let table = self.table()?;
         let mut timed = Timed { column: Vec::new(), found: Vec::new(), seconds: 0.0 };
-        let clock = Clock::start();
+        let clock = Clock::of_thread();
         for force_n in &self.force_n {
             let Some(slice) = Slice::nearest(&table, HEIGHT_MM as f32, 0.0) else { break };
             let mut search = ProfileSearch::new(&table, &slice);
@@ -135,7 +134,7 @@ impl Thousand {
             let Some(found) = search.found(&table) else { break };
             timed.found.push((f64::from(found.mu_mpa), f64::from(found.alpha)));
         }
-        timed.seconds = clock.seconds();
+        timed.seconds = clock.cpu_s();
         Ok(timed)
     }
 
@@ -160,7 +159,7 @@ impl Thousand {
         let (table, region) = (self.table()?, self.region()?);
         let variance = (Conditions::default().noise_n * Conditions::default().noise_n) as f32;
         let mut timed = Timed { column: Vec::new(), found: Vec::new(), seconds: 0.0 };
-        let clock = Clock::start();
+        let clock = Clock::of_thread();
         for force_n in &self.force_n {
             let slice = Slice::nearest(&table, HEIGHT_MM as f32, 0.0);
             let Some(surface) = slice.and_then(|slice| Surface::new(&table, &slice)) else { break };
@@ -170,34 +169,8 @@ impl Thousand {
             let state = region.nearest(&estimator.filter.state);
             timed.found.push((f64::from(state[0]), f64::from(state[1])));
         }
-        timed.seconds = clock.seconds();
+        timed.seconds = clock.cpu_s();
         Ok(timed)
-    }
-}
-
-/// CPU time of a thread, which other jobs on the machine disturb less than wall time; the thesis counts CPU time as well.
-struct Clock {
-    cpu_s: Option<f64>,
-    wall: Instant,
-}
-
-impl Clock {
-    fn start() -> Self {
-        Clock { cpu_s: Self::cpu_s(), wall: Instant::now() }
-    }
-
-    /// Time on the processor as Linux counts it; none elsewhere.
-    fn cpu_s() -> Option<f64> {
-        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-        Some(1e-9 * text.split_whitespace().next()?.parse::<f64>().ok()?)
-    }
-
-    /// Since the start; wall time where the system does not count CPU time.
-    fn seconds(&self) -> f64 {
-        match (self.cpu_s, Self::cpu_s()) {
-            (Some(from), Some(to)) => to - from,
-            _ => self.wall.elapsed().as_secs_f64(),
-        }
     }
 }
 

@@ -311,10 +311,8 @@ impl<S: TableStore + CalibrationStore> Board<S> {
             tick_max_us,
             tick_mean_us: if count > 0 { sum as f32 / count as f32 } else { 0.0 },
         };
-        let verdict = self.palpation.verdict(&self.config.palpation, self.table().as_ref(), outcome, motion);
-        let identified = matches!(verdict.outcome, Outcome::Identified | Outcome::GridEdge);
-        if let Some(estimate) = self.palpation.estimate(&self.config.palpation, self.palpations).filter(|_| identified)
-        {
+        let (estimate, verdict) = self.palpation.report(&self.config.palpation, self.table().as_ref(), outcome, motion);
+        if let Some(estimate) = estimate {
             self.transmitter.report(&Report::Estimate(estimate), Priority::Answer);
         }
         self.transmitter.report(&Report::Verdict(verdict), Priority::Answer);
@@ -352,7 +350,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         output.unwrap_or_default()
     }
 
-    fn record(&self, inputs: &Inputs) -> Telemetry {
+    fn record(&mut self, inputs: &Inputs) -> Telemetry {
         let contact = matches!(self.mode.state, State::Contact | State::Retract);
         let depth_mm = self.palpation.depth_mm(self.measured.probe_mm);
         Telemetry {

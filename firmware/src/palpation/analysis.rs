@@ -215,7 +215,7 @@ impl Analysis {
                         height_mm: *height_mm,
                         fitted: self.fitted,
                         filtered: self.filtered,
-                        recognition: self.comparison.result(table),
+                        recognition: self.comparison.result(table, noise_n),
                     });
                 }
             }

@@ -13,6 +13,7 @@ pub use record::{RECORD_LEN, Record};
 use crate::contact::{Contact, ContactConfig, ContactPoint, Sample};
 use crate::kalman::Estimator;
 use crate::profile::Fitted;
+use crate::readings::{Readings, ReadingsConfig};
 use crate::recognition::NOT_RECOGNISED;
 use crate::search::{Found, NoSlice, Search, Slice, Tolerance};
 use analysis::Analysis;
@@ -26,8 +27,8 @@ pub struct PalpationConfig {
     pub contact: ContactConfig,
     /// How far specimen and rate may be from the nearest slice of the table.
     pub tolerance: Tolerance,
-    /// Fewest samples for a verdict.
-    pub samples_min: u16,
+    /// What the samples must be for a verdict.
+    pub readings: ReadingsConfig,
     /// Buffered samples that the search catches up with in one tick.
     pub catch_up: u8,
     /// Refinement of the contact point.
@@ -39,7 +40,7 @@ impl Default for PalpationConfig {
         PalpationConfig {
             contact: ContactConfig::default(),
             tolerance: Tolerance::default(),
-            samples_min: 10,
+            readings: ReadingsConfig::default(),
             catch_up: 4,
             analysis: analysis::AnalysisConfig::default(),
         }
@@ -57,6 +58,9 @@ pub struct Palpation {
     first_mm: f32,
     slice: Option<Slice>,
     record: Record,
+    /// Samples whose height or force was no number, and all.
+    bad: u16,
+    taken: u16,
     search: Search,
     /// Samples of the record that the live search has taken.
     searched: usize,
@@ -107,6 +111,8 @@ impl Palpation {
             first_mm: 0.0,
             slice: None,
             record: Record::new(),
+            bad: 0,
+            taken: 0,
             search: Search::new(),
             searched: 0,
             peak_force_n: 0.0,
@@ -125,6 +131,7 @@ impl Palpation {
         self.point = None;
         self.slice = None;
         self.record.clear();
+        (self.bad, self.taken) = (0, 0);
         self.search.reset();
         self.searched = 0;
         self.peak_force_n = 0.0;
@@ -146,12 +153,17 @@ impl Palpation {
     }
 
     /// Mean absolute difference of the best column so far, N.
-    pub fn error_n(&self) -> f32 {
-        self.slice.map_or(0.0, |slice| self.search.error_n(&slice))
+    pub fn error_n(&mut self) -> f32 {
+        self.slice.as_ref().map_or(0.0, |slice| self.search.error_n(slice))
     }
 
     /// Takes a sample while the probe goes down.
     pub fn step(&mut self, config: &PalpationConfig, table: &Table<'_>, sample: Sample) -> Progress {
+        self.taken = self.taken.saturating_add(1);
+        if !(sample.probe_mm.is_finite() && sample.force_n.is_finite()) {
+            self.bad = self.bad.saturating_add(1);
+            return if self.has_contact() { Progress::Pressing } else { Progress::Approaching };
+        }
         let Some(point) = self.point else {
             if !self.contact.step(&config.contact, sample) {
                 return Progress::Approaching;
@@ -229,12 +241,11 @@ impl Palpation {
         self.recognition.is_some()
     }
 
-    /// True if more than a tenth of the samples in contact lie deeper than the table reaches: what is left of the press is not the press
-    /// that was asked for, and the deepest part tells materials apart best.
-    fn deeper_than(&self, depth_max_mm: f32) -> bool {
+    /// The samples, counted.
+    fn readings(&self, depth_max_mm: f32) -> Readings {
         let height_mm = self.point.map_or(0.0, |p| p.height_mm);
-        let deeper = |depth_mm: f32| self.record.samples().iter().filter(|s| height_mm - s.probe_mm > depth_mm).count();
-        10 * deeper(depth_max_mm) > deeper(0.0)
+        let samples = self.record.samples().iter().map(|s| (height_mm - s.probe_mm, s.force_n));
+        Readings { bad: self.bad, all: self.taken, ..Readings::of(samples, depth_max_mm) }
     }
 
     /// The Kalman filter's result for palpation number `palpation`; `None` before the analysis has ended, or if the filter had no sample to use.
@@ -252,6 +263,20 @@ impl Palpation {
             noise_n: point.noise_n.max(config.analysis.noise_floor_n),
             samples: filtered.samples,
         })
+    }
+
+    /// What is sent of palpation number `motion.number`: the filter's estimate, if the palpation was identified, and the verdict, as
+    /// [`Palpation::verdict`].
+    pub fn report(
+        &self,
+        config: &PalpationConfig,
+        table: Option<&Table<'_>>,
+        ended: Outcome,
+        motion: Motion,
+    ) -> (Option<Estimate>, Verdict) {
+        let verdict = self.verdict(config, table, ended, motion);
+        let identified = verdict.outcome == Outcome::Identified;
+        (self.estimate(config, motion.number).filter(|_| identified), verdict)
     }
 
     /// The verdict. `ended` is how the motion ended ([`Outcome::Identified`] for full depth); an analysis that was not run to its end
@@ -280,33 +305,34 @@ impl Palpation {
             tick_max_us: motion.tick_max_us,
             tick_mean_us: motion.tick_mean_us,
         };
-        if ended != Outcome::Identified {
+        let readings = self.readings(table.map_or(f32::INFINITY, Table::depth_max_mm));
+        let refused = readings.refused(&config.readings);
+        let judged = matches!(ended, Outcome::Identified | Outcome::NoContact | Outcome::TooShort);
+        if judged && refused == Some(Outcome::BadReadings) {
+            verdict.outcome = Outcome::BadReadings;
+        }
+        if verdict.outcome != Outcome::Identified {
             return verdict;
         }
         let (Some(slice), Some(table), Some(found)) = (&self.slice, table, &self.found) else {
-            verdict.outcome = Outcome::TooShort;
+            verdict.outcome = refused.unwrap_or(Outcome::TooShort);
             return verdict;
         };
-        if verdict.samples < config.samples_min {
-            verdict.outcome = Outcome::TooShort;
+        if let Some(refused) = refused {
+            verdict.outcome = refused;
             return verdict;
         }
-        if self.deeper_than(table.depth_max_mm()) {
-            verdict.outcome = Outcome::DeeperThanTable;
-            return verdict;
-        }
-        let at_edge = match &self.fitted {
-            Some(fitted) => {
-                (verdict.mu_mpa, verdict.alpha) = (fitted.mu_mpa, fitted.alpha);
-                fitted.at_edge
-            }
+        let (mu_mpa, alpha, at_edge) = match &self.fitted {
+            Some(fitted) => (fitted.mu_mpa, fitted.alpha, fitted.at_edge),
             None => {
-                (verdict.mu_mpa, verdict.alpha) = slice.parameters(table, found.index);
-                found.at_edge
+                let (mu_mpa, alpha) = slice.parameters(table, found.index);
+                (mu_mpa, alpha, found.at_edge)
             }
         };
         if at_edge {
             verdict.outcome = Outcome::GridEdge;
+        } else {
+            (verdict.mu_mpa, verdict.alpha) = (mu_mpa, alpha);
         }
         verdict.error_n = found.error_n;
         verdict.runner_up_error_n = found.runner_up_error_n;

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
+use firmware::recognition::Intervals;
 use lut_gen::contact::Ball;
 use lut_gen::law::PronyTerm;
 use lut_gen::model::Specimen;
 use lut_gen::solve::Base;
 use lut_gen::table::{self, ForceGrid, Form, GridSpec};
 use miette::{IntoDiagnostic, WrapErr, miette};
-use protocol::lut::Table;
+use protocol::lut::{Material, Table};
 use serde_json::{Value, json};
 
 use crate::report::number;
@@ -228,7 +229,16 @@ fn described(table: &Table<'_>, length: usize) -> Value {
         "rows": table.rows(), "columns": table.columns(), "provenance": table.provenance(),
         "error_bound": {"discretisation": error.discretisation, "interpolation": error.interpolation,
                         "quantisation": error.quantisation, "total": error.total()},
-        "materials": table.materials().map(|m| json!({"name": m.name, "mu_MPa": m.mu_mpa, "alpha": m.alpha, "height_mm": m.height_mm, "rate_mm_s": m.rate_mm_s})).collect::<Vec<Value>>(),
+        "materials": table.materials().map(|m| material(table, &m)).collect::<Vec<Value>>(),
+    })
+}
+
+/// A library material, and the parameters that presses it stands for may have.
+fn material(table: &Table<'_>, m: &Material<'_>) -> Value {
+    let intervals = Intervals::of(table, m);
+    json!({
+        "name": m.name, "mu_MPa": m.mu_mpa, "alpha": m.alpha, "height_mm": m.height_mm, "rate_mm_s": m.rate_mm_s,
+        "acceptance": m.acceptance, "mu_interval_MPa": intervals.map(|i| i.mu_mpa), "alpha_interval": intervals.map(|i| i.alpha),
     })
 }
 
@@ -254,11 +264,16 @@ fn print(table: &Table<'_>, length: usize) {
     );
     for material in table.materials() {
         println!(
-            "material    {:10} mu {} MPa, alpha {}, height {} mm",
+            "material    {:10} mu {} MPa, alpha {}, height {} mm; accepted within {} % of its force{}",
             material.name,
             number(f64::from(material.mu_mpa)),
             number(f64::from(material.alpha)),
-            number(f64::from(material.height_mm))
+            number(f64::from(material.height_mm)),
+            percent(material.acceptance),
+            Intervals::of(table, &material).map_or(String::new(), |i| format!(
+                ": mu {:.4} to {:.4}, or alpha {:.2} to {:.2}",
+                i.mu_mpa.0, i.mu_mpa.1, i.alpha.0, i.alpha.1
+            ))
         );
     }
     println!("provenance  {}", table.provenance());

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use protocol::message::{Hello, Outcome, Slot};
+use protocol::message::{Hello, Outcome, Slot, Verdict};
 use serde_json::{Value, json};
 
 use super::{Displayed, Options, Palpated};
@@ -112,6 +112,11 @@ impl Summary {
     }
 }
 
+/// mu and alpha of a verdict that gives them.
+fn parameters(v: &Verdict) -> Option<(f32, f32)> {
+    (v.outcome == Outcome::Identified).then_some((v.mu_mpa, v.alpha))
+}
+
 fn row(p: &Palpated) -> Vec<String> {
     let v = &p.verdict;
     let identified = match v.outcome {
@@ -119,14 +124,15 @@ fn row(p: &Palpated) -> Vec<String> {
         Outcome::Identified | Outcome::GridEdge => "none".into(),
         other => format!("({other:?})"),
     };
+    let given = parameters(v);
     vec![
         p.number.to_string(),
         p.truth.clone(),
         identified,
         format!("{:.4}", p.true_mu_mpa),
-        format!("{:.4}", v.mu_mpa),
+        given.map_or("-".into(), |(mu, _)| format!("{mu:.4}")),
         format!("{:.2}", p.true_alpha),
-        format!("{:.2}", v.alpha),
+        given.map_or("-".into(), |(_, alpha)| format!("{alpha:.2}")),
         format!("{:.3}", v.material.margin),
         format!("{:.1}", v.tick_mean_us),
         v.tick_max_us.to_string(),
@@ -142,12 +148,13 @@ fn palpation_json(p: &Palpated) -> Value {
         "recognised": p.recognised(),
         "outcome": format!("{:?}", v.outcome),
         "true_mu_MPa": p.true_mu_mpa,
-        "mu_MPa": v.mu_mpa,
+        "mu_MPa": parameters(v).map(|(mu, _)| mu),
         "true_alpha": p.true_alpha,
-        "alpha": v.alpha,
+        "alpha": parameters(v).map(|(_, alpha)| alpha),
         "margin": v.material.margin,
         "grid_margin": v.margin,
         "material_error_N": v.material.error_n,
+        "material_limit_N": v.material.limit_n,
         "error_N": v.error_n,
         "height_mm": v.height_mm,
         "samples": v.samples,

@@ -48,6 +48,8 @@ wire! {
         pub runner_up_error_n: f32,
         /// `1 - error_n / runner_up_error_n`.
         pub margin: f32,
+        /// Error up to which the nearest material would be named, N: its acceptance, widened by the noise before contact.
+        pub limit_n: f32,
     }
 }
 
@@ -85,7 +87,7 @@ wire! {
     pub enum Outcome {
         /// Full depth reached, best column inside the grid.
         Identified,
-        /// The best column lies on the edge of the grid: the material may be outside.
+        /// The best column lies on the edge of the grid: the material may be outside. The library is compared nevertheless, parameters are not given.
         GridEdge,
         /// The probe reached the end of its travel without contact.
         NoContact,
@@ -97,7 +99,11 @@ wire! {
         Aborted,
         /// No slice of the table is near the commanded rate.
         NoSuchRate,
-        /// The ball went deeper than the table reaches, for more than a tenth of the samples in contact.
+        /// The ball went deeper than the table reaches, for more than a sixth of the samples in contact.
         DeeperThanTable,
+        /// More than a tenth of the readings were no numbers.
+        BadReadings,
+        /// The load cell read the same largest force while the ball went deeper: it is at its end.
+        Saturated,
     }
 }

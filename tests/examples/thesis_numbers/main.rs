@@ -83,7 +83,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (bounds, successes) = bounding::measure(&docs)?;
     rows.extend(bounds);
     rows.extend(times::rows()?);
-    rows.extend(inverse::rows()?);
+    let (inverse, six) = inverse::measure()?;
+    rows.extend(inverse);
     let sections = [
         ("rows", row::table(&rows)),
         ("assumptions", assumptions::table(&conditions)),
@@ -91,6 +92,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("what if", what_if::table(&bench, &docs)?),
         ("spread", spread::table(&bench, &studies)),
         ("bounding", successes),
+        ("six parameters", six),
     ];
     let path = docs.join("thesis-numbers.md");
     let mut text = std::fs::read_to_string(&path)?;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use palpate::report::figure::{Axis, Figure, Series, Stroke};
+use protocol::message::Outcome;
 use tests::palpations::{DEPTH_MM, Palpated, RATES_MM_S, Study, THESIS_COUNTS};
 
 use super::{Bench, save};
@@ -57,7 +58,8 @@ impl Way {
         match self {
             Way::Board => {
                 let verdict = &palpated.judged.verdict;
-                Some((f64::from(verdict.mu_mpa), f64::from(verdict.alpha)))
+                let given = verdict.outcome == Outcome::Identified;
+                given.then_some((f64::from(verdict.mu_mpa), f64::from(verdict.alpha)))
             }
             Way::Kalman => {
                 let estimate = &palpated.judged.filtered.as_ref()?.estimate;

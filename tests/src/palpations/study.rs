@@ -1,6 +1,7 @@
 //! Many palpations at one rate, counted.
 
 use protocol::lut::Table;
+use protocol::message::Outcome;
 
 use super::{Conditions, Judged, PressedFoam, RATES_MM_S, Spread, ThesisWay, by_threshold, judge, session};
 
@@ -100,9 +101,10 @@ impl Study {
         Count { right, of: self.of(foam).count() }
     }
 
-    /// Spread of the exponent that the board found for a foam.
+    /// Spread of the exponent that the board found for a foam, over the presses for which it gave one.
     pub fn alpha(&self, foam: usize) -> Spread {
-        Spread::of(&self.of(Some(foam)).map(|p| f64::from(p.judged.verdict.alpha)).collect::<Vec<_>>())
+        let given = |p: &&Palpated| p.judged.verdict.outcome == Outcome::Identified;
+        Spread::of(&self.of(Some(foam)).filter(given).map(|p| f64::from(p.judged.verdict.alpha)).collect::<Vec<_>>())
     }
 
     /// Spread of the exponent that the thesis' way found for a foam.

@@ -58,10 +58,14 @@ pub fn verdict_text(verdict: &Verdict, library: &[String]) -> String {
                 None if verdict.material.index == Recognition::NONE => "not in the library".into(),
                 None => format!("material {}", verdict.material.index),
             };
-            let edge = if verdict.outcome == Outcome::GridEdge { " (at the edge of the grid)" } else { "" };
+            let parameters = if verdict.outcome == Outcome::GridEdge {
+                "outside the table's grid or on its edge, no parameters".into()
+            } else {
+                format!("mu {:.4} MPa, alpha {:.2}", verdict.mu_mpa, verdict.alpha)
+            };
             format!(
-                "{head}: {material}, mu {:.4} MPa, alpha {:.2}{edge}, margin {:.2}, {} samples, height {:.2} mm",
-                verdict.mu_mpa, verdict.alpha, verdict.material.margin, verdict.samples, verdict.height_mm,
+                "{head}: {material}, {parameters}, margin {:.2}, {} samples, height {:.2} mm",
+                verdict.material.margin, verdict.samples, verdict.height_mm,
             )
         }
         Outcome::NoContact => format!("{head}: no contact before the end of the travel"),
@@ -74,5 +78,7 @@ pub fn verdict_text(verdict: &Verdict, library: &[String]) -> String {
             format!("{head}: no slice of the table is near the rate of {:.2} mm/s", verdict.rate_mm_s)
         }
         Outcome::DeeperThanTable => format!("{head}: the ball went deeper than the table reaches"),
+        Outcome::BadReadings => format!("{head}: more than a tenth of the readings were no numbers"),
+        Outcome::Saturated => format!("{head}: the load cell reached its end and read no further"),
     }
 }
