@@ -30,6 +30,9 @@ pub struct Arguments {
     /// Starts of the studies terms and rivals [default: 24 and 50]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     starts: Option<u16>,
+    /// Prony terms of the study curve, 0 to 2; with any the holds are fitted as well
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=2))]
+    relax: u8,
     #[command(flatten)]
     foam: Simulated,
 }
@@ -59,8 +62,14 @@ struct Simulated {
 enum Name {
     /// Map of Eq. 14 over mu and alpha, with the paths of all starts (Figs. 9, 10, 13)
     Objective,
+    /// Parameters against depth for each ball, and where the trends meet (Fig. 11)
+    Depth,
+    /// Measured against predicted, also across balls, with residuals (Figs. 12, 14)
+    Curve,
     /// Two terms fitted to a foam of one: the kinds of equivalent optimum (Table 2)
     Terms,
+    /// Rival optimisers on one problem: evaluations, time, success from random starts (Fig. 89)
+    Rivals,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -105,12 +114,18 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let told = |what: &str, done: usize, total: usize| progress.set(what, done, total);
     let findings = match arguments.name {
         Name::Objective => study::objective::study(&subject, &told),
+        Name::Depth => study::depth::study(&subject, arguments.foam.seed, &told),
+        Name::Curve => study::curve::study(&subject, arguments.relax.into(), &told),
         Name::Terms => {
             let effort = study::terms::Effort {
                 starts: arguments.starts.map_or(24, usize::from),
                 resolution: Resolution::Standard,
             };
             study::terms::study(&subject, &effort, &told)
+        }
+        Name::Rivals => {
+            let starts = arguments.starts.map_or(50, usize::from);
+            study::rivals::study(&subject, starts, arguments.foam.seed, &told)
         }
     };
     progress.end();
