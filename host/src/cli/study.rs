@@ -50,6 +50,9 @@ struct Simulated {
     /// Its exponent [default: the foam's]
     #[arg(long, conflicts_with = "experiment")]
     alpha: Option<f64>,
+    /// Radii of the balls, mm, separated by commas
+    #[arg(long, value_name = "MM", value_delimiter = ',', default_values_t = [4.0, 6.0], conflicts_with = "experiment")]
+    balls_mm: Vec<f64>,
     /// Noise of a sample, percent of the largest force
     #[arg(long, value_name = "PERCENT", default_value_t = 1.0, conflicts_with = "experiment")]
     noise: f64,
@@ -88,6 +91,13 @@ impl Simulated {
         foam.alpha = within("--alpha", self.alpha.unwrap_or(foam.alpha), (1.0, 24.0), "must lie in 1..=24")?;
         foam.noise = within("--noise", self.noise, (0.0, 50.0), "must lie in 0..=50 percent")? / 100.0;
         foam.seed = self.seed;
+        for radius_mm in &self.balls_mm {
+            within("--balls-mm", *radius_mm, (1.0, 8.0), "must lie in 1..=8 mm")?;
+        }
+        // A little above the equator of the smallest ball, and no deeper than the thesis went.
+        let smallest_mm = self.balls_mm.iter().copied().fold(f64::INFINITY, f64::min);
+        foam.depth_mm = foam.depth_mm.min(0.975 * smallest_mm);
+        foam.balls_mm.clone_from(&self.balls_mm);
         Ok(foam)
     }
 }

@@ -1,5 +1,6 @@
 //! The objective over (alpha, mu) with the paths of all simplex searches (as thesis Fig. 9).
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::identify::multistart::Search;
@@ -134,6 +135,9 @@ fn cells(svg: &mut String, search: &Search, x: &Scale, y: &Scale) {
     let (columns, rows) = (map.alpha.len() - 1, map.mu_mpa.len() - 1);
     let cell_w = (x.high_px - x.low_px) / (columns * FINER) as f64;
     let cell_h = (y.low_px - y.high_px) / (rows * FINER) as f64;
+    // A little overlap hides the seams. One path a shade: a third of the text of one rectangle a cell.
+    let (width, height) = (cell_w + 0.4, cell_h + 0.4);
+    let mut shades: BTreeMap<(u8, u8, u8), String> = BTreeMap::new();
     for r in 0..rows * FINER {
         for c in 0..columns * FINER {
             let (i, j) = (c / FINER, r / FINER);
@@ -142,18 +146,17 @@ fn cells(svg: &mut String, search: &Search, x: &Scale, y: &Scale) {
             let at = |dj: usize, di: usize| shade(map.value[j + dj][i + di]);
             let s = (1.0 - v) * ((1.0 - u) * at(0, 0) + u * at(0, 1)) + v * ((1.0 - u) * at(1, 0) + u * at(1, 1));
             let mix = |light: f64, deep: f64| (deep + s * (light - deep)).round() as u8;
+            let colour = (mix(LIGHT.0, DEEP.0), mix(LIGHT.1, DEEP.1), mix(LIGHT.2, DEEP.2));
             let _ = write!(
-                svg,
-                "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#{:02x}{:02x}{:02x}\"/>",
+                shades.entry(colour).or_default(),
+                "M{:.1} {:.1}h{width:.1}v{height:.1}h-{width:.1}z",
                 x.low_px + c as f64 * cell_w,
-                y.low_px - (r + 1) as f64 * cell_h,
-                cell_w + 0.4,
-                cell_h + 0.4,
-                mix(LIGHT.0, DEEP.0),
-                mix(LIGHT.1, DEEP.1),
-                mix(LIGHT.2, DEEP.2)
+                y.low_px - (r + 1) as f64 * cell_h
             );
         }
+    }
+    for ((red, green, blue), cells) in shades {
+        let _ = write!(svg, "<path fill=\"#{red:02x}{green:02x}{blue:02x}\" d=\"{cells}\"/>");
     }
 }
 

@@ -189,7 +189,7 @@ fn of_json(curve: &Curve) -> Value {
 fn pictures(subject: &Subject, curves: &[Curve], over_time: bool) -> Vec<Picture> {
     let x = || Axis::new(if over_time { "time since the peak (s)" } else { "depth past contact (mm)" });
     let mut forces = Figure::new("Measured and predicted force", x(), Axis::new("force (N)"));
-    let mut left = Figure::new("Measured minus predicted", x(), Axis::new("force (% of the run's peak)"));
+    let mut left = Figure::new("Measured minus fitted", x(), Axis::new("force (% of the run's peak)"));
     left.size.1 = 280.0;
     let mut named: Vec<usize> = Vec::new();
     for curve in curves {
@@ -204,18 +204,19 @@ fn pictures(subject: &Subject, curves: &[Curve], over_time: bool) -> Vec<Picture
             |values: &[f64]| -> Vec<(f64, f64)> { curve.place.iter().copied().zip(values.iter().copied()).collect() };
         let every = curve.place.len().div_ceil(DRAWN).max(1);
         let circles = over(&curve.measured_n).into_iter().step_by(every).collect();
-        let share =
-            |model: &[f64]| -> Vec<f64> { curve.left(model).map(|left| 100.0 * left / curve.peak_n()).collect() };
+        let share = |difference: f64| 100.0 * difference / curve.peak_n();
+        let scatter: Vec<f64> = curve.left(&curve.fitted_n).map(share).collect();
         forces = forces.with(Series::new("", circles, Stroke::Circles, colour)).with(Series::new(
             &name(""),
             over(&curve.fitted_n),
             Stroke::Solid,
             colour,
         ));
-        left = left.with(Series::new(&name(""), over(&share(&curve.fitted_n)), Stroke::Solid, colour));
+        left = left.with(Series::new(&name(""), over(&scatter), Stroke::Circles, colour));
         if !curve.predicted_n.is_empty() {
+            let between = curve.predicted_n.iter().zip(&curve.fitted_n).map(|(p, f)| share(p - f)).collect::<Vec<_>>();
             forces = forces.with(Series::new(&name(", others"), over(&curve.predicted_n), Stroke::Dashed, colour));
-            left = left.with(Series::new(&name(", others"), over(&share(&curve.predicted_n)), Stroke::Dashed, colour));
+            left = left.with(Series::new(&name(", others"), over(&between), Stroke::Dashed, colour));
         }
     }
     let caption = "Circles: measured; solid: fitted to all balls; dashed: predicted from the other balls alone.";
@@ -224,7 +225,7 @@ fn pictures(subject: &Subject, curves: &[Curve], over_time: bool) -> Vec<Picture
         Picture {
             file: "study-curve-residual".to_owned(),
             svg: left.svg(),
-            caption: "What is left over. A curve that waves instead of scattering is misfit, not noise.".to_owned(),
+            caption: "Circles: what the fit leaves over; circles that wave instead of scattering are misfit, not noise. Dashed: the prediction from the other balls minus the fit.".to_owned(),
         },
     ]
 }

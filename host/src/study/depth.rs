@@ -57,6 +57,8 @@ pub struct Depths {
     pub meeting: Option<Meeting>,
     /// The same with early contact points.
     pub early_meeting: Option<[f64; 2]>,
+    /// All balls at their full depths together: mu in MPa and alpha, each with the ends of its 95 % interval.
+    pub joint: Option<[(f64, f64, f64); 2]>,
     /// Finite-element solves.
     pub solves: usize,
 }
@@ -136,7 +138,11 @@ pub fn depths(subject: &Subject, seed: u64, progress: &Progress<'_>) -> Result<D
     }
     progress("depths", balls.len() * SHARES.len(), balls.len() * SHARES.len());
     let (meeting, early_meeting) = meetings(&found, &sensitivities, seed);
-    Ok(Depths { balls: found, meeting, early_meeting, solves: model.solves() })
+    let together = identify_from(&subject.experiment, &subject.material, &spec, &source)?;
+    let shown = |p: &Parameter| (p.value, p.interval95.low, p.interval95.high);
+    let both = |fit: &Fit| Some([shown(parameter(fit, "mu_MPa")?), shown(parameter(fit, "alpha")?)]);
+    let joint = together.fit.as_ref().and_then(both);
+    Ok(Depths { balls: found, meeting, early_meeting, joint, solves: model.solves() })
 }
 
 /// Logarithms of alpha and mu of a ball's points.
@@ -253,6 +259,9 @@ pub fn study(subject: &Subject, seed: u64, progress: &Progress<'_>) -> Result<Fi
                 "mu_MPa": m.value[0], "mu_interval95": [m.interval[0].0, m.interval[0].1],
                 "alpha": m.value[1], "alpha_interval95": [m.interval[1].0, m.interval[1].1],
             })))),
+            ("joint".to_owned(), json!(found.joint.map(|[mu, alpha]| json!({
+                "mu_MPa": mu.0, "mu_interval95": [mu.1, mu.2], "alpha": alpha.0, "alpha_interval95": [alpha.1, alpha.2],
+            })))),
             ("early_contact_mm".to_owned(), json!(EARLY_MM)),
             ("early_meeting".to_owned(), json!(found.early_meeting.map(|[mu, alpha]| json!({"mu_MPa": mu, "alpha": alpha})))),
             ("fe_solves".to_owned(), json!(found.solves)),
@@ -311,16 +320,34 @@ fn answer(found: &Depths, subject: &Subject) -> Vec<String> {
         )),
         None => answer.push("there are no two trends that meet".to_owned()),
     }
-    let ends = |of: &dyn Fn(&Point) -> f64| {
-        let shift = |ball: &Ball| {
-            let (first, last) = (ball.points.first()?, ball.points.last()?);
-            Some(format!("{} %, {} % with the {}", number(100.0 * of(first)), number(100.0 * of(last)), ball.name))
-        };
-        found.balls.iter().filter_map(shift).collect::<Vec<_>>().join("; ")
+    if let (Some([mu, alpha]), true) = (found.joint, found.balls.len() > 1) {
+        answer.push(format!(
+            "one fit to all balls at full depth says mu {} MPa ({} to {}) and alpha {} ({} to {})",
+            number(mu.0),
+            number(mu.1),
+            number(mu.2),
+            number(alpha.0),
+            number(alpha.1),
+            number(alpha.2)
+        ));
+    }
+    for ball in found.balls.iter().filter(|ball| ball.points.len() < SHARES.len()) {
+        answer.push(format!(
+            "{}: {} of {} cuts are too shallow to identify anything from",
+            ball.name,
+            SHARES.len() - ball.points.len(),
+            SHARES.len()
+        ));
+    }
+    let percent = |point: &Point| number(100.0 * (point.early[1] / point.value[1] - 1.0));
+    let shift = |ball: &Ball| {
+        let (first, last) = (ball.points.first()?, ball.points.last()?);
+        let (from, to) = (number(first.depth_mm), number(last.depth_mm));
+        Some(format!("{}: {} % at {from} mm, {} % at {to} mm", ball.name, percent(first), percent(last)))
     };
     answer.push(format!(
-        "a contact point {EARLY_MM} mm early moves alpha, at the shallowest and the deepest cut, by {}: a cause of trends with depth and ball that vanish as the ball goes deeper",
-        ends(&|point| point.early[1] / point.value[1] - 1.0)
+        "a contact point {EARLY_MM} mm early alone makes alpha depend on depth and ball; it moves it by ({})",
+        found.balls.iter().filter_map(shift).collect::<Vec<_>>().join("; ")
     ));
     if let (Some([mu, alpha]), true) = (found.early_meeting, subject.foam.is_some()) {
         answer.push(format!("with early contact the trends meet at mu {} MPa and alpha {}", number(mu), number(alpha)));

@@ -19,8 +19,16 @@ pub fn all(found: &Depths, subject: &Subject) -> Vec<Picture> {
     vec![
         against_depth(found, truth, 1, "alpha", "study-depth-alpha"),
         against_depth(found, truth, 0, "mu (MPa)", "study-depth-mu"),
-        plane(found, truth, meeting, &|point| point.value, "contact points fitted", "study-depth-plane"),
-        plane(found, truth, found.early_meeting, &|point| point.early, &held, "study-depth-early"),
+        plane(
+            found,
+            truth,
+            meeting,
+            found.joint.filter(|_| found.balls.len() > 1),
+            &|point| point.value,
+            "contact points fitted",
+            "study-depth-plane",
+        ),
+        plane(found, truth, found.early_meeting, None, &|point| point.early, &held, "study-depth-early"),
     ]
 }
 
@@ -73,15 +81,12 @@ fn plane(
     found: &Depths,
     truth: Option<[f64; 2]>,
     meeting: Option<[f64; 2]>,
+    joint: Option<[(f64, f64, f64); 2]>,
     of: &dyn Fn(&Point) -> [f64; 2],
     how: &str,
     file: &str,
 ) -> Picture {
-    let mut figure = Figure::new(
-        &format!("Both parameters: {how}"),
-        Axis::new("alpha").logarithmic(),
-        Axis::new("mu (MPa)").logarithmic(),
-    );
+    let mut figure = Figure::new(&format!("Both parameters: {how}"), Axis::new("alpha"), Axis::new("mu (MPa)"));
     for (colour, ball) in found.balls.iter().enumerate() {
         figure = with_ball(figure, ball, of, colour, meeting);
     }
@@ -90,6 +95,11 @@ fn plane(
     }
     if let Some([mu, alpha]) = meeting {
         figure = figure.with(Series::new("trends meet", diamond(alpha, mu), Stroke::Solid, 3));
+    }
+    if let Some([(mu, mu_low, mu_high), (alpha, alpha_low, alpha_high)]) = joint {
+        let pen_up = (f64::NAN, f64::NAN);
+        let bars = vec![(alpha_low, mu), (alpha_high, mu), pen_up, (alpha, mu_low), (alpha, mu_high)];
+        figure = figure.with(Series::new("one fit to all", bars, Stroke::Solid, 2));
     }
     Picture {
         file: file.to_owned(),
@@ -114,8 +124,10 @@ fn with_ball(
         let own = logarithms.iter().map(|point| line.place(*point));
         let crossed = meeting.map(|[mu, alpha]| line.place([alpha.ln(), mu.ln()]));
         let (from, to) = own.chain(crossed).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
-        let ends = [from, to].map(|t| line.at(t)).map(|[alpha, mu]| (alpha.exp(), mu.exp()));
-        figure = figure.with(Series::new("", ends.to_vec(), Stroke::Dashed, colour));
+        // Straight in the logarithms, so bent here.
+        let places = (0..=40).map(|i| from + (to - from) * f64::from(i) / 40.0);
+        let bent = places.map(|t| line.at(t)).map(|[alpha, mu]| (alpha.exp(), mu.exp())).collect();
+        figure = figure.with(Series::new("", bent, Stroke::Dashed, colour));
     }
     if let Some(&(alpha, mu)) = points.last() {
         figure = figure.with(Series::new("", ring(alpha, mu), Stroke::Solid, colour));
@@ -123,7 +135,7 @@ fn with_ball(
     figure.with(Series::new(&ball.name, points, Stroke::Dots, colour))
 }
 
-/// Sizes of marks as factors, because both axes are logarithmic.
+/// Sizes of marks as shares of the values.
 fn cross(x: f64, y: f64) -> Vec<(f64, f64)> {
     vec![(x / 1.04, y), (x * 1.04, y), (f64::NAN, f64::NAN), (x, y / 1.04), (x, y * 1.04)]
 }
