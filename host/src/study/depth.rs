@@ -23,6 +23,8 @@ mod picture;
 const SHARES: [f64; 7] = [0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
 /// A contact point taken this much too early (mm) is one sample and a half at 1 mm/s and 50 Hz.
 pub const EARLY_MM: f64 = 0.03;
+/// A meeting point whose interval of alpha is this many times longer than the joint fit's is called poorly known.
+const VAGUE: f64 = 2.0;
 /// Draws behind the interval of the meeting point.
 const DRAWS: usize = 1000;
 
@@ -330,6 +332,14 @@ fn answer(found: &Depths, subject: &Subject) -> Vec<String> {
             number(alpha.1),
             number(alpha.2)
         ));
+    }
+    if let (Some(meeting), Some([_, alpha])) = (&found.meeting, found.joint) {
+        let (low, high) = meeting.interval[1];
+        if (high / low).ln() > VAGUE * (alpha.2 / alpha.1).ln() {
+            answer.push(
+                "both trends run along the same valley of the objective, so that where they cross is poorly known; the joint fit is the better answer".to_owned(),
+            );
+        }
     }
     for ball in found.balls.iter().filter(|ball| ball.points.len() < SHARES.len()) {
         answer.push(format!(

@@ -269,14 +269,17 @@ pub fn study(subject: &Subject, effort: &Effort, progress: &Progress<'_>) -> Res
     let said = sentences(subject, &selection, effort)?;
     let count = |kind: Optimum| ends.iter().filter(|end| end.optimum == kind).count();
     let mut answer: Vec<String> = Vec::new();
-    let counted: Vec<String> = Optimum::ALL
-        .iter()
-        .map(|&kind| format!("{} of {} starts end at {}", count(kind), ends.len(), kind.word()))
-        .collect();
-    answer.push(counted.join("; "));
+    let ended = |kind: &Optimum| format!("{} at {}", count(*kind), kind.word());
+    let counted: Vec<String> = Optimum::ALL[..3].iter().map(ended).collect();
+    answer.push(format!(
+        "of {} starts end {}; {} at a mixture of two different terms",
+        ends.len(),
+        counted.join(", "),
+        count(Optimum::Mixture)
+    ));
     let farthest = ends.iter().map(|end| end.above_best).fold(0.0, f64::max);
     answer.push(format!(
-        "their losses differ by {} at most, where 3.84 is the width of a 95 % interval: {}",
+        "their losses differ by {} at most, where a 95 % interval reaches to 3.84: {}",
         number(farthest),
         if farthest < 3.84 { "they are one optimum to these data" } else { "not all of them are equally good" }
     ));

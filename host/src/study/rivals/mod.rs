@@ -227,7 +227,7 @@ fn how(landscape: &Landscape, race: &Race, starts: usize, model_solves: usize, s
         ),
         "Objective: mean square of the differences, each relative to the largest force of its run. Eq. 14 adds absolute values; four of the methods need squares or slopes.".to_owned(),
         format!(
-            "Success: the mean square comes within {} standard errors of the best known optimum ({:.3e}, mu {} MPa, alpha {}), that is below {:.3e}; loosely: within {} of them.",
+            "Success: the mean square comes within {} standard errors of the best known optimum ({:.6e}, mu {} MPa, alpha {}), that is below {:.6e}; loosely: within {} of them.",
             number(NEAR),
             race.best.0,
             number(race.best.1),
@@ -250,7 +250,7 @@ fn answer(race: &Race, conditions: usize, (solves, seconds): (usize, f64)) -> Ve
     let mut answer = Vec::new();
     if let Some((record, price)) = quotients.min_by(|a, b| a.1.total_cmp(&b.1)) {
         answer.push(format!(
-            "without sensitivities the cheapest is {}: {} evaluations a success, {} solves were each a solve",
+            "without sensitivities the cheapest is {}: {} evaluations a success, which would be {} finite-element solves were each one a ball",
             record.method.word(),
             number(price.round()),
             number((price * conditions as f64).round())
