@@ -96,7 +96,7 @@ fn two_terms_end_where_they_are_one() {
 fn other_laws_are_refused_by_name() {
     let mut subject = Subject::simulated(Foam { balls_mm: vec![4.0], ..coarse() }).unwrap();
     subject.experiment.specimens[0].terms = 2;
-    let error = subject.foam_selection("depth").unwrap_err();
+    let error = subject.foam_selection("depth", false).unwrap_err();
     assert!(matches!(error, StudyError::NotOneTermFoam { .. }));
     assert!(error.to_string().contains("\"EVA\" is declared as hyperfoam, 2 term(s)"), "{error}");
 }

@@ -60,7 +60,7 @@ impl Strip {
         }
         let _ = write!(
             svg,
-            "<path d=\"M{LEFT_PX} {floor:.1}H{:.1}\" stroke=\"#333\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text></svg>\n",
+            "<path d=\"M{LEFT_PX} {floor:.1}H{:.1}\" stroke=\"#333\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text></svg>",
             x.high_px,
             0.5 * (x.low_px + x.high_px),
             floor + 36.0,
@@ -69,6 +69,7 @@ impl Strip {
             TOP_PX - 8.0,
             escaped(&self.note)
         );
+        svg.push('\n');
         svg
     }
 }

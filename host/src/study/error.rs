@@ -28,7 +28,7 @@ pub enum StudyError {
     },
     /// The material declares another law.
     #[error(
-        "the study \"{study}\" is about mu and alpha of a one-term hyperfoam of known height; \"{material}\" is declared as {declared}"
+        "the study \"{study}\" is about mu and alpha of a one-term hyperfoam, with the height known except for \"objective\"; \"{material}\" is declared as {declared}"
     )]
     NotOneTermFoam {
         /// Name of the study.

@@ -50,7 +50,7 @@ pub struct Panel {
 /// # Errors
 /// Data that cannot be used, or a failing solve.
 pub fn panels(subject: &Subject, progress: &Progress<'_>) -> Result<(Vec<Panel>, usize), StudyError> {
-    let selection = subject.foam_selection("objective")?;
+    let selection = subject.foam_selection("objective", true)?;
     let model = FeModel::build(&subject.experiment, &selection, progress)?;
     let balls = subject.balls(&selection);
     let mut choices: Vec<(String, Vec<usize>)> =

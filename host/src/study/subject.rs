@@ -225,16 +225,16 @@ impl Subject {
         Err(StudyError::NothingToFit { material: self.material.clone(), reason })
     }
 
-    /// The same, for studies of mu and alpha alone.
+    /// The same, for studies of mu and alpha; with `free_heights` a height may be unknown as well.
     ///
     /// # Errors
     /// When the specimens declare something else, or there is no curve.
-    pub fn foam_selection(&self, study: &'static str) -> Result<Selection, StudyError> {
+    pub fn foam_selection(&self, study: &'static str, free_heights: bool) -> Result<Selection, StudyError> {
         let selection = self.selection()?;
         let law = |base| if base == BaseLaw::Ogden { "ogden" } else { "hyperfoam" };
         for pairing in &selection.pairings {
             let specimen = &self.experiment.specimens[pairing.specimen];
-            let known = matches!(pairing.height, Height::Known(_));
+            let known = free_heights || matches!(pairing.height, Height::Known(_));
             if specimen.base_law != BaseLaw::Hyperfoam || specimen.terms != 1 || !known {
                 let height = if known { "" } else { ", height unknown" };
                 return Err(StudyError::NotOneTermFoam {

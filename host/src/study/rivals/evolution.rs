@@ -78,7 +78,7 @@ impl Cma {
     fn generation(&mut self, problem: &Counted<'_>, chance: &mut Pcg64) -> bool {
         let n = self.mean.len();
         let eigen = SymmetricEigen::new(self.covariance.clone());
-        if eigen.eigenvalues.iter().any(|value| !(*value > 0.0)) {
+        if eigen.eigenvalues.iter().any(|value| value.is_nan() || *value <= 0.0) {
             return false;
         }
         let roots = eigen.eigenvalues.map(f64::sqrt);
