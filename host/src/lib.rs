@@ -11,4 +11,5 @@ pub mod plant;
 pub mod report;
 pub mod session;
 pub mod simulated_board;
+pub mod study;
 pub mod sweep;

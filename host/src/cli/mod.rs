@@ -8,6 +8,7 @@ pub mod identify;
 pub mod log;
 pub mod lut;
 pub mod progress;
+pub mod study;
 pub mod sweep;
 
 use std::process::ExitCode;
@@ -36,6 +37,8 @@ enum Command {
     Flash(flash::Arguments),
     /// Find a material's parameters in indentation recordings
     Identify(identify::Arguments),
+    /// Repeat a study of the thesis on your recordings or on a simulated foam, with pictures
+    Study(study::Arguments),
     /// Compute a look-up table by finite elements, sweep more parameters, or explain a table
     Lut(lut::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
@@ -54,6 +57,7 @@ pub fn main() -> ExitCode {
         Command::Board(arguments) => board::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };

@@ -116,6 +116,11 @@ impl FeModel {
         &self.messages
     }
 
+    /// The continuous model of a pairing.
+    pub fn force_model(&self, pairing: usize) -> &ForceModel {
+        &self.models[self.of_pairing[pairing]]
+    }
+
     /// One direct solve of a pairing, compared with the interpolating model: the largest
     /// difference over depth, relative to the largest force.
     ///

@@ -21,6 +21,8 @@ pub enum Stroke {
     DashDotted,
     /// Small open circles, for measured samples.
     Circles,
+    /// Filled dots, for few and important points.
+    Dots,
     /// A thin light line, for many or unimportant curves.
     Faint,
 }
@@ -34,7 +36,7 @@ impl Stroke {
             Stroke::Dashed => " stroke-dasharray=\"7 4\"",
             Stroke::Dotted => " stroke-dasharray=\"1.5 3.5\"",
             Stroke::DashDotted => " stroke-dasharray=\"8 3.5 1.5 3.5\"",
-            Stroke::Solid | Stroke::Circles | Stroke::Faint => "",
+            Stroke::Solid | Stroke::Circles | Stroke::Dots | Stroke::Faint => "",
         }
     }
 }
@@ -241,14 +243,13 @@ pub(super) fn frame(svg: &mut String, x: &Scale, y: &Scale, x_label: &str, y_lab
 
 fn draw(svg: &mut String, series: &Series, x: &Scale, y: &Scale) {
     let colour = COLOURS[series.colour % COLOURS.len()];
-    if series.stroke == Stroke::Circles {
+    if matches!(series.stroke, Stroke::Circles | Stroke::Dots) {
+        let look = match series.stroke {
+            Stroke::Dots => format!("r=\"3.6\" fill=\"{colour}\" fill-opacity=\"0.75\""),
+            _ => format!("r=\"2.2\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\"0.55\""),
+        };
         for (px, py) in series.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()) {
-            let _ = write!(
-                svg,
-                "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"2.2\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\"0.55\"/>",
-                x.px(*px),
-                y.px(*py)
-            );
+            let _ = write!(svg, "<circle cx=\"{:.1}\" cy=\"{:.1}\" {look}/>", x.px(*px), y.px(*py));
         }
         return;
     }

@@ -1,5 +1,6 @@
 //! The objective over (alpha, mu) with the paths of all simplex searches (as thesis Fig. 9).
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::identify::multistart::Search;
@@ -14,8 +15,22 @@ const FINER: usize = 5;
 const LIGHT: (f64, f64, f64) = (252.0, 252.0, 250.0);
 const DEEP: (f64, f64, f64) = (110.0, 158.0, 193.0);
 
+/// What may lie over a map.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Overlay<'a> {
+    /// Points that Gauss-Newton solved, `(alpha, mu in MPa)`, in order.
+    pub newton: &'a [(f64, f64)],
+    /// The truth behind simulated recordings, `(alpha, mu in MPa)`.
+    pub truth: Option<(f64, f64)>,
+}
+
 /// Draws the map as an `<svg>` element. Deep cells are good; the scale is logarithmic.
 pub fn svg(title: &str, search: &Search) -> String {
+    svg_over(title, search, &Overlay::default())
+}
+
+/// As [`svg`], with more on top.
+pub fn svg_over(title: &str, search: &Search, overlay: &Overlay<'_>) -> String {
     let map = &search.map;
     let (Some(alpha_low), Some(alpha_high)) = (map.alpha.first(), map.alpha.last()) else {
         return String::new();
@@ -46,9 +61,64 @@ pub fn svg(title: &str, search: &Search) -> String {
             px - 6.0
         );
     }
+    newton(&mut svg, overlay.newton, &x, &y);
+    if let Some((alpha, mu)) = overlay.truth {
+        cross(&mut svg, x.px(alpha), y.px(mu));
+    }
     legend(&mut svg, search, width - 138.0);
+    overlay_legend(&mut svg, overlay, width - 138.0);
     svg.push_str("</svg>\n");
     svg
+}
+
+/// Colour of what Gauss-Newton did.
+const NEWTON: &str = "#b4481e";
+
+/// Squares joined in the order of their solves; the last one filled.
+fn newton(svg: &mut String, points: &[(f64, f64)], x: &Scale, y: &Scale) {
+    let mut line = String::new();
+    for (at, (alpha, mu)) in points.iter().enumerate() {
+        let _ = write!(line, "{}{:.1} {:.1}", if at == 0 { 'M' } else { 'L' }, x.px(*alpha), y.px(*mu));
+    }
+    if !line.is_empty() {
+        let _ = write!(svg, "<path d=\"{line}\" fill=\"none\" stroke=\"{NEWTON}\" stroke-width=\"2\"/>");
+    }
+    for (at, (alpha, mu)) in points.iter().enumerate() {
+        let fill = if at + 1 == points.len() { NEWTON } else { "#fff" };
+        let _ = write!(
+            svg,
+            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"7\" height=\"7\" fill=\"{fill}\" stroke=\"{NEWTON}\" stroke-width=\"1.6\"/>",
+            x.px(*alpha) - 3.5,
+            y.px(*mu) - 3.5
+        );
+    }
+}
+
+fn cross(svg: &mut String, px: f64, py: f64) {
+    let _ = write!(
+        svg,
+        "<path d=\"M{:.1} {py:.1}h18M{px:.1} {:.1}v18\" stroke=\"#fff\" stroke-width=\"4\"/><path d=\"M{:.1} {py:.1}h18M{px:.1} {:.1}v18\" stroke=\"#000\" stroke-width=\"1.6\"/>",
+        px - 9.0,
+        py - 9.0,
+        px - 9.0,
+        py - 9.0
+    );
+}
+
+fn overlay_legend(svg: &mut String, overlay: &Overlay<'_>, x: f64) {
+    let text = x + 14.0;
+    if !overlay.newton.is_empty() {
+        let _ = write!(
+            svg,
+            "<rect x=\"{:.1}\" y=\"196\" width=\"7\" height=\"7\" fill=\"#fff\" stroke=\"{NEWTON}\" stroke-width=\"1.6\"/><text font-size=\"11\" x=\"{text:.1}\" y=\"204\">Gauss-Newton, solved</text><rect x=\"{:.1}\" y=\"214\" width=\"7\" height=\"7\" fill=\"{NEWTON}\" stroke=\"{NEWTON}\"/><text font-size=\"11\" x=\"{text:.1}\" y=\"222\">its last solve</text>",
+            x - 3.5,
+            x - 3.5
+        );
+    }
+    if overlay.truth.is_some() {
+        cross(svg, x, 239.0);
+        let _ = write!(svg, "<text font-size=\"11\" x=\"{text:.1}\" y=\"243\">truth</text>");
+    }
 }
 
 fn extent(value: &[Vec<f64>]) -> (f64, f64) {
@@ -65,6 +135,9 @@ fn cells(svg: &mut String, search: &Search, x: &Scale, y: &Scale) {
     let (columns, rows) = (map.alpha.len() - 1, map.mu_mpa.len() - 1);
     let cell_w = (x.high_px - x.low_px) / (columns * FINER) as f64;
     let cell_h = (y.low_px - y.high_px) / (rows * FINER) as f64;
+    // A little overlap hides the seams. One path a shade: a third of the text of one rectangle a cell.
+    let (width, height) = (cell_w + 0.4, cell_h + 0.4);
+    let mut shades: BTreeMap<(u8, u8, u8), String> = BTreeMap::new();
     for r in 0..rows * FINER {
         for c in 0..columns * FINER {
             let (i, j) = (c / FINER, r / FINER);
@@ -73,18 +146,17 @@ fn cells(svg: &mut String, search: &Search, x: &Scale, y: &Scale) {
             let at = |dj: usize, di: usize| shade(map.value[j + dj][i + di]);
             let s = (1.0 - v) * ((1.0 - u) * at(0, 0) + u * at(0, 1)) + v * ((1.0 - u) * at(1, 0) + u * at(1, 1));
             let mix = |light: f64, deep: f64| (deep + s * (light - deep)).round() as u8;
+            let colour = (mix(LIGHT.0, DEEP.0), mix(LIGHT.1, DEEP.1), mix(LIGHT.2, DEEP.2));
             let _ = write!(
-                svg,
-                "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#{:02x}{:02x}{:02x}\"/>",
+                shades.entry(colour).or_default(),
+                "M{:.1} {:.1}h{width:.1}v{height:.1}h-{width:.1}z",
                 x.low_px + c as f64 * cell_w,
-                y.low_px - (r + 1) as f64 * cell_h,
-                cell_w + 0.4,
-                cell_h + 0.4,
-                mix(LIGHT.0, DEEP.0),
-                mix(LIGHT.1, DEEP.1),
-                mix(LIGHT.2, DEEP.2)
+                y.low_px - (r + 1) as f64 * cell_h
             );
         }
+    }
+    for ((red, green, blue), cells) in shades {
+        let _ = write!(svg, "<path fill=\"#{red:02x}{green:02x}{blue:02x}\" d=\"{cells}\"/>");
     }
 }
 

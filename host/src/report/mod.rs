@@ -7,6 +7,7 @@ pub mod identification;
 pub mod map;
 mod page;
 mod scale;
+pub mod strip;
 pub mod table;
 pub mod valley;
 

@@ -1,0 +1,171 @@
+//! `palpate study`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use lut_gen::model::Resolution;
+use miette::{IntoDiagnostic, WrapErr};
+
+use crate::experiment;
+use crate::study::{self, Findings, Foam, StudyError, Subject};
+
+use super::progress::Progress;
+
+/// Which study, and of what.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Name of the study
+    name: Name,
+    /// Folder with experiment.toml [default: a simulated foam]
+    experiment: Option<PathBuf>,
+    /// Material of the experiment [default: its first]
+    #[arg(long, value_name = "NAME", requires = "experiment")]
+    material: Option<String>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+    /// Folder of the HTML page and the SVG pictures [default: out/study; with --json none]
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Starts of the studies terms and rivals [default: 24 and 50]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    starts: Option<u16>,
+    /// Prony terms of the study curve, 0 to 2; with any the holds are fitted as well
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=2))]
+    relax: u8,
+    #[command(flatten)]
+    foam: Simulated,
+}
+
+/// The simulated foam.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "The simulated foam")]
+struct Simulated {
+    /// Foam of the thesis (Table 1)
+    #[arg(long, value_name = "FOAM", default_value = "eva", conflicts_with = "experiment")]
+    foam: FoamWord,
+    /// Its shear modulus, MPa [default: the foam's]
+    #[arg(long, value_name = "MPA", conflicts_with = "experiment")]
+    mu: Option<f64>,
+    /// Its exponent [default: the foam's]
+    #[arg(long, conflicts_with = "experiment")]
+    alpha: Option<f64>,
+    /// Radii of the balls, mm, separated by commas
+    #[arg(long, value_name = "MM", value_delimiter = ',', default_values_t = [4.0, 6.0], conflicts_with = "experiment")]
+    balls_mm: Vec<f64>,
+    /// Noise of a sample, percent of the largest force
+    #[arg(long, value_name = "PERCENT", default_value_t = 1.0, conflicts_with = "experiment")]
+    noise: f64,
+    /// Seed of the noise, and of random starts
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Name {
+    /// Map of Eq. 14 over mu and alpha, with the paths of all starts (Figs. 9, 10, 13)
+    Objective,
+    /// Parameters against depth for each ball, and where the trends meet (Fig. 11)
+    Depth,
+    /// Measured against predicted, also across balls, with residuals (Figs. 12, 14)
+    Curve,
+    /// Two terms fitted to a foam of one: the kinds of equivalent optimum (Table 2)
+    Terms,
+    /// Rival optimisers on one problem: evaluations, time, success from random starts (Fig. 89)
+    Rivals,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum FoamWord {
+    Eva,
+    B1,
+}
+
+impl Simulated {
+    fn foam(&self) -> Result<Foam, StudyError> {
+        let mut foam = match self.foam {
+            FoamWord::Eva => Foam::eva(),
+            FoamWord::B1 => Foam::b1(),
+        };
+        foam.mu_mpa = within("--mu", self.mu.unwrap_or(foam.mu_mpa), (1e-6, 1e3), "must lie in 1e-6..=1000 MPa")?;
+        foam.alpha = within("--alpha", self.alpha.unwrap_or(foam.alpha), (1.0, 24.0), "must lie in 1..=24")?;
+        foam.noise = within("--noise", self.noise, (0.0, 50.0), "must lie in 0..=50 percent")? / 100.0;
+        foam.seed = self.seed;
+        for radius_mm in &self.balls_mm {
+            within("--balls-mm", *radius_mm, (1.0, 8.0), "must lie in 1..=8 mm")?;
+        }
+        // A little above the equator of the smallest ball, and no deeper than the thesis went.
+        let smallest_mm = self.balls_mm.iter().copied().fold(f64::INFINITY, f64::min);
+        foam.depth_mm = foam.depth_mm.min(0.975 * smallest_mm);
+        foam.balls_mm.clone_from(&self.balls_mm);
+        Ok(foam)
+    }
+}
+
+fn within(
+    parameter: &'static str,
+    value: f64,
+    (low, high): (f64, f64),
+    expected: &'static str,
+) -> Result<f64, StudyError> {
+    if (low..=high).contains(&value) { Ok(value) } else { Err(StudyError::Parameter { parameter, value, expected }) }
+}
+
+/// Reads or simulates, studies, tells.
+///
+/// # Errors
+/// Bad input, a failing solve, or a report that cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let subject = match &arguments.experiment {
+        Some(folder) => Subject::measured(experiment::read(folder)?, arguments.material.as_deref())?,
+        None => Subject::simulated(arguments.foam.foam()?)?,
+    };
+    let progress = Progress::new();
+    let told = |what: &str, done: usize, total: usize| progress.set(what, done, total);
+    let findings = match arguments.name {
+        Name::Objective => study::objective::study(&subject, &told),
+        Name::Depth => study::depth::study(&subject, arguments.foam.seed, &told),
+        Name::Curve => study::curve::study(&subject, arguments.relax.into(), &told),
+        Name::Terms => {
+            let effort = study::terms::Effort {
+                starts: arguments.starts.map_or(24, usize::from),
+                resolution: Resolution::Standard,
+            };
+            study::terms::study(&subject, &effort, &told)
+        }
+        Name::Rivals => {
+            let starts = arguments.starts.map_or(50, usize::from);
+            study::rivals::study(&subject, starts, arguments.foam.seed, &told)
+        }
+    };
+    progress.end();
+    tell(&findings?, arguments)
+}
+
+fn tell(findings: &Findings, arguments: &Arguments) -> miette::Result<()> {
+    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/study")));
+    let report = match folder {
+        Some(folder) => Some(
+            findings
+                .write(&folder)
+                .into_diagnostic()
+                .wrap_err_with(|| format!("cannot write the report to {}", folder.display()))?,
+        ),
+        None => None,
+    };
+    if arguments.json {
+        println!("{}", findings.answer(report.as_deref()));
+        return Ok(());
+    }
+    println!("{}\n{}\n", findings.title, findings.subject);
+    for table in &findings.tables {
+        println!("{}", table.text());
+    }
+    for sentence in &findings.answer {
+        println!("{sentence}");
+    }
+    if let Some(page) = report {
+        println!("\nreport   {}", page.display());
+    }
+    Ok(())
+}
