@@ -45,11 +45,11 @@ impl std::fmt::Display for Event {
         match self {
             Event::Restarted { depth_mm, pause_s } => write!(
                 f,
-                "the ball stood for {pause_s:.1} s at {depth_mm:.2} mm and went on; loading is used up to there"
+                "the indenter stood for {pause_s:.1} s at {depth_mm:.2} mm and went on; loading is used up to there"
             ),
             Event::ForceDrop { depth_mm, time_s, drop_n } => write!(
                 f,
-                "force falls by {drop_n:.3} N within one sample at {depth_mm:.2} mm ({time_s:.1} s) while the ball goes on down: a slip or a fault; loading is used up to there"
+                "force falls by {drop_n:.3} N within one sample at {depth_mm:.2} mm ({time_s:.1} s) while the indenter goes on: a slip or a fault; loading is used up to there"
             ),
         }
     }

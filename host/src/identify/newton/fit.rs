@@ -225,6 +225,7 @@ impl super::condition::Condition {
     /// Relative error bound of its force.
     fn error(&self) -> f64 {
         match &self.source {
+            Source::Solves(_) if self.is_homogeneous() => 0.0,
             Source::Solves(_) => MESH_ERROR.max(self.scatter),
             Source::Model(model) => model.error().total(),
         }
@@ -246,10 +247,11 @@ impl Problem<'_> {
             let locals = &self.conditions[condition].locals;
             locals.iter().all(|&at| (a[at] - b[at]).abs() < NEAR * errors[at])
         };
-        let mut left = budget.saturating_sub(self.solves());
+        let mut left = budget.saturating_sub(self.evaluations());
         for point in ends.iter().flat_map(|(low, high)| [&low.support, &high.support]) {
             let known = (0..self.conditions.len()).all(|c| {
                 self.conditions[c].locals.is_empty()
+                    || self.conditions[c].is_exact(&self.base)
                     || self.conditions[c].knows(point)
                     || wanted.iter().any(|other| near(point, other, c))
             });
@@ -288,7 +290,7 @@ impl Problem<'_> {
     pub fn values(&self, condition: usize, point: &[f64]) -> Values {
         let condition = &self.conditions[condition];
         let mut values =
-            Values { height_mm: condition.block.height_mm, ball_mm: condition.ball_mm, ..self.base.clone() };
+            Values { height_mm: condition.block.height_mm, ball_mm: condition.grip.ball_mm(), ..self.base.clone() };
         for &at in condition.locals.iter().chain(std::iter::once(&condition.modulus)) {
             values.set(self.unknowns[at].kind, self.unknowns[at].value(point[at]));
         }
