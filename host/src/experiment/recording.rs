@@ -156,7 +156,8 @@ pub(super) fn read(
         let line_so_far = lines.last().copied().unwrap_or(first_line) + 1;
         let row = row.map_err(|cause| unreadable(line_so_far, cause))?;
         let line = row.position().map_or(line_so_far, |p| counter.line_at(p.byte() as usize));
-        if row.len() != header.len() {
+        // A delimiter at the end of a row opens a cell that nobody meant.
+        if row.len() < header.len() || row.iter().skip(header.len()).any(|cell| !cell.is_empty()) {
             let problem = Problem::Ragged { found: row.len(), expected: header.len() };
             return Err(ExperimentError::of_row(path, line, None, problem));
         }

@@ -38,14 +38,17 @@ impl Selection {
         let contact = contact::guess_of_faces(depths, forces, height_mm).ok_or(LeftOut::NoContact)?;
         let most_mm = if grip == Grip::Jaws { f64::INFINITY } else { SHORTEST * height_mm };
         let kept = |depth: f64| depth - contact.low_mm <= most_mm;
+        let cut = depths.iter().filter(|depth| !kept(**depth)).count();
+        let whole = cut == 0;
+        // A depth that is read less often than the file is written fits its force only where it is new.
+        let is_new = |sample: &usize| *sample == 0 || recorded.depth_mm[*sample] != recorded.depth_mm[*sample - 1];
         let mut samples: Vec<usize> =
-            motion.loading.clone().filter(|&sample| kept(recorded.depth_mm[sample])).collect();
-        let whole = samples.len() == motion.loading.len();
+            motion.loading.clone().filter(|s| kept(recorded.depth_mm[*s]) && is_new(s)).collect();
         if !whole {
             self.messages.push(format!(
                 "{}: shortened by more than {SHORTEST} of its height of {height_mm} mm; cut there, {} of {} samples are used",
                 run.file,
-                samples.len(),
+                motion.loading.len() - cut,
                 motion.loading.len(),
             ));
         }

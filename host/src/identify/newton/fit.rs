@@ -20,6 +20,8 @@ use super::verdict::{Judged, Verdict, judge};
 
 /// Relative error bound of a solve on the standard mesh, worst of the twelve reference curves (docs/verification.md).
 pub const MESH_ERROR: f64 = 1.5e-3;
+/// Exponents at which a search begins where solves cost nothing.
+const MANY_ALPHA: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 14.0, 20.0];
 /// Support points nearer than this to a solved one, in standard errors, need no solve of their own.
 const NEAR: f64 = 0.25;
 /// The end of an interval is found to a hundredth of its half-width, the rise there to twice that.
@@ -105,8 +107,12 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     let budget = demand.most_solves;
     let mut found = problem.search(&starts(problem), budget, demand.told)?;
     if problem.anchor(&found.minimum.x) {
-        let again = problem.search(&[found.minimum.x.clone()], budget, demand.told)?;
-        found = again.after(&found);
+        // The minimum lay between solves, and the ramp has become another: what could be solved before is tried next.
+        let mut known: Vec<&Visit> = found.path.iter().collect();
+        known.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let others: Vec<Vec<f64>> = known.iter().take(2).map(|v| v.point.clone()).chain(starts(problem)).collect();
+        let again = problem.search(&[found.minimum.x.clone()], budget, demand.told);
+        found = again.or_else(|_| problem.search(&others, budget, demand.told))?.after(&found);
     }
     let noises = problem.weigh_by_fit(&found.minimum.x, demand.groups, demand.stated_n);
     let points = |found: &super::search::Found| found.path.iter().map(|v| v.point.clone()).collect::<Vec<_>>();
@@ -163,16 +169,23 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     })
 }
 
-/// Two exponents that enclose most materials, everything else where its guess is.
+/// Two exponents that enclose most materials, everything else where its guess is; many more where solves cost nothing.
 fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
-    let at = |alpha: f64| -> Vec<f64> {
-        let start = |u: &Unknown| match u.kind {
-            Kind::Alpha(0) => u.coordinate(alpha.clamp(u.low, u.high)),
+    let free = problem.conditions.iter().all(|c| c.is_exact(&problem.base));
+    let firsts: &[f64] = if free { &MANY_ALPHA } else { &[FIRST_ALPHA.0, FIRST_ALPHA.1] };
+    let two = free && problem.base.terms > 1;
+    let seconds: Vec<Option<f64>> = if two { MANY_ALPHA.map(Some).to_vec() } else { vec![None] };
+    let at = |alpha: f64, second: Option<f64>| -> Vec<f64> {
+        let start = |u: &Unknown| match (u.kind, second) {
+            (Kind::Alpha(0), _) => u.coordinate(alpha.clamp(u.low, u.high)),
+            (Kind::Alpha(_), Some(other)) => u.coordinate(other.clamp(u.low, u.high)),
             _ => u.coordinate(u.start.clamp(u.low, u.high)),
         };
         problem.unknowns.iter().map(start).collect()
     };
-    vec![at(FIRST_ALPHA.0), at(FIRST_ALPHA.1)]
+    let pairs = firsts.iter().flat_map(|&first| seconds.iter().map(move |second| (first, *second)));
+    // Terms that begin alike stay alike, and their order means nothing.
+    pairs.filter(|(first, second)| second.is_none_or(|second| second < *first)).map(|(a, b)| at(a, b)).collect()
 }
 
 fn judged(unknowns: &[Unknown], spans: &[Span]) -> Vec<Judged> {
