@@ -10,6 +10,9 @@ use super::spec::{Extra, FitSpec};
 
 /// Largest share of its height that a specimen is shortened by in the model.
 pub const SHORTEST: f64 = 0.9;
+/// A loading of more samples than this is averaged over neighbours, which loses nothing: a curve has no more than some ten
+/// independent shapes.
+const MOST_SAMPLES: usize = 200;
 /// Room past the deepest sample for a contact found later than guessed, as a share of the height.
 const ROOM: f64 = 0.02;
 
@@ -42,7 +45,7 @@ impl Selection {
         let whole = cut == 0;
         // A depth that is read less often than the file is written fits its force only where it is new.
         let is_new = |sample: &usize| *sample == 0 || recorded.depth_mm[*sample] != recorded.depth_mm[*sample - 1];
-        let mut samples: Vec<usize> =
+        let samples: Vec<usize> =
             motion.loading.clone().filter(|s| kept(recorded.depth_mm[*s]) && is_new(s)).collect();
         if !whole {
             self.messages.push(format!(
@@ -55,24 +58,32 @@ impl Selection {
         if samples.iter().filter(|&&sample| recorded.depth_mm[sample] > contact.contact_mm).count() < LEAST_SAMPLES {
             return Err(if whole { LeftOut::TooFewPoints } else { LeftOut::TooDeep });
         }
-        let hold_from = samples.len();
+        let together = samples.len().div_ceil(MOST_SAMPLES);
+        let mut blocks: Vec<Vec<usize>> = samples.chunks(together).map(<[usize]>::to_vec).collect();
+        if together > 1 {
+            self.messages.push(format!("{}: {together} samples each are averaged", run.file));
+        }
+        let hold_from = blocks.len();
         if self.holds {
             match motion.hold.clone().filter(|_| whole && motion.loading_is_whole()) {
-                Some(hold) => samples.extend(hold),
+                Some(hold) => blocks.extend(hold.map(|sample| vec![sample])),
                 None => self.messages.push(format!("{}: no hold is fitted, only its loading", run.file)),
             }
         }
-        let deepest = samples.iter().map(|&s| recorded.depth_mm[s]).fold(f64::NEG_INFINITY, f64::max);
+        let deepest = blocks.iter().flatten().map(|&s| recorded.depth_mm[s]).fold(f64::NEG_INFINITY, f64::max);
         let reach = (deepest - contact.low_mm + ROOM * height_mm).min(most_mm);
         let pairing = self.pairing(specimen, grip, Length::Known(height_mm), reach);
         let end_s = recorded.time_s[motion.loading.end - 1];
-        let column = |values: &[f64]| -> Vec<f64> { samples.iter().map(|&sample| values[sample]).collect() };
+        let mean = |values: &[f64], block: &Vec<usize>| {
+            block.iter().map(|&sample| values[sample]).sum::<f64>() / block.len() as f64
+        };
+        let column = |values: &[f64]| -> Vec<f64> { blocks.iter().map(|block| mean(values, block)).collect() };
         self.curves.push(LoadingCurve {
             run: at,
             pairing,
             depth_mm: column(&recorded.depth_mm),
             force_n: column(&recorded.force_n),
-            time_s: samples.iter().map(|&sample| recorded.time_s[sample] - end_s).collect(),
+            time_s: column(&recorded.time_s).iter().map(|time| time - end_s).collect(),
             hold_from,
             contact,
             rate_mm_per_s: motion.rate_mm_per_s,

@@ -154,7 +154,8 @@ impl FitSpec {
     /// the sides held stand beside each other and no ratio is stated.
     #[must_use]
     pub fn frees_nu(&self, selection: &Selection) -> bool {
-        let ring = |held: bool| selection.pairings.iter().any(|p| (p.grip == Grip::Ring) == held);
+        let fitted = || selection.curves.iter().filter(|curve| !curve.hold_out);
+        let ring = |held: bool| fitted().any(|curve| (selection.pairings[curve.pairing].grip == Grip::Ring) == held);
         self.free.contains(&Extra::Nu) || self.nu == 0.0 && ring(true) && ring(false)
     }
 }

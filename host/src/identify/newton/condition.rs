@@ -152,7 +152,7 @@ impl Condition {
                 let press = if self.is_homogeneous() {
                     self.stretched(&values, &wanted)?
                 } else if self.rubs {
-                    self.barrelled(&values, &wanted, *resolution)?
+                    self.barrelled(&values, &wanted)?
                 } else {
                     self.simulation(&values, *resolution)?.press(&wanted)?
                 };
