@@ -176,7 +176,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     // People get the figures without asking; scripts say where they want them.
     let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/identify")));
     if found.is_empty() && !arguments.json {
-        println!("outcome          nothing to identify: the experiment holds no run that indents, compresses or pulls a soft specimen");
+        println!(
+            "outcome          nothing to identify: the experiment holds no run that indents, compresses or pulls a soft specimen"
+        );
     }
     if let Some(folder) = &folder {
         let file = folder.join("report.html");

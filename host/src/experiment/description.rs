@@ -244,8 +244,8 @@ fn run(
     format: &Format,
 ) -> Result<Run, ExperimentError> {
     section.only(&[
-        "file", "specimen", "indenter", "spot", "cycle", "order", "start_s", "hold_out", "test", "columns", "format", "from_s",
-        "to_s",
+        "file", "specimen", "indenter", "spot", "cycle", "order", "start_s", "hold_out", "test", "columns", "format",
+        "from_s", "to_s",
     ])?;
     let test = section.word("test", &TESTS)?.unwrap_or(Test::Indentation);
     let expected = "the name of a data file";

@@ -45,8 +45,7 @@ impl Selection {
         let whole = cut == 0;
         // A depth that is read less often than the file is written fits its force only where it is new.
         let is_new = |sample: &usize| *sample == 0 || recorded.depth_mm[*sample] != recorded.depth_mm[*sample - 1];
-        let samples: Vec<usize> =
-            motion.loading.clone().filter(|s| kept(recorded.depth_mm[*s]) && is_new(s)).collect();
+        let samples: Vec<usize> = motion.loading.clone().filter(|s| kept(recorded.depth_mm[*s]) && is_new(s)).collect();
         if !whole {
             self.messages.push(format!(
                 "{}: shortened by more than {SHORTEST} of its height of {height_mm} mm; cut there, {} of {} samples are used",

@@ -233,11 +233,14 @@ fn overview(page: &mut Page, experiment: &Experiment, found: &Identification, fi
 
 /// Runs of one kind of test in two figures: forces, residuals.
 fn together(page: &mut Page, experiment: &Experiment, found: &Identification, runs: &[&RunFit], title: &str) {
-    let stretched = runs.first().is_some_and(|run| {
-        found.selection.pairings[found.selection.curves[run.curve].pairing].grip.mode().is_some()
-    });
-    let (across, up) =
-        if stretched { ("nominal strain (%)", "nominal stress (MPa)") } else { ("depth past contact (mm)", "force (N)") };
+    let stretched = runs
+        .first()
+        .is_some_and(|run| found.selection.pairings[found.selection.curves[run.curve].pairing].grip.mode().is_some());
+    let (across, up) = if stretched {
+        ("nominal strain (%)", "nominal stress (MPa)")
+    } else {
+        ("depth past contact (mm)", "force (N)")
+    };
     let mut forces = Figure::new(title, Axis::new(across), Axis::new(up));
     let mut residuals = Figure::new("Measured minus fitted", Axis::new(across), Axis::new(up));
     residuals.size.1 = 280.0;

@@ -76,9 +76,13 @@ fn picture(file: &Path, experiment: &Experiment, found: &Identification, title: 
     let Some(fit) = &found.fit else { return Ok(()) };
     let labels = ["uniaxial", "confined", "tension 1", "tension 2"];
     // What was only predicted of tension would dwarf all else.
-    let shown = |run: &&RunFit| !found.selection.curves[run.curve].hold_out || run.rmse_n < fit.runs[0].model_n.iter().copied().fold(0.0, f64::max);
+    let shown = |run: &&RunFit| {
+        !found.selection.curves[run.curve].hold_out
+            || run.rmse_n < fit.runs[0].model_n.iter().copied().fold(0.0, f64::max)
+    };
     let drawn = fit.runs.iter().filter(shown).zip(labels).map(|(run, label)| {
-        let specimen = &experiment.specimens[found.selection.pairings[found.selection.curves[run.curve].pairing].specimen];
+        let specimen =
+            &experiment.specimens[found.selection.pairings[found.selection.curves[run.curve].pairing].specimen];
         let (height, radius) = (specimen.height_mm.known().unwrap_or(1.0), specimen.radius_mm.known().unwrap_or(1.0));
         let over = Over::Strain(height, std::f64::consts::PI * radius * radius);
         Drawn { found, run, label, over, measured: true }

@@ -25,9 +25,8 @@ pub fn section(figures: &Path) -> Outcome<Option<String>> {
         for (file, over) in [("real-silicone-loading.svg", Over::Depth), ("real-silicone-hold.svg", Over::Time)] {
             let label = |at: usize| if at == 0 { "first touch (predicted)" } else { "later" };
             let runs = fit.runs.iter().enumerate();
-            let drawn: Vec<Drawn<'_>> = runs
-                .map(|(at, run)| Drawn { found: &found, run, label: label(at), over, measured: true })
-                .collect();
+            let drawn: Vec<Drawn<'_>> =
+                runs.map(|(at, run)| Drawn { found: &found, run, label: label(at), over, measured: true }).collect();
             write(&figures.join(file), "Silicone: measured (circles) and fitted (lines)", &drawn)?;
         }
     }

@@ -119,12 +119,8 @@ impl Condition {
 
     /// Parameters for a unit modulus at a point.
     fn values(&self, base: &Values, unknowns: &[Unknown], point: &[f64]) -> Values {
-        let mut values = Values {
-            height_mm: self.block.height_mm,
-            ball_mm: self.grip.ball_mm(),
-            mu_mpa: 1.0,
-            ..base.clone()
-        };
+        let mut values =
+            Values { height_mm: self.block.height_mm, ball_mm: self.grip.ball_mm(), mu_mpa: 1.0, ..base.clone() };
         for &at in &self.locals {
             values.set(unknowns[at].kind, unknowns[at].value(point[at]));
         }

@@ -75,11 +75,7 @@ impl Condition {
     ///
     /// # Errors
     /// As [`Compression::sensitivities`].
-    pub(super) fn barrelled(
-        &self,
-        values: &Values,
-        parameters: &[Parameter],
-    ) -> Result<Press, SolveError> {
+    pub(super) fn barrelled(&self, values: &Values, parameters: &[Parameter]) -> Result<Press, SolveError> {
         let ramp = Motion::ramp(self.depth_mm, self.rate_mm_s);
         let compression = Compression {
             material: values.unit_material()?,

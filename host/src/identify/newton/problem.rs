@@ -80,7 +80,8 @@ impl Problem<'_> {
     #[must_use]
     pub fn tracks(&self, point: &[f64]) -> Vec<Track> {
         let one = |condition: &Condition| {
-            let exact = condition.is_exact(&self.base).then(|| condition.exact_track(&self.base, &self.unknowns, point));
+            let exact =
+                condition.is_exact(&self.base).then(|| condition.exact_track(&self.base, &self.unknowns, point));
             exact.flatten().or_else(|| condition.track(point))
         };
         self.conditions.iter().map_while(one).collect()

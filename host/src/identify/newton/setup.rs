@@ -207,8 +207,7 @@ fn unknowns(
         add(Kind::Friction, Scope::All, "friction".to_owned(), FRICTION, 0.2);
     }
     // A specimen that is compressed or pulled as well has a measured height.
-    let under_balls =
-        |at: usize| selection.pairings.iter().all(|p| p.specimen != at || p.grip.indenter().is_some());
+    let under_balls = |at: usize| selection.pairings.iter().all(|p| p.specimen != at || p.grip.indenter().is_some());
     for &at in &specimens {
         let deepest = selection.pairings.iter().filter(|p| p.specimen == at).map(|p| p.depth_mm).fold(0.0, f64::max);
         let specimen = &experiment.specimens[at];
