@@ -11,11 +11,13 @@ use super::{Outcome, recorded};
 
 /// Prony terms: one leaves 3 % of the peak in the holds.
 const TERMS: usize = 2;
-const NAMES: [&str; 9] = ["mu_MPa", "alpha", "D_mu", "g_1", "k_1", "tau_1_s", "g_2", "k_2", "tau_2_s"];
+/// Shown with their intervals, and shown alone.
+const NAMES: [&str; 3] = ["mu_MPa", "alpha", "D_mu"];
+const RELAXING: [&str; 6] = ["g_1", "k_1", "tau_1_s", "g_2", "k_2", "tau_2_s"];
 
 /// The section.
 pub fn section(figures: &Path) -> Outcome<Option<String>> {
-    let Some(mut experiment) = recorded::experiment("beef_ball", "beef_ball")? else { return Ok(None) };
+    let Some(mut experiment) = recorded::experiment("beef_ball_hold", "beef_ball")? else { return Ok(None) };
     let muscles: Vec<String> = experiment.specimens.iter().map(|s| s.material.clone()).collect();
     for specimen in &mut experiment.specimens {
         specimen.material.clone_from(&specimen.name);
@@ -27,12 +29,13 @@ pub fn section(figures: &Path) -> Outcome<Option<String>> {
         let at = experiment.specimens.iter().position(|s| s.name == found.material).unwrap_or(0);
         let mut row = vec![muscles[at].clone(), found.material.clone()];
         row.extend(NAMES.iter().map(|name| parameter(&found, name)));
+        let short = |name: &&str| value(&found, name).map_or_else(|| "-".to_owned(), |v| format!("{v:.2}"));
+        row.push(RELAXING.iter().map(short).collect::<Vec<_>>().join(", "));
         row.push(misfit(&found, &|_| true));
         rows.push(row);
         pieces.push((muscles[at].clone(), found));
     }
-    let mut head = vec!["muscle", "piece", "mu (MPa)", "alpha", "D mu"];
-    head.extend(["g 1", "k 1", "tau 1 (s)", "g 2", "k 2", "tau 2 (s)", "misfit (%)"]);
+    let head = ["muscle", "piece", "mu (MPa)", "alpha", "D mu", "g, k, tau (s) of both terms", "misfit (%)"];
     let mut spreads = Vec::new();
     for muscle in ["FF", "RDG"] {
         let mine: Vec<&Identification> = pieces.iter().filter(|(of, _)| of == muscle).map(|(_, f)| f).collect();

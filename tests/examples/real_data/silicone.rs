@@ -1,4 +1,5 @@
-//! Silicone under a ball: Ogden with relaxation, the height unknown.
+//! Silicone under a ball: Ogden, the height unknown. Every run stops at or below the ball's equator, so that no hold belongs to a depth
+//! that the model covers.
 
 use std::path::Path;
 
@@ -8,7 +9,7 @@ use super::drawing::{Drawn, Over, write};
 use super::words::{misfit, parameter, table};
 use super::{Outcome, recorded};
 
-const NAMES: [&str; 7] = ["mu_MPa", "alpha", "D_mu", "g", "k", "tau_s", "height_mm"];
+const NAMES: [&str; 4] = ["mu_MPa", "alpha", "D_mu", "height_mm"];
 
 /// The section.
 pub fn section(figures: &Path) -> Outcome<Option<String>> {
@@ -18,20 +19,18 @@ pub fn section(figures: &Path) -> Outcome<Option<String>> {
         run.hold_out = run.cycle == Some(1);
     }
     experiment.runs.retain(|run| !run.file.contains("P002-7"));
-    let spec = FitSpec { law: Some(FittedLaw::Ogden), relaxation: 1, ..FitSpec::default() };
+    let spec = FitSpec { law: Some(FittedLaw::Ogden), ..FitSpec::default() };
     let found = recorded::first(&experiment, &spec)?;
     let rows: Vec<Vec<String>> = NAMES.iter().map(|name| vec![(*name).to_owned(), parameter(&found, name)]).collect();
     if let Some(fit) = &found.fit {
-        for (file, over) in [("real-silicone-loading.svg", Over::Depth), ("real-silicone-hold.svg", Over::Time)] {
-            let label = |at: usize| if at == 0 { "first touch (predicted)" } else { "later" };
-            let runs = fit.runs.iter().enumerate();
-            let drawn: Vec<Drawn<'_>> =
-                runs.map(|(at, run)| Drawn { found: &found, run, label: label(at), over, measured: true }).collect();
-            write(&figures.join(file), "Silicone: measured (circles) and fitted (lines)", &drawn)?;
-        }
+        let label = |at: usize| if at == 0 { "first touch (predicted)" } else { "later" };
+        let one = |(at, run)| Drawn { found: &found, run, label: label(at), over: Over::Depth, measured: true };
+        let drawn: Vec<Drawn<'_>> = fit.runs.iter().enumerate().map(one).collect();
+        let title = "Silicone: measured (circles) and fitted (lines)";
+        write(&figures.join("real-silicone-loading.svg"), title, &drawn)?;
     }
     Ok(Some(format!(
-        "{}\nMisfit of all runs together, the predicted first touch included: {} % of the largest force; {} solves.\n\n![Loading](figures/real-silicone-loading.svg)\n![Hold](figures/real-silicone-hold.svg)\n",
+        "{}\nMisfit of all runs together, the predicted first touch included: {} % of the largest force; {} solves.\n\n![Loading](figures/real-silicone-loading.svg)\n",
         table(&["parameter", "value (95 % interval)"], &rows),
         misfit(&found, &|_| true),
         found.fe_solves
