@@ -124,7 +124,7 @@ impl ForwardModel for ClosedForm {
 fn small_race() -> Race {
     let subject = Subject::simulated(coarse()).unwrap();
     let selection = subject.selection().unwrap();
-    let model = ClosedForm(selection.pairings.iter().map(|pairing| pairing.ball_mm).collect());
+    let model = ClosedForm(selection.pairings.iter().map(|pairing| pairing.grip.ball_mm()).collect());
     let landscape = Landscape::new(&selection, &model).unwrap();
     assert_eq!((landscape.dimension(), landscape.conditions()), (4, 2));
     race(&landscape, 3, 7, &|_, _, _| {})

@@ -122,7 +122,7 @@ pub fn models() -> Result<Vec<ForceModel>, SolveError> {
 /// # Errors
 /// When the fit cannot begin.
 pub fn recover(case: &Case, models: &[ForceModel], spec: &FitSpec) -> Result<Recovered, ModelError> {
-    let source = |condition: &Condition| match models.get(condition.indenter) {
+    let source = |condition: &Condition| match condition.grip.indenter().and_then(|ball| models.get(ball)) {
         Some(model) => Source::Model(Box::new(model.clone())),
         None => Source::Solves(Resolution::Standard),
     };

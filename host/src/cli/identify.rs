@@ -50,6 +50,9 @@ struct Fitted {
     /// Coefficient of friction between ball and specimen where it is not free
     #[arg(long, default_value_t = 0.0, value_parser = friction)]
     friction: f64,
+    /// Coefficient of friction between platens and specimen where it is not free
+    #[arg(long, default_value_t = 0.0, value_parser = friction)]
+    platen_friction: f64,
     /// Parameters that every specimen has for itself, separated by commas
     #[arg(long, value_name = "PARAMETER", value_delimiter = ',')]
     own: Vec<OwnWord>,
@@ -71,6 +74,7 @@ enum LawWord {
 enum ExtraWord {
     Nu,
     Friction,
+    PlatenFriction,
     Height,
     BallRadius,
 }
@@ -122,12 +126,14 @@ impl Arguments {
                 .map(|extra| match extra {
                     ExtraWord::Nu => Extra::Nu,
                     ExtraWord::Friction => Extra::Friction,
+                    ExtraWord::PlatenFriction => Extra::PlatenFriction,
                     ExtraWord::Height => Extra::Height,
                     ExtraWord::BallRadius => Extra::BallRadius,
                 })
                 .collect(),
             nu: fit.nu,
             friction: fit.friction,
+            platen_friction: fit.platen_friction,
             own: fit
                 .own
                 .iter()
@@ -170,7 +176,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     // People get the figures without asking; scripts say where they want them.
     let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/identify")));
     if found.is_empty() && !arguments.json {
-        println!("outcome          nothing to identify: the experiment holds no indentation run into a soft specimen");
+        println!(
+            "outcome          nothing to identify: the experiment holds no run that indents, compresses or pulls a soft specimen"
+        );
     }
     if let Some(folder) = &folder {
         let file = folder.join("report.html");

@@ -6,12 +6,17 @@ use std::path::{Path, PathBuf};
 use toml::de::DeValue;
 
 use super::error::{ExperimentError, Problem};
-use super::recording::{self, Need};
+use super::recording::{self, Need, Recording};
 use super::section::{Document, Section};
 use super::{Base, BaseLaw, Experiment, Indenter, Length, Names, Run, Sensor, Specimen, Test};
 
 /// Lengths of specimens and balls that can be meant, mm; outside, a unit was confused.
 const PLAUSIBLE_MM: std::ops::RangeInclusive<f64> = 0.05..=1000.0;
+
+/// Areas of specimens that can be meant, mm^2.
+const PLAUSIBLE_MM2: std::ops::RangeInclusive<f64> = 0.01..=1e6;
+/// Times that can be meant, s.
+const TIMES_S: std::ops::RangeInclusive<f64> = -1e12..=1e12;
 
 /// Where a wanted column is found in the files.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,8 +58,8 @@ pub(super) fn experiment(file: &Path, text: &str) -> Result<Experiment, Experime
         Some(name) => name.to_owned(),
         None => folder.file_name().map_or("experiment".into(), |n| n.to_string_lossy().into()),
     };
-    let columns = columns(&root)?;
-    let format = format(&root)?;
+    let columns = columns(&root, BTreeMap::new())?;
+    let format = format(&root, Format::default())?;
     let specimens = root.named("specimen")?.iter().map(specimen).collect::<Result<Vec<_>, _>>()?;
     let indenters = root.named("indenter")?.iter().map(indenter).collect::<Result<Vec<_>, _>>()?;
     let sensor = sensor(&root)?;
@@ -74,8 +79,11 @@ pub(super) fn experiment(file: &Path, text: &str) -> Result<Experiment, Experime
     Ok(Experiment { name, folder, specimens, indenters, sensor, runs })
 }
 
-fn columns(root: &Section<'_>) -> Result<BTreeMap<String, Mapping>, ExperimentError> {
-    let mut mappings = BTreeMap::new();
+/// The mappings of a section, over those of a wider one.
+fn columns(
+    root: &Section<'_>,
+    mut mappings: BTreeMap<String, Mapping>,
+) -> Result<BTreeMap<String, Mapping>, ExperimentError> {
     let Some(section) = root.section("columns", "[columns]".to_owned())? else {
         return Ok(mappings);
     };
@@ -116,8 +124,8 @@ fn column(section: &Section<'_>) -> Result<Mapping, ExperimentError> {
     Ok(Mapping { name, scale, sign })
 }
 
-fn format(root: &Section<'_>) -> Result<Format, ExperimentError> {
-    let mut format = Format::default();
+/// The format of a section; what it leaves out is as in a wider one.
+fn format(root: &Section<'_>, mut format: Format) -> Result<Format, ExperimentError> {
     let Some(section) = root.section("format", "[format]".to_owned())? else {
         return Ok(format);
     };
@@ -165,7 +173,7 @@ fn length(section: &Section<'_>, key: &str, expected: &str) -> Result<Length, Ex
 }
 
 fn specimen((name, section): &(String, Section<'_>)) -> Result<Specimen, ExperimentError> {
-    section.only(&["base_law", "terms", "height_mm", "radius_mm", "base", "material"])?;
+    section.only(&["base_law", "terms", "height_mm", "radius_mm", "area_mm2", "base", "material"])?;
     let expected = "a length of 0.05 to 1000 mm, or \"unknown\"";
     let laws = [("hyperfoam", BaseLaw::Hyperfoam), ("ogden", BaseLaw::Ogden), ("rigid", BaseLaw::Rigid)];
     let bases = [("bonded", Base::Bonded), ("sliding", Base::Sliding)];
@@ -176,9 +184,22 @@ fn specimen((name, section): &(String, Section<'_>)) -> Result<Specimen, Experim
         base_law: section.word("base_law", &laws)?.unwrap_or(BaseLaw::Hyperfoam),
         terms: usize::try_from(terms).unwrap_or(1),
         height_mm: length(section, "height_mm", expected)?,
-        radius_mm: length(section, "radius_mm", expected)?,
+        radius_mm: radius(section, expected)?,
         base: section.word("base", &bases)?.unwrap_or(Base::Bonded),
     })
+}
+
+/// The radius, or that of the circle of a stated area.
+fn radius(section: &Section<'_>, expected: &str) -> Result<Length, ExperimentError> {
+    let area = section.number("area_mm2", PLAUSIBLE_MM2, "an area of 0.01 to 1000000 mm2")?;
+    match (area, section.value("area_mm2").filter(|_| section.value("radius_mm").is_some())) {
+        (_, Some(value)) => {
+            let problem = "`area_mm2` and `radius_mm` say the same; state one of them".to_owned();
+            Err(section.document.error(value.span(), Problem::Contradiction(problem)))
+        }
+        (Some(area_mm2), None) => Ok(Length::Known((area_mm2 / std::f64::consts::PI).sqrt())),
+        (None, None) => length(section, "radius_mm", expected),
+    }
 }
 
 fn indenter((name, section): &(String, Section<'_>)) -> Result<Indenter, ExperimentError> {
@@ -222,7 +243,10 @@ fn run(
     columns: &BTreeMap<String, Mapping>,
     format: &Format,
 ) -> Result<Run, ExperimentError> {
-    section.only(&["file", "specimen", "indenter", "spot", "cycle", "order", "start_s", "hold_out", "test"])?;
+    section.only(&[
+        "file", "specimen", "indenter", "spot", "cycle", "order", "start_s", "hold_out", "test", "columns", "format",
+        "from_s", "to_s",
+    ])?;
     let test = section.word("test", &TESTS)?.unwrap_or(Test::Indentation);
     let expected = "the name of a data file";
     let file = section.text("file", expected)?.ok_or_else(|| section.missing("file", expected))?;
@@ -234,8 +258,13 @@ fn run(
     let whole = "a whole number";
     let specimen = reference(section, "specimen", &places.specimens, touches_specimen(test))?;
     let indenter = reference(section, "indenter", &places.indenters, test == Test::Indentation)?;
-    let recording = recording::read(&path, &Need::of(test), columns, format)?;
-    if let Some(height_mm) = specimen.and_then(|at| specimens.get(at)?.height_mm.known()) {
+    let columns = self::columns(section, columns.clone())?;
+    let format = self::format(section, format.clone())?;
+    let mut recording = recording::read(&path, &Need::of(test), &columns, &format)?;
+    crop(section, &mut recording)?;
+    if test == Test::Tension {
+        recording.turn_to_push();
+    } else if let Some(height_mm) = specimen.and_then(|at| specimens.get(at)?.height_mm.known()) {
         recording.check_depth(&path, height_mm)?;
     }
     Ok(Run {
@@ -246,11 +275,30 @@ fn run(
         spot: section.integer("spot", i64::MIN..=i64::MAX, whole)?,
         cycle: section.integer("cycle", 0..=i64::MAX, "a whole number from 0")?,
         order: section.integer("order", i64::MIN..=i64::MAX, whole)?,
-        start_s: section.number("start_s", -1e12..=1e12, "a time in s")?,
+        start_s: section.number("start_s", TIMES_S, "a time in s")?,
         hold_out: section.flag("hold_out")?.unwrap_or(false),
         path,
         recording,
     })
+}
+
+/// Keeps the samples from `from_s` to `to_s` of the file's own clock.
+fn crop(section: &Section<'_>, recording: &mut Recording) -> Result<(), ExperimentError> {
+    let from_s = section.number("from_s", TIMES_S, "a time in s on the file's clock")?;
+    let to_s = section.number("to_s", TIMES_S, "a time in s on the file's clock")?;
+    let Some(key) = ["from_s", "to_s"].into_iter().find_map(|key| section.value(key)) else { return Ok(()) };
+    let (first, last) = (recording.time_s.first().copied(), recording.time_s.last().copied());
+    recording.keep_between(from_s.unwrap_or(f64::NEG_INFINITY), to_s.unwrap_or(f64::INFINITY));
+    if !recording.is_empty() {
+        return Ok(());
+    }
+    let time = |at: Option<f64>| at.map_or("none".to_owned(), |t| t.to_string());
+    let problem = format!(
+        "no sample lies between `from_s` and `to_s`; the recording has times from {} to {} s",
+        time(first),
+        time(last)
+    );
+    Err(section.document.error(key.span(), Problem::Contradiction(problem)))
 }
 
 fn touches_specimen(test: Test) -> bool {

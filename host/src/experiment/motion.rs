@@ -45,11 +45,11 @@ impl std::fmt::Display for Event {
         match self {
             Event::Restarted { depth_mm, pause_s } => write!(
                 f,
-                "the ball stood for {pause_s:.1} s at {depth_mm:.2} mm and went on; loading is used up to there"
+                "the indenter stood for {pause_s:.1} s at {depth_mm:.2} mm and went on; loading is used up to there"
             ),
             Event::ForceDrop { depth_mm, time_s, drop_n } => write!(
                 f,
-                "force falls by {drop_n:.3} N within one sample at {depth_mm:.2} mm ({time_s:.1} s) while the ball goes on down: a slip or a fault; loading is used up to there"
+                "force falls by {drop_n:.3} N within one sample at {depth_mm:.2} mm ({time_s:.1} s) while the indenter goes on: a slip or a fault; loading is used up to there"
             ),
         }
     }
@@ -161,7 +161,8 @@ fn stretches(time: &[f64], depth: &[f64], speed: f64, noise: f64, range: f64) ->
     let step_s = (time[count - 1] - time[0]) / (count - 1) as f64;
     // Wide enough that noise cannot look like a third of the speed.
     let reach = (4.0 * noise / (STANDING * speed * step_s)).ceil();
-    let reach = if reach.is_finite() { (reach as usize).clamp(1, (count / 20).max(1)) } else { 1 };
+    let reach = if reach.is_finite() { reach as usize } else { 1 };
+    let reach = reach.max(held_readings(depth)).clamp(1, (count / 20).max(1));
     let ways = (0..count).map(|i| {
         let (a, b) = (i.saturating_sub(reach), (i + reach).min(count - 1));
         let velocity = (depth[b] - depth[a]) / (time[b] - time[a]);
@@ -178,6 +179,18 @@ fn stretches(time: &[f64], depth: &[f64], speed: f64, noise: f64, range: f64) ->
         append(&mut stretches, Stretch { way, samples: i..i + 1 });
     }
     without_jitter(stretches, depth, JITTER * range, 2 * reach + 1)
+}
+
+/// Samples for which a depth reading usually stands before the next one, where the sensor is read less often than the file is
+/// written: the 90th percentile of the lengths of equal readings on the way from a tenth to nine tenths of the range.
+fn held_readings(depth: &[f64]) -> usize {
+    let low = depth.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = depth.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let inside = low + 0.1 * (high - low)..low + 0.9 * (high - low);
+    let runs = depth.chunk_by(|a, b| a == b).filter(|run| inside.contains(&run[0]));
+    let mut lengths: Vec<usize> = runs.map(<[f64]>::len).collect();
+    lengths.sort_unstable();
+    lengths.get(lengths.len() * 9 / 10).copied().unwrap_or(1)
 }
 
 fn append(stretches: &mut Vec<Stretch>, next: Stretch) {
@@ -301,6 +314,17 @@ mod tests {
         assert!((motion.rate_mm_per_s - 0.2).abs() < 0.01, "{motion:?}");
         assert!(motion.loading.end.abs_diff(200) < 15, "{motion:?}");
         assert_eq!(motion.cycles, 1);
+    }
+
+    #[test]
+    fn a_depth_read_less_often_than_written_is_no_standstill() {
+        let mut run = ramps(&[(0.0, 0.0), (3.0, 0.0), (23.0, 4.0), (28.0, 4.0), (48.0, 0.0)]);
+        let read: Vec<f64> = (0..run.depth_mm.len()).map(|i| run.depth_mm[i / 6 * 6]).collect();
+        run.depth_mm = read;
+        let motion = of(&run).unwrap();
+        assert!((motion.rate_mm_per_s - 0.2).abs() < 0.01, "{motion:?}");
+        assert!(motion.loading.start.abs_diff(30) < 8 && motion.loading.end.abs_diff(230) < 8, "{motion:?}");
+        assert!(motion.hold.is_some() && motion.events.is_empty(), "{motion:?}");
     }
 
     #[test]

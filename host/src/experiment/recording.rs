@@ -53,6 +53,32 @@ impl Recording {
         self.line.is_empty()
     }
 
+    /// Keeps the samples from a time to another (s).
+    pub(super) fn keep_between(&mut self, from_s: f64, to_s: f64) {
+        let start = self.time_s.partition_point(|t| *t < from_s);
+        let end = self.time_s.partition_point(|t| *t <= to_s).max(start);
+        let keep = |values: &mut Vec<f64>| {
+            if !values.is_empty() {
+                *values = values[start..end].to_vec();
+            }
+        };
+        keep(&mut self.depth_mm);
+        keep(&mut self.force_n);
+        self.others.values_mut().for_each(keep);
+        if !self.time_s.is_empty() {
+            self.line = self.line[start..end].to_vec();
+        }
+        keep(&mut self.time_s);
+    }
+
+    /// A pull is recorded with either sign; afterwards elongation and pull count as positive, as depth and force elsewhere.
+    pub(super) fn turn_to_push(&mut self) {
+        let largest = self.force_n.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+        if largest < 0.0 {
+            self.force_n.iter_mut().chain(&mut self.depth_mm).for_each(|value| *value = -*value);
+        }
+    }
+
     /// Depth above the specimen's height is a wrong unit, direction or zero.
     pub(super) fn check_depth(&self, file: &Path, height_mm: f64) -> Result<(), ExperimentError> {
         let Some(at) = self.depth_mm.iter().position(|&depth| depth > height_mm) else {
@@ -130,7 +156,8 @@ pub(super) fn read(
         let line_so_far = lines.last().copied().unwrap_or(first_line) + 1;
         let row = row.map_err(|cause| unreadable(line_so_far, cause))?;
         let line = row.position().map_or(line_so_far, |p| counter.line_at(p.byte() as usize));
-        if row.len() != header.len() {
+        // A delimiter at the end of a row opens a cell that nobody meant.
+        if row.len() < header.len() || row.iter().skip(header.len()).any(|cell| !cell.is_empty()) {
             let problem = Problem::Ragged { found: row.len(), expected: header.len() };
             return Err(ExperimentError::of_row(path, line, None, problem));
         }

@@ -6,7 +6,7 @@ use super::{Experiment, Test};
 /// Rates that differ by less than this share are one rate.
 const SAME_RATE: f64 = 0.05;
 
-/// Groups the indentation runs that agree in specimen, indenter, rate, motion (hold, unloading)
+/// Groups the runs that deform a specimen and agree in test, specimen, indenter, rate, motion (hold, unloading)
 /// and cycle; each group holds indices into [`Experiment::runs`]. Runs that repeat nothing form
 /// groups of one. `motions` has one entry a run.
 pub fn groups(experiment: &Experiment, motions: &[Option<Motion>]) -> Vec<Vec<usize>> {
@@ -15,7 +15,7 @@ pub fn groups(experiment: &Experiment, motions: &[Option<Motion>]) -> Vec<Vec<us
         let Some(Some(motion)) = motions.get(at) else {
             continue;
         };
-        if run.test != Test::Indentation {
+        if !matches!(run.test, Test::Indentation | Test::Uniaxial | Test::Confined | Test::Tension) {
             continue;
         }
         let same = groups.iter_mut().find(|group| {
@@ -24,7 +24,8 @@ pub fn groups(experiment: &Experiment, motions: &[Option<Motion>]) -> Vec<Vec<us
                 return false;
             };
             let rates = (motion.rate_mm_per_s / its.rate_mm_per_s - 1.0).abs();
-            (run.specimen, run.indenter, run.cycle) == (other.specimen, other.indenter, other.cycle)
+            (run.test, run.specimen, run.indenter, run.cycle)
+                == (other.test, other.specimen, other.indenter, other.cycle)
                 && rates < SAME_RATE
                 && motion.hold.is_some() == its.hold.is_some()
                 && motion.unloading.is_some() == its.unloading.is_some()

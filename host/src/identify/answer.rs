@@ -21,7 +21,7 @@ pub fn json(experiment: &Experiment, found: &[Identification], report: Option<&s
             answer.insert("fe_solves".to_owned(), json!(0));
             answer.insert("seconds".to_owned(), json!(0.0));
             answer.insert("starts".to_owned(), json!([]));
-            let why = "the experiment holds no indentation run into a soft specimen";
+            let why = "the experiment holds no run that indents, compresses or pulls a soft specimen";
             answer.insert("messages".to_owned(), json!([why]));
             answer
         }

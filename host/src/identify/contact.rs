@@ -1,4 +1,4 @@
-//! Where the ball first touches, guessed from the data; the fit refines it.
+//! Where the ball or the faces first touch, guessed from the data; the fit refines it.
 
 use crate::experiment::motion::noise_of;
 
@@ -54,6 +54,26 @@ pub fn guess(depth_mm: &[f64], force_n: &[f64], ball_mm: f64) -> Option<ContactG
     Some(ContactGuess { contact_mm, low_mm: contact_mm - reach, high_mm: (contact_mm + reach).min(half) })
 }
 
+/// Guesses where two faces begin to press on a specimen or jaws to pull it, or `None` if force never rises above its noise.
+///
+/// That is the last depth before the force rises through a twelfth of its largest at which it was no more than noise, or a
+/// hundredth of the largest. The search range to either side is a twentieth of the specimen's height, or as
+/// far as the rise is away.
+pub fn guess_of_faces(depth_mm: &[f64], force_n: &[f64], height_mm: f64) -> Option<ContactGuess> {
+    let lowest = force_n.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = force_n.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let noise = noise_of(force_n);
+    if depth_mm.len() < 4 || highest - lowest.max(0.0) <= VISIBLE_SIGMA * noise || highest <= 0.0 {
+        return None;
+    }
+    let (nothing, something) = ((0.01 * highest).max(2.0 * noise), (0.08 * highest).max(VISIBLE_SIGMA * noise));
+    let rise = force_n.iter().position(|force| *force > something)?;
+    let touch = force_n[..rise].iter().rposition(|force| *force <= nothing).unwrap_or(0);
+    let contact_mm = depth_mm[touch].min(depth_mm[rise]);
+    let reach = (0.05 * height_mm).max(depth_mm[rise] - contact_mm);
+    Some(ContactGuess { contact_mm, low_mm: contact_mm - reach, high_mm: contact_mm + reach })
+}
+
 /// Where the least-squares line through the points crosses zero.
 fn zero_of_line(points: &[(f64, f64)]) -> Option<f64> {
     let count = points.len() as f64;
@@ -77,7 +97,14 @@ mod tests {
         assert!((guess.contact_mm - 0.7).abs() < 1e-9, "{guess:?}");
         assert!(guess.low_mm < 0.4 && guess.high_mm > 1.0);
 
+        // A foam's plateau must not hide where the faces met, to a sample's distance.
+        let plateau: Vec<f64> = depth.iter().map(|d| 5.0 * (1.0 - (-4.0 * (d - 0.7).max(0.0)).exp())).collect();
+        let guess = guess_of_faces(&depth, &plateau, 10.0).unwrap();
+        assert!((guess.contact_mm - 0.7).abs() < 0.02, "{guess:?}");
+        assert!((guess.high_mm - guess.low_mm - 1.0).abs() < 1e-12);
+
         let noise: Vec<f64> = (0..200).map(|i| f64::from(i * 37 % 11) * 1e-3).collect();
         assert_eq!(super::guess(&depth, &noise, 4.0), None);
+        assert_eq!(guess_of_faces(&depth, &noise, 4.0), None);
     }
 }

@@ -4,6 +4,7 @@ use crate::experiment::motion::Motion;
 use crate::experiment::{Experiment, Length, Test};
 
 use super::contact::{self, ContactGuess};
+use super::grip::Grip;
 
 /// Deepest share of a specimen's height the model is trusted at.
 pub const DEEPEST_OF_HEIGHT: f64 = 0.8;
@@ -24,18 +25,16 @@ pub enum Height {
     Free(usize),
 }
 
-/// A specimen under a ball: one forward model.
+/// A specimen and what deforms it: one forward model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairing {
     /// Index into [`Experiment::specimens`].
     pub specimen: usize,
-    /// Index into [`Experiment::indenters`].
-    pub indenter: usize,
-    /// Radius of the ball, mm.
-    pub ball_mm: f64,
+    /// The ball, or what else.
+    pub grip: Grip,
     /// Height of the specimen.
     pub height: Height,
-    /// Deepest indentation its runs reach, mm, with the whole search range of contact points.
+    /// Largest depth its runs reach, mm, with the whole search range of contact points.
     pub depth_mm: f64,
 }
 
@@ -82,6 +81,8 @@ pub enum LeftOut {
     NoContact,
     /// What is left above the model's deepest point is too little.
     TooDeep,
+    /// The height or the area of a specimen that is compressed or pulled is not known.
+    Unmeasured,
 }
 
 /// Everything a material's fit works on.
@@ -101,22 +102,28 @@ pub struct Selection {
     pub holds: bool,
 }
 
-/// Selects the first loading branches of all indentation runs into specimens of `material`, with the holds after them
-/// if `holds`.
+/// Selects the first loading branches of all runs that indent, compress or pull specimens of `material`, with the holds
+/// after them if `holds`.
 pub fn select(experiment: &Experiment, motions: &[Option<Motion>], material: &str, holds: bool) -> Selection {
     let mut selection = Selection { holds, ..Selection::default() };
     for (at, run) in experiment.runs.iter().enumerate() {
-        let (Some(specimen), Some(indenter)) = (run.specimen, run.indenter) else { continue };
+        let Some(specimen) = run.specimen else { continue };
         let belongs = experiment.specimens[specimen].material == material
             && experiment.specimens[specimen].base_law != crate::experiment::BaseLaw::Rigid;
-        if run.test != Test::Indentation || !belongs {
+        if !belongs {
             continue;
         }
-        if let Err(why) = selection.add(experiment, motions, at, specimen, indenter) {
+        let added = match (run.test, run.indenter, Grip::without_ball(run.test)) {
+            (Test::Indentation, Some(indenter), _) => selection.add(experiment, motions, at, specimen, indenter),
+            (_, _, Some(grip)) => selection.add_coupon(experiment, motions, at, specimen, grip),
+            _ => continue,
+        };
+        if let Err(why) = added {
             let text = match why {
                 LeftOut::TooFewPoints => "too few samples on the way down",
                 LeftOut::NoContact => "force never rises above its noise: no contact",
                 LeftOut::TooDeep => "too few samples above the deepest point of the model",
+                LeftOut::Unmeasured => "the specimen's height and radius_mm (or area_mm2) must be known in this test",
             };
             selection.messages.push(format!("{}: not used, {text}", run.file));
             selection.left_out.push((at, why));
@@ -175,7 +182,7 @@ impl Selection {
         // The model also has to reach where an earlier contact puts the last sample, but not the
         // specimen's base.
         let reach = height.known().map_or(reach, |mm| reach.min(MODEL_OF_HEIGHT * mm));
-        let pairing = self.pairing(specimen, indenter, ball_mm, height, reach);
+        let pairing = self.pairing(specimen, Grip::Ball { indenter, radius_mm: ball_mm }, height, reach);
         if let Height::Free(free) = self.pairings[pairing].height {
             // The table was not met, so the block is higher than the ball ever went into it.
             let deepest = run.recording.depth_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -217,8 +224,8 @@ impl Selection {
         Ok(())
     }
 
-    fn pairing(&mut self, specimen: usize, indenter: usize, ball_mm: f64, height: Length, depth_mm: f64) -> usize {
-        let known = self.pairings.iter().position(|p| p.specimen == specimen && p.indenter == indenter);
+    pub(super) fn pairing(&mut self, specimen: usize, grip: Grip, height: Length, depth_mm: f64) -> usize {
+        let known = self.pairings.iter().position(|p| p.specimen == specimen && p.grip == grip);
         if let Some(at) = known {
             self.pairings[at].depth_mm = self.pairings[at].depth_mm.max(depth_mm);
             return at;
@@ -227,7 +234,7 @@ impl Selection {
             Length::Known(mm) => Height::Known(mm),
             Length::Unknown => Height::Free(self.free_height(specimen)),
         };
-        self.pairings.push(Pairing { specimen, indenter, ball_mm, height, depth_mm });
+        self.pairings.push(Pairing { specimen, grip, height, depth_mm });
         self.pairings.len() - 1
     }
 
@@ -237,6 +244,12 @@ impl Selection {
             self.heights.push(FreeHeight { specimen, low_mm, high_mm });
             self.heights.len() - 1
         })
+    }
+
+    /// True when a run compresses or pulls a whole specimen.
+    #[must_use]
+    pub fn has_coupons(&self) -> bool {
+        self.pairings.iter().any(|pairing| pairing.grip.mode().is_some())
     }
 
     /// Free heights also leave room for the model.

@@ -49,7 +49,7 @@ pub enum ModelError {
     },
     /// MultiStart is the thesis' method for its one-term foams.
     #[error(
-        "the simplex fits mu and alpha of a one-term hyperfoam and unknown heights, nothing else; leave out --method simplex"
+        "the simplex fits mu and alpha of a one-term hyperfoam and unknown heights under balls, nothing else; leave out --method simplex"
     )]
     NotForSimplex,
     /// A solve failed.
@@ -94,7 +94,7 @@ impl FeModel {
     /// A failing solve, named by specimen and ball.
     pub fn build(experiment: &Experiment, selection: &Selection, progress: &Progress<'_>) -> Result<Self, ModelError> {
         let blocks: Vec<Block> = selection.pairings.iter().map(|p| block(experiment, selection, p)).collect();
-        let balls: Vec<Ball> = selection.pairings.iter().map(|p| ball(p.ball_mm)).collect();
+        let balls: Vec<Ball> = selection.pairings.iter().map(|p| ball(p.grip.ball_mm())).collect();
         let groups = groups(experiment, selection, &blocks, &balls);
         let mut models = Vec::new();
         let mut messages = Vec::new();
@@ -231,7 +231,7 @@ pub(super) fn block(experiment: &Experiment, selection: &Selection, pairing: &Pa
     };
     let radius_mm = match specimen.radius_mm {
         Length::Known(mm) => mm,
-        Length::Unknown => UNKNOWN_RADIUS_IN_BALLS.1 * pairing.ball_mm,
+        Length::Unknown => UNKNOWN_RADIUS_IN_BALLS.1 * pairing.grip.ball_mm(),
     };
     let base = match specimen.base {
         Base::Bonded => Support::Bonded,
@@ -248,7 +248,7 @@ fn groups(experiment: &Experiment, selection: &Selection, blocks: &[Block], ball
             let known = |p: &Pairing| matches!(p.height, Height::Known(_));
             let (a, b) = (&blocks[at], &blocks[kind[0]]);
             (a.radius_mm, a.base) == (b.radius_mm, b.base)
-                && pairing.ball_mm == other.ball_mm
+                && pairing.grip.ball_mm() == other.grip.ball_mm()
                 && known(pairing)
                 && known(other)
         });
@@ -271,7 +271,8 @@ fn tables(
     let deepest = |of: &[usize]| of.iter().map(|&at| selection.pairings[at].depth_mm).fold(0.0, f64::max);
     let name = |at: usize| {
         let pairing = &selection.pairings[at];
-        format!("{} under {}", experiment.specimens[pairing.specimen].name, experiment.indenters[pairing.indenter].name)
+        let ball = pairing.grip.indenter().map_or("nothing", |at| experiment.indenters[at].name.as_str());
+        format!("{} under {ball}", experiment.specimens[pairing.specimen].name)
     };
     let first = kind[0];
     if let Height::Free(at) = selection.pairings[first].height {

@@ -154,6 +154,7 @@ pub fn by_newton(problem: &Problem<'_>, newton: Newton) -> Fit {
         fitted.iter().map(|run| run.residual(&selection.curves[run.curve]).residual_n).collect();
     let deepest = fitted
         .iter()
+        .filter(|run| problem.conditions[problem.condition_of[run.curve]].grip.indenter().is_some())
         .map(|run| {
             let data = &selection.curves[run.curve];
             let last = data.depth_mm[..data.hold_from].iter().copied().fold(f64::NEG_INFINITY, f64::max);

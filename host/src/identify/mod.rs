@@ -1,6 +1,6 @@
-//! Material parameters from indentation: thesis sections 2.4 to 2.8.
+//! Material parameters from indentation, compression and tension: thesis sections 2.4 to 2.8.
 //!
-//! The first loading branch of every indentation run (and the hold after it, for a relaxing material) is compared with
+//! The first loading branch of every run (and the hold after it, for a relaxing material) is compared with
 //! finite elements. Two searches lead to the parameters: Gauss-Newton on the finite elements' sensitivities
 //! ([`newton`], the default), and the thesis' MultiStart on Eq. 14 ([`multistart`]), for one-term foams, in which the finite elements
 //! stand behind an interpolant in alpha that carries an error bound. In both, force is linear in the modulus and the contact point of every
@@ -8,9 +8,11 @@
 
 mod answer;
 pub mod contact;
+mod coupon;
 pub mod data;
 pub mod fe;
 pub mod fit;
+pub mod grip;
 mod inside;
 pub mod interval;
 pub mod model;
@@ -160,7 +162,9 @@ fn one_material(
                 let source = |_: &Condition| Source::Solves(Resolution::Standard);
                 found.fit_by_newton(experiment, motions, spec, &source, progress)?;
             }
-            Method::Simplex if !spec.is_one_term_foam(law, terms) => return Err(ModelError::NotForSimplex),
+            Method::Simplex if !spec.is_one_term_foam(law, terms) || found.selection.has_coupons() => {
+                return Err(ModelError::NotForSimplex);
+            }
             Method::Simplex => {
                 let model = FeModel::build(experiment, &found.selection, progress)?;
                 found.messages.extend_from_slice(model.messages());
@@ -257,7 +261,7 @@ impl Identification {
         Some(Simulation {
             material: law.into(),
             specimen,
-            ball: Ball { radius_mm: pairing.ball_mm },
+            ball: Ball { radius_mm: pairing.grip.ball_mm() },
             interface: Interface::default(),
             motion: Path::ramp(depth_mm, 1.0),
             resolution: Resolution::Standard,
@@ -312,7 +316,7 @@ impl Identification {
         self.direct_check = Some(model.direct_check(0, shape)?);
         if experiment.specimens[pairing.specimen].radius_mm == Length::Unknown {
             let (low, high) = fe::UNKNOWN_RADIUS_IN_BALLS;
-            let (low_mm, high_mm) = (low * pairing.ball_mm, high * pairing.ball_mm);
+            let (low_mm, high_mm) = (low * pairing.grip.ball_mm(), high * pairing.grip.ball_mm());
             let change = model.other_radius(0, shape, low_mm)?;
             self.messages.push(format!(
                 "the specimen's radius is unknown, bounds {low_mm} to {high_mm} mm; it is set to the upper one, and the lower one would change the largest force by {:+.2} %",
@@ -344,7 +348,7 @@ fn assumptions(experiment: &Experiment, selection: &Selection, material: &str, s
     let number = if terms == 1 { "one-term" } else { "two-term" };
     let mut list = vec![match law {
         FittedLaw::Ogden => format!("{number} Ogden (thesis Eq. 2) with deviatoric stretches"),
-        FittedLaw::Hyperfoam if free(spec::Extra::Nu) => format!("{number} Hyperfoam (thesis Eq. 1)"),
+        FittedLaw::Hyperfoam if spec.frees_nu(selection) => format!("{number} Hyperfoam (thesis Eq. 1)"),
         FittedLaw::Hyperfoam => format!(
             "{number} Hyperfoam (thesis Eq. 1) with nu = {}; a loading curve cannot tell nu from alpha",
             spec.nu
@@ -360,6 +364,7 @@ fn assumptions(experiment: &Experiment, selection: &Selection, material: &str, s
             format!("{n} Prony terms (thesis Eqs. 10 to 13); the first loading branch and the hold after it are used")
         }
     });
+    list.extend(coupon::assumptions(selection, spec));
     list.push("force zero and gain of the sensor are trusted; the contact point of every run is fitted".to_owned());
     let mut specimens: Vec<usize> = selection.pairings.iter().map(|p| p.specimen).collect();
     specimens.sort_unstable();

@@ -2,6 +2,9 @@
 
 use crate::experiment::{BaseLaw, Experiment};
 
+use super::data::Selection;
+use super::grip::Grip;
+
 /// How the parameters are searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
@@ -55,6 +58,8 @@ pub enum Extra {
     Nu,
     /// Coulomb friction between ball and specimen.
     Friction,
+    /// Coulomb friction between platens and specimen, in uniaxial compression.
+    PlatenFriction,
     /// Height of every specimen.
     Height,
     /// Radius of every ball.
@@ -83,8 +88,10 @@ pub struct FitSpec {
     pub free: Vec<Extra>,
     /// Poisson's ratio of the Hyperfoam where it is not free.
     pub nu: f64,
-    /// Friction where it is not free.
+    /// Friction under the ball where it is not free.
     pub friction: f64,
+    /// Friction on platens where it is not free; without any a compressed specimen deforms homogeneously.
+    pub platen_friction: f64,
     /// Parameters that every specimen has for itself.
     pub own: Vec<Own>,
     /// Loss.
@@ -104,6 +111,7 @@ impl Default for FitSpec {
             free: Vec::new(),
             nu: 0.0,
             friction: 0.0,
+            platen_friction: 0.0,
             own: Vec::new(),
             loss: Loss::default(),
             method: Method::default(),
@@ -134,5 +142,20 @@ impl FitSpec {
             && self.own.is_empty()
             && self.nu == 0.0
             && self.friction == 0.0
+    }
+
+    /// True when platens are taken to rub.
+    #[must_use]
+    pub fn rubs(&self) -> bool {
+        self.platen_friction > 0.0 || self.free.contains(&Extra::PlatenFriction)
+    }
+
+    /// True when Poisson's ratio of a Hyperfoam is free: as asked for, or because runs with the sides free and runs with
+    /// the sides held stand beside each other and no ratio is stated.
+    #[must_use]
+    pub fn frees_nu(&self, selection: &Selection) -> bool {
+        let fitted = || selection.curves.iter().filter(|curve| !curve.hold_out);
+        let ring = |held: bool| fitted().any(|curve| (selection.pairings[curve.pairing].grip == Grip::Ring) == held);
+        self.free.contains(&Extra::Nu) || self.nu == 0.0 && ring(true) && ring(false)
     }
 }

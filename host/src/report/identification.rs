@@ -20,10 +20,10 @@ const GRAVE: [&str; 5] = ["systematically", "lies on a bound", "not used", "faul
 pub fn page(experiment: &Experiment, found: &[Identification]) -> Page {
     let mut page = Page::new(
         &format!("Identification: {}", experiment.name),
-        "Finite elements fitted to the first loading branch of every indentation run, and to the hold after it for a relaxing material. Units: mm, N, MPa, s.",
+        "The law fitted to the first loading branch of every run, and to the hold after it for a relaxing material: by finite elements under a ball, in closed form where all of a specimen deforms alike. Units: mm, N, MPa, s.",
     );
     if found.is_empty() {
-        page.warning("The experiment holds no indentation run into a soft specimen.");
+        page.warning("The experiment holds no run that indents, compresses or pulls a soft specimen.");
     }
     for one in found {
         if found.len() > 1 {
@@ -164,24 +164,49 @@ fn figures_of_fit(found: &Identification, fit: &Fit) -> Vec<Vec<String>> {
     rows
 }
 
+/// What a run is drawn in: depth and force, or, where a whole specimen deforms, strain and nominal stress.
+struct Units {
+    /// mm of depth per unit drawn.
+    depth: f64,
+    /// N per unit drawn.
+    force: f64,
+}
+
+impl Units {
+    fn of(experiment: &Experiment, found: &Identification, run: &RunFit) -> Self {
+        let pairing = &found.selection.pairings[found.selection.curves[run.curve].pairing];
+        let specimen = &experiment.specimens[pairing.specimen];
+        match (pairing.grip.mode(), specimen.height_mm.known(), specimen.radius_mm.known()) {
+            (Some(_), Some(height_mm), Some(radius_mm)) => {
+                Self { depth: 0.01 * height_mm, force: std::f64::consts::PI * radius_mm * radius_mm }
+            }
+            _ => Self { depth: 1.0, force: 1.0 },
+        }
+    }
+
+    fn drawn(&self, depth_mm: f64, force_n: f64) -> (f64, f64) {
+        (depth_mm / self.depth, force_n / self.force)
+    }
+}
+
 /// Every `n`-th sample of a run, drawn over depth past its contact point.
-fn measured(found: &Identification, run: &RunFit) -> Vec<(f64, f64)> {
+fn measured(found: &Identification, run: &RunFit, units: &Units) -> Vec<(f64, f64)> {
     let data = &found.selection.curves[run.curve];
     let every = data.depth_mm.len().div_ceil(DRAWN_SAMPLES).max(1);
     let samples = data.depth_mm.iter().zip(&data.force_n).step_by(every);
-    samples.map(|(depth, force)| (depth - run.contact_mm, *force)).collect()
+    samples.map(|(depth, force)| units.drawn(depth - run.contact_mm, *force)).collect()
 }
 
-fn modelled(found: &Identification, run: &RunFit) -> Vec<(f64, f64)> {
+fn modelled(found: &Identification, run: &RunFit, units: &Units) -> Vec<(f64, f64)> {
     let data = &found.selection.curves[run.curve];
     let samples = data.depth_mm.iter().zip(&run.model_n);
-    samples.map(|(depth, force)| (depth - run.contact_mm, *force)).collect()
+    samples.map(|(depth, force)| units.drawn(depth - run.contact_mm, *force)).collect()
 }
 
-fn residual(found: &Identification, run: &RunFit) -> Vec<(f64, f64)> {
+fn residual(found: &Identification, run: &RunFit, units: &Units) -> Vec<(f64, f64)> {
     let data = &found.selection.curves[run.curve];
     let samples = data.depth_mm.iter().zip(data.force_n.iter().zip(&run.model_n));
-    samples.map(|(depth, (force, model))| (depth - run.contact_mm, force - model)).collect()
+    samples.map(|(depth, (force, model))| units.drawn(depth - run.contact_mm, force - model)).collect()
 }
 
 fn short_name(experiment: &Experiment, found: &Identification, run: &RunFit) -> String {
@@ -190,22 +215,46 @@ fn short_name(experiment: &Experiment, found: &Identification, run: &RunFit) -> 
     name.trim_end_matches(".csv").to_owned()
 }
 
-/// All runs in two figures: forces, residuals.
+/// All runs in two figures for each kind of test: forces, residuals.
 fn overview(page: &mut Page, experiment: &Experiment, found: &Identification, fit: &Fit) {
-    let depth = || Axis::new("depth past contact (mm)");
-    let mut forces = Figure::new("Measured (circles) and fitted (lines)", depth(), Axis::new("force (N)"));
-    let mut residuals = Figure::new("Measured minus fitted", depth(), Axis::new("force (N)"));
+    let word = |run: &RunFit| found.selection.pairings[found.selection.curves[run.curve].pairing].grip.word();
+    let mut kinds: Vec<&str> = Vec::new();
+    for run in &fit.runs {
+        if !kinds.contains(&word(run)) {
+            kinds.push(word(run));
+        }
+    }
+    for kind in &kinds {
+        let runs: Vec<&RunFit> = fit.runs.iter().filter(|run| word(run) == *kind).collect();
+        let title = if kinds.len() > 1 { format!("{kind}: measured") } else { "Measured".to_owned() };
+        together(page, experiment, found, &runs, &format!("{title} (circles) and fitted (lines)"));
+    }
+}
+
+/// Runs of one kind of test in two figures: forces, residuals.
+fn together(page: &mut Page, experiment: &Experiment, found: &Identification, runs: &[&RunFit], title: &str) {
+    let stretched = runs
+        .first()
+        .is_some_and(|run| found.selection.pairings[found.selection.curves[run.curve].pairing].grip.mode().is_some());
+    let (across, up) = if stretched {
+        ("nominal strain (%)", "nominal stress (MPa)")
+    } else {
+        ("depth past contact (mm)", "force (N)")
+    };
+    let mut forces = Figure::new(title, Axis::new(across), Axis::new(up));
+    let mut residuals = Figure::new("Measured minus fitted", Axis::new(across), Axis::new(up));
     residuals.size.1 = 280.0;
-    for (at, run) in fit.runs.iter().enumerate() {
+    for (at, run) in runs.iter().enumerate() {
         let name = short_name(experiment, found, run);
+        let units = Units::of(experiment, found, run);
         let line = Stroke::LINES[at % Stroke::LINES.len()];
-        forces = forces.with(Series::new("", measured(found, run), Stroke::Circles, at)).with(Series::new(
+        forces = forces.with(Series::new("", measured(found, run, &units), Stroke::Circles, at)).with(Series::new(
             &name,
-            modelled(found, run),
+            modelled(found, run, &units),
             line,
             at,
         ));
-        residuals = residuals.with(Series::new(&name, residual(found, run), line, at));
+        residuals = residuals.with(Series::new(&name, residual(found, run, &units), line, at));
     }
     page.figure(&forces.svg(), "Every run shifted to its own fitted contact point.");
     page.figure(

@@ -67,7 +67,8 @@ pub fn curves(
     let Some(fit) = whole.fit.as_ref() else {
         return Err(StudyError::NothingToFit { material: subject.material.clone(), reason: whole.outcome.word() });
     };
-    let mut curves: Vec<Curve> = fit.runs.iter().map(|run| curve(subject, &whole, run, relaxation > 0)).collect();
+    let mut curves: Vec<Curve> =
+        fit.runs.iter().filter_map(|run| curve(subject, &whole, run, relaxation > 0)).collect();
     let balls = subject.balls(&selection);
     for &ball in balls.iter().filter(|_| balls.len() > 1) {
         progress(&format!("prediction, {}", subject.ball_name(ball)), 0, 0);
@@ -85,21 +86,22 @@ pub fn curves(
     Ok((curves, whole))
 }
 
-fn curve(subject: &Subject, whole: &Identification, run: &RunFit, over_time: bool) -> Curve {
+/// `None` for a run without a ball.
+fn curve(subject: &Subject, whole: &Identification, run: &RunFit, over_time: bool) -> Option<Curve> {
     let data = &whole.selection.curves[run.curve];
     let place = if over_time {
         data.time_s.clone()
     } else {
         data.depth_mm.iter().map(|depth| depth - run.contact_mm).collect()
     };
-    Curve {
+    Some(Curve {
         run: subject.experiment.runs[data.run].file.clone(),
-        ball: whole.selection.pairings[data.pairing].indenter,
+        ball: whole.selection.pairings[data.pairing].grip.indenter()?,
         place,
         measured_n: data.force_n.clone(),
         fitted_n: run.model_n.clone(),
         predicted_n: Vec::new(),
-    }
+    })
 }
 
 /// The study.

@@ -186,7 +186,9 @@ impl Subject {
     ///
     /// # Errors
     /// When there is no such material, or none at all.
-    pub fn measured(experiment: Experiment, material: Option<&str>) -> Result<Self, StudyError> {
+    pub fn measured(mut experiment: Experiment, material: Option<&str>) -> Result<Self, StudyError> {
+        // The thesis' studies are of indentation.
+        experiment.runs.retain(|run| run.test == Test::Indentation);
         let names = materials(&experiment);
         let material = match material {
             Some(wanted) if !names.iter().any(|name| name == wanted) => {
@@ -252,7 +254,10 @@ impl Subject {
     pub fn balls(&self, selection: &Selection) -> Vec<usize> {
         let fitted = selection.curves.iter().filter(|curve| !curve.hold_out);
         let mut balls: Vec<(usize, f64)> = fitted
-            .map(|curve| (selection.pairings[curve.pairing].indenter, selection.pairings[curve.pairing].ball_mm))
+            .filter_map(|curve| {
+                let grip = selection.pairings[curve.pairing].grip;
+                grip.indenter().map(|indenter| (indenter, grip.ball_mm()))
+            })
             .collect();
         balls.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         balls.dedup_by_key(|(at, _)| *at);
@@ -274,7 +279,8 @@ impl Subject {
 /// A selection with the curves of some balls only; pairings stay, so that one model serves all.
 #[must_use]
 pub fn of_balls(selection: &Selection, balls: &[usize]) -> Selection {
-    let wanted = |curve: &&LoadingCurve| balls.contains(&selection.pairings[curve.pairing].indenter);
+    let ball = |curve: &LoadingCurve| selection.pairings[curve.pairing].grip.indenter();
+    let wanted = |curve: &&LoadingCurve| ball(curve).is_some_and(|ball| balls.contains(&ball));
     let curves = selection.curves.iter().filter(wanted).cloned().collect();
     Selection { curves, ..selection.clone() }
 }

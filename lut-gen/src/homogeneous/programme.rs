@@ -18,6 +18,8 @@ pub struct Programme {
 /// Longest step in stretch. Between samples the elastic stress is taken as straight in time; the curvature of one
 /// percent of stretch costs a relaxing foam of exponent 10 less than 1e-4 of its stress (`tests/homogeneous.rs`).
 const LONGEST: f64 = 0.01;
+/// The same of a material without memory, where a step is no more than a first guess of the next lateral stretch.
+const LONGEST_ELASTIC: f64 = 0.1;
 /// First step of a hold in the shortest relaxation time, and growth of the next ones: as the finite elements'. The
 /// first is rounded down to a power of two seconds, so that steps stay where they are when the time moves a little.
 const HOLD_FIRST: f64 = 0.1;
@@ -60,11 +62,12 @@ impl Programme {
         let mut out = Vec::with_capacity(self.time_s.len());
         let shortest = material.prony.iter().map(|p| p.tau_s).fold(f64::INFINITY, f64::min);
         let first = (HOLD_FIRST * shortest).log2().floor().exp2();
+        let longest = if material.is_elastic() { LONGEST_ELASTIC } else { LONGEST };
         let (mut from, mut before) = (1.0, None);
         for (&t, &l) in self.time_s.iter().zip(&self.stretch) {
             let duration = before.map_or(0.0, |b| t - b);
             let count =
-                ((l - from).abs() / (LONGEST * f64::min(1.0, from.abs().max(LONGEST)))).ceil().max(1.0) as usize;
+                ((l - from).abs() / (longest * f64::min(1.0, from.abs().max(longest)))).ceil().max(1.0) as usize;
             if count == 1 && mode.has_free_side() && duration > first {
                 hold(&mut out, duration, first, from, l);
             } else {

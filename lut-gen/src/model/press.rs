@@ -5,9 +5,9 @@ use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
 use super::chebyshev::polynomials;
-use super::{Axis, Record, Scale, Sensitivity, Simulation, Tracker};
+use super::{Axis, Compression, Record, Scale, Sensitivity, Simulation, Tracker};
 use crate::law::Parameter;
-use crate::solve::{SolveError, Target};
+use crate::solve::{Motion, SolveError, Target};
 
 /// Chebyshev nodes of a ramp, over `s = sqrt(d / d_max)`: as many as the terms of the continuous force model.
 pub const RAMP_NODES: usize = 12;
@@ -21,6 +21,8 @@ const FIRST_SHARE: f64 = 1e-3;
 /// Terms of the polynomial in `s` through a derivative's stations: less than the force's, since it
 /// has no limit to hold on to and scatters more.
 const SLOPE_TERMS: usize = 7;
+/// Terms through the force between platens, which has no limit to hold on to either but scatters less.
+const FORCE_TERMS: usize = 9;
 
 /// Force of a press on fixed grids, with its derivatives.
 ///
@@ -99,23 +101,11 @@ impl Simulation {
 
     /// The ramp alone, its depth (mm), and the duration (s) of the hold after it, 0 without one.
     fn ramp_and_hold(&self) -> Result<(Self, f64, f64), SolveError> {
-        let refuse = || {
-            let count = self.motion.segments.len() as f64;
-            SolveError::parameter(
-                "segments of the motion",
-                count,
-                "but a press is a ramp from touch and at most one hold",
-            )
-        };
-        let mut ramp = self.clone();
         let held = match self.motion.segments.as_slice() {
             [_] => 0.0,
-            [first, second] => match (first.end, second.end) {
-                (Target::DepthMm(a), Target::DepthMm(b)) if a == b => second.duration_s,
-                _ => return Err(refuse()),
-            },
-            _ => return Err(refuse()),
+            _ => ramp_and_hold(&self.motion)?.1,
         };
+        let mut ramp = self.clone();
         ramp.motion.segments.truncate(1);
         self.check()?;
         let depth_max_mm = ramp.ramp()?;
@@ -123,18 +113,64 @@ impl Simulation {
     }
 }
 
+impl Compression {
+    /// The press of a cylinder between platens, with derivatives by the given parameters: as that of a ball, but with
+    /// `ln(F / d)` on the ramp, `d` the shortening (a whole face is met at once). The motion is a ramp to a
+    /// shortening, and perhaps a hold of it.
+    ///
+    /// # Errors
+    /// As [`Compression::sensitivities`]; [`SolveError::Parameter`] for another motion.
+    pub fn press(&self, parameters: &[Parameter]) -> Result<Press, SolveError> {
+        let (depth_max_mm, hold_s) = ramp_and_hold(&self.motion)?;
+        let (record, slopes) = self.sensitivities(parameters)?;
+        let end_s = self.motion.segments[0].duration_s;
+        let forces: Vec<f64> = record.force_n.iter().zip(&record.depth_mm).map(|(f, d)| (f / d).ln()).collect();
+        let (ramp, scatter) = smoothed(&record, &forces, end_s, depth_max_mm, FORCE_TERMS);
+        let ramp_by = slopes.iter().map(|one| along_ramp(&record, one, end_s, depth_max_mm)).collect();
+        let (hold, hold_by) = along_hold(&record, &slopes, end_s, hold_s);
+        let unknowns = 2 * self.mesh().nodes.len();
+        Ok(Press { depth_max_mm, ramp, ramp_by, hold_s, hold, hold_by, scatter, unknowns })
+    }
+}
+
+/// Depth (mm) of a ramp from touch, and the duration (s) of the hold after it, 0 without one.
+fn ramp_and_hold(motion: &Motion) -> Result<(f64, f64), SolveError> {
+    match motion.segments.as_slice() {
+        [one] => match one.end {
+            Target::DepthMm(depth_mm) => Ok((depth_mm, 0.0)),
+            Target::ForceN(_) => Err(no_press(motion)),
+        },
+        [first, second] => match (first.end, second.end) {
+            (Target::DepthMm(a), Target::DepthMm(b)) if a == b => Ok((a, second.duration_s)),
+            _ => Err(no_press(motion)),
+        },
+        _ => Err(no_press(motion)),
+    }
+}
+
+fn no_press(motion: &Motion) -> SolveError {
+    let count = motion.segments.len() as f64;
+    SolveError::parameter("segments of the motion", count, "but a press is a ramp from touch and at most one hold")
+}
+
 /// Logarithmic derivative of the force at the ramp's nodes, from a polynomial in `s` through the stations.
 fn along_ramp(record: &Record, slope: &Sensitivity, end_s: f64, depth_max_mm: f64) -> Vec<f64> {
+    let relative: Vec<f64> = slope.force.iter().zip(&record.force_n).map(|(by, force)| by / force).collect();
+    smoothed(record, &relative, end_s, depth_max_mm, SLOPE_TERMS).0
+}
+
+/// A value of every station as a polynomial in `s` through those of the ramp: at its nodes, and the rms of what it leaves.
+fn smoothed(record: &Record, values: &[f64], end_s: f64, depth_max_mm: f64, terms: usize) -> (Vec<f64>, f64) {
     let stations: Vec<(f64, f64)> = record
         .stations
         .iter()
-        .zip(record.force_n.iter().zip(&slope.force))
+        .zip(record.force_n.iter().zip(values))
         .take_while(|(station, _)| station.time_s <= end_s * (1.0 + 1e-12))
         .filter(|(_, (force, _))| **force > 0.0)
-        .map(|(station, (force, by))| ((station.depth_mm / depth_max_mm).sqrt(), by / force))
+        .map(|(station, (_, value))| ((station.depth_mm / depth_max_mm).sqrt(), *value))
         .collect();
-    let terms = SLOPE_TERMS.min(stations.len());
-    let (mut value, mut unused) = ([0.0; SLOPE_TERMS], [0.0; SLOPE_TERMS]);
+    let terms = terms.min(stations.len());
+    let (mut value, mut unused) = ([0.0; RAMP_NODES], [0.0; RAMP_NODES]);
     let mut matrix = Mat::zeros(stations.len(), terms);
     let mut right = Mat::zeros(stations.len(), 1);
     for (row, (s, by)) in stations.iter().enumerate() {
@@ -146,13 +182,14 @@ fn along_ramp(record: &Record, slope: &Sensitivity, end_s: f64, depth_max_mm: f6
         right[(row, 0)] = s * by;
     }
     let solution = matrix.qr().solve_lstsq(&right);
+    let mut at = |s: f64| -> f64 {
+        polynomials(2.0 * s - 1.0, &mut value[..terms], &mut unused[..terms]);
+        (0..terms).map(|j| solution[(j, 0)] * value[j]).sum()
+    };
     let axis = Press::ramp_axis();
-    (0..RAMP_NODES)
-        .map(|k| {
-            polynomials(2.0 * axis.node(k) - 1.0, &mut value[..terms], &mut unused[..terms]);
-            (0..terms).map(|j| solution[(j, 0)] * value[j]).sum()
-        })
-        .collect()
+    let nodes = (0..RAMP_NODES).map(|k| at(axis.node(k))).collect();
+    let square = stations.iter().map(|(s, by)| (s * (at(*s) - by)).powi(2)).sum::<f64>();
+    (nodes, (square / stations.len().max(1) as f64).sqrt())
 }
 
 /// `ln(F / F_peak)` and its derivatives at the times of the hold.

@@ -1,9 +1,12 @@
-//! One condition: a specimen under a ball at a rate, with a hold or without, shared by the runs that repeat it.
+//! One condition: a specimen under a ball or between faces at a rate, with a hold or without, shared by the runs that
+//! repeat it.
 
 use lut_gen::contact::Ball;
 use lut_gen::law::Parameter;
 use lut_gen::model::{ForceModel, Press, RAMP_NODES, Resolution, Simulation, Specimen};
 use lut_gen::solve::{Motion, SolveError};
+
+use crate::identify::grip::Grip;
 
 use super::coordinate::{Kind, Scope, Unknown, Values};
 use super::surrogate::{Node, Surrogate};
@@ -23,12 +26,14 @@ pub enum Source {
 pub struct Condition {
     /// Index into the experiment's specimens.
     pub specimen: usize,
-    /// Index into the experiment's indenters.
-    pub indenter: usize,
+    /// The ball, or what else deforms it.
+    pub grip: Grip,
+    /// The faces rub on their platens, so that the specimen barrels.
+    pub rubs: bool,
+    /// Length over which its faces come to touch, mm; 0 under a ball, which touches without a jump of stiffness.
+    pub rounding_mm: f64,
     /// The block, with the height that is known or assumed.
     pub block: Specimen,
-    /// Radius of the ball, mm.
-    pub ball_mm: f64,
     /// Depth of the ramp, mm.
     pub depth_mm: f64,
     /// Rate of the ramp, mm/s; it decides nothing without relaxation.
@@ -45,23 +50,29 @@ pub struct Condition {
     pub surrogate: Surrogate,
     /// Largest relative scatter of a solve's stations.
     pub scatter: f64,
-    /// Finite-element solves.
+    /// Solves, homogeneous ones included.
     pub solves: usize,
 }
 
 impl Condition {
     /// True when an unknown acts on this condition.
-    pub fn feels(specimen: usize, indenter: usize, unknown: &Unknown) -> bool {
-        match unknown.scope {
-            Scope::All => true,
-            Scope::Specimen(at) => at == specimen,
-            Scope::Indenter(at) => at == indenter,
-        }
+    pub fn feels(&self, unknown: &Unknown) -> bool {
+        let touched = match unknown.kind {
+            Kind::Friction | Kind::Height | Kind::BallRadius => self.grip.indenter().is_some(),
+            Kind::PlatenFriction => self.rubs,
+            _ => true,
+        };
+        touched
+            && match unknown.scope {
+                Scope::All => true,
+                Scope::Specimen(at) => at == self.specimen,
+                Scope::Indenter(at) => Some(at) == self.grip.indenter(),
+            }
     }
 
     /// Takes the unknowns that act on it.
     pub fn attach(&mut self, unknowns: &[Unknown]) {
-        let mine = |(_, u): &(usize, &Unknown)| Self::feels(self.specimen, self.indenter, u);
+        let mine = |(_, u): &(usize, &Unknown)| self.feels(u);
         let (moduli, locals): (Vec<_>, Vec<_>) =
             unknowns.iter().enumerate().filter(mine).partition(|(_, u)| u.kind == Kind::Modulus);
         self.modulus = moduli.first().map_or(0, |(at, _)| *at);
@@ -86,7 +97,34 @@ impl Condition {
     /// The force between what is solved; `None` before the first solve.
     pub fn track(&self, point: &[f64]) -> Option<Track> {
         let values = self.surrogate.at(&self.local(point));
-        (!values.is_empty()).then(|| Track::new(self.depth_mm, self.hold_s, &values, point[self.modulus]))
+        (!values.is_empty()).then(|| {
+            let track = Track::new(self.depth_mm, self.hold_s, &values, point[self.modulus]);
+            track.beginning_as(self.grip.exponent(), self.rounding_mm)
+        })
+    }
+
+    /// True where the force is cheaper to compute than to interpolate: all of the specimen deforms alike, without memory.
+    #[must_use]
+    pub fn is_exact(&self, base: &Values) -> bool {
+        self.is_homogeneous() && base.prony.is_empty()
+    }
+
+    /// The force at a point where it [is exact](Condition::is_exact); `None` where the material does not exist.
+    #[must_use]
+    pub fn exact_track(&self, base: &Values, unknowns: &[Unknown], point: &[f64]) -> Option<Track> {
+        let press = self.stretched(&self.values(base, unknowns, point), &[]).ok()?;
+        let track = Track::new(self.depth_mm, 0.0, &press.ramp, point[self.modulus]);
+        Some(track.beginning_as(self.grip.exponent(), self.rounding_mm))
+    }
+
+    /// Parameters for a unit modulus at a point.
+    fn values(&self, base: &Values, unknowns: &[Unknown], point: &[f64]) -> Values {
+        let mut values =
+            Values { height_mm: self.block.height_mm, ball_mm: self.grip.ball_mm(), mu_mpa: 1.0, ..base.clone() };
+        for &at in &self.locals {
+            values.set(unknowns[at].kind, unknowns[at].value(point[at]));
+        }
+        values
     }
 
     /// Solves at a point: the force for a unit modulus and its derivatives by the local coordinates.
@@ -95,10 +133,7 @@ impl Condition {
     /// What the solver says; it names the case.
     pub fn solve(&self, base: &Values, unknowns: &[Unknown], point: &[f64]) -> Result<(Node, f64), SolveError> {
         let x = self.local(point);
-        let mut values = Values { height_mm: self.block.height_mm, ball_mm: self.ball_mm, mu_mpa: 1.0, ..base.clone() };
-        for &at in &self.locals {
-            values.set(unknowns[at].kind, unknowns[at].value(point[at]));
-        }
+        let values = self.values(base, unknowns, point);
         match &self.source {
             Source::Model(model) => Ok((self.modelled(model, &values, x), 0.0)),
             Source::Solves(resolution) => {
@@ -110,7 +145,13 @@ impl Condition {
                         wanted.push(*parameter);
                     }
                 }
-                let press = self.simulation(&values, *resolution)?.press(&wanted)?;
+                let press = if self.is_homogeneous() {
+                    self.stretched(&values, &wanted)?
+                } else if self.rubs {
+                    self.barrelled(&values, &wanted)?
+                } else {
+                    self.simulation(&values, *resolution)?.press(&wanted)?
+                };
                 Ok((node(&press, &wanted, &chains, x), press.scatter))
             }
         }

@@ -27,6 +27,8 @@ pub enum Kind {
     Tau(usize),
     /// Coulomb friction between ball and specimen.
     Friction,
+    /// Coulomb friction between platens and specimen.
+    PlatenFriction,
     /// Height of a specimen (mm).
     Height,
     /// Radius of a ball (mm).
@@ -112,8 +114,10 @@ pub struct Values {
     pub compressibility: f64,
     /// Prony terms `(g, k, tau)`.
     pub prony: Vec<(f64, f64, f64)>,
-    /// Friction.
+    /// Friction under the ball.
     pub friction: f64,
+    /// Friction on platens.
+    pub platen_friction: f64,
     /// Height of the specimen, mm.
     pub height_mm: f64,
     /// Radius of the ball, mm.
@@ -148,6 +152,7 @@ impl Values {
                 }
             }
             Kind::Friction => self.friction = value.max(LEAST_FRICTION),
+            Kind::PlatenFriction => self.platen_friction = value.max(LEAST_FRICTION),
             Kind::Height => self.height_mm = value,
             Kind::BallRadius => self.ball_mm = value,
         }
@@ -213,7 +218,7 @@ impl Values {
             Kind::G(i) => vec![(Parameter::PronyG(i), by)],
             Kind::K(i) => vec![(Parameter::PronyK(i), by)],
             Kind::Tau(i) => vec![(Parameter::PronyTau(i), by)],
-            Kind::Friction => vec![(Parameter::Friction, by)],
+            Kind::Friction | Kind::PlatenFriction => vec![(Parameter::Friction, by)],
             Kind::Height => vec![(Parameter::Height, by)],
             Kind::BallRadius => vec![(Parameter::BallRadius, by)],
         }

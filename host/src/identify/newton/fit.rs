@@ -20,6 +20,8 @@ use super::verdict::{Judged, Verdict, judge};
 
 /// Relative error bound of a solve on the standard mesh, worst of the twelve reference curves (docs/verification.md).
 pub const MESH_ERROR: f64 = 1.5e-3;
+/// Exponents at which a search begins where solves cost nothing.
+const MANY_ALPHA: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 14.0, 20.0];
 /// Support points nearer than this to a solved one, in standard errors, need no solve of their own.
 const NEAR: f64 = 0.25;
 /// The end of an interval is found to a hundredth of its half-width, the rise there to twice that.
@@ -105,8 +107,12 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     let budget = demand.most_solves;
     let mut found = problem.search(&starts(problem), budget, demand.told)?;
     if problem.anchor(&found.minimum.x) {
-        let again = problem.search(&[found.minimum.x.clone()], budget, demand.told)?;
-        found = again.after(&found);
+        // The minimum lay between solves, and the ramp has become another: what could be solved before is tried next.
+        let mut known: Vec<&Visit> = found.path.iter().collect();
+        known.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let others: Vec<Vec<f64>> = known.iter().take(2).map(|v| v.point.clone()).chain(starts(problem)).collect();
+        let again = problem.search(&[found.minimum.x.clone()], budget, demand.told);
+        found = again.or_else(|_| problem.search(&others, budget, demand.told))?.after(&found);
     }
     let noises = problem.weigh_by_fit(&found.minimum.x, demand.groups, demand.stated_n);
     let points = |found: &super::search::Found| found.path.iter().map(|v| v.point.clone()).collect::<Vec<_>>();
@@ -163,16 +169,23 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     })
 }
 
-/// Two exponents that enclose most materials, everything else where its guess is.
+/// Two exponents that enclose most materials, everything else where its guess is; many more where solves cost nothing.
 fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
-    let at = |alpha: f64| -> Vec<f64> {
-        let start = |u: &Unknown| match u.kind {
-            Kind::Alpha(0) => u.coordinate(alpha.clamp(u.low, u.high)),
+    let free = problem.conditions.iter().all(|c| c.is_exact(&problem.base));
+    let firsts: &[f64] = if free { &MANY_ALPHA } else { &[FIRST_ALPHA.0, FIRST_ALPHA.1] };
+    let two = free && problem.base.terms > 1;
+    let seconds: Vec<Option<f64>> = if two { MANY_ALPHA.map(Some).to_vec() } else { vec![None] };
+    let at = |alpha: f64, second: Option<f64>| -> Vec<f64> {
+        let start = |u: &Unknown| match (u.kind, second) {
+            (Kind::Alpha(0), _) => u.coordinate(alpha.clamp(u.low, u.high)),
+            (Kind::Alpha(_), Some(other)) => u.coordinate(other.clamp(u.low, u.high)),
             _ => u.coordinate(u.start.clamp(u.low, u.high)),
         };
         problem.unknowns.iter().map(start).collect()
     };
-    vec![at(FIRST_ALPHA.0), at(FIRST_ALPHA.1)]
+    let pairs = firsts.iter().flat_map(|&first| seconds.iter().map(move |second| (first, *second)));
+    // Terms that begin alike stay alike, and their order means nothing.
+    pairs.filter(|(first, second)| second.is_none_or(|second| second < *first)).map(|(a, b)| at(a, b)).collect()
 }
 
 fn judged(unknowns: &[Unknown], spans: &[Span]) -> Vec<Judged> {
@@ -225,6 +238,7 @@ impl super::condition::Condition {
     /// Relative error bound of its force.
     fn error(&self) -> f64 {
         match &self.source {
+            Source::Solves(_) if self.is_homogeneous() => 0.0,
             Source::Solves(_) => MESH_ERROR.max(self.scatter),
             Source::Model(model) => model.error().total(),
         }
@@ -246,10 +260,11 @@ impl Problem<'_> {
             let locals = &self.conditions[condition].locals;
             locals.iter().all(|&at| (a[at] - b[at]).abs() < NEAR * errors[at])
         };
-        let mut left = budget.saturating_sub(self.solves());
+        let mut left = budget.saturating_sub(self.evaluations());
         for point in ends.iter().flat_map(|(low, high)| [&low.support, &high.support]) {
             let known = (0..self.conditions.len()).all(|c| {
                 self.conditions[c].locals.is_empty()
+                    || self.conditions[c].is_exact(&self.base)
                     || self.conditions[c].knows(point)
                     || wanted.iter().any(|other| near(point, other, c))
             });
@@ -288,7 +303,7 @@ impl Problem<'_> {
     pub fn values(&self, condition: usize, point: &[f64]) -> Values {
         let condition = &self.conditions[condition];
         let mut values =
-            Values { height_mm: condition.block.height_mm, ball_mm: condition.ball_mm, ..self.base.clone() };
+            Values { height_mm: condition.block.height_mm, ball_mm: condition.grip.ball_mm(), ..self.base.clone() };
         for &at in condition.locals.iter().chain(std::iter::once(&condition.modulus)) {
             values.set(self.unknowns[at].kind, self.unknowns[at].value(point[at]));
         }

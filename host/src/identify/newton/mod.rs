@@ -3,6 +3,7 @@
 //! ```text
 //! coordinate  what is free, its range, the chain rule to the simulation's parameters
 //! condition   one forward problem, shared by runs that repeat it; one solve gives force and all slopes
+//! coupon      the forward problems without a ball: homogeneous, or barrelling between platens
 //! surrogate   what the solves so far say about the points between them
 //! track       force over depth and hold time from the surrogate's values
 //! problem     weighted differences of all runs, contact points eliminated
@@ -18,6 +19,7 @@
 pub mod absolute;
 pub mod condition;
 pub mod coordinate;
+mod coupon;
 pub mod fit;
 pub mod levenberg;
 pub mod likelihood;

@@ -79,7 +79,12 @@ impl Problem<'_> {
     /// Tracks of all conditions; empty while one of them is not solved anywhere.
     #[must_use]
     pub fn tracks(&self, point: &[f64]) -> Vec<Track> {
-        self.conditions.iter().map_while(|condition| condition.track(point)).collect()
+        let one = |condition: &Condition| {
+            let exact =
+                condition.is_exact(&self.base).then(|| condition.exact_track(&self.base, &self.unknowns, point));
+            exact.flatten().or_else(|| condition.track(point))
+        };
+        self.conditions.iter().map_while(one).collect()
     }
 
     /// Loss of one difference in standard deviations, and its weight in the equivalent square.

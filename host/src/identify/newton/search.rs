@@ -86,6 +86,12 @@ impl Problem<'_> {
     /// Finite-element solves so far.
     #[must_use]
     pub fn solves(&self) -> usize {
+        self.conditions.iter().filter(|c| !c.is_homogeneous()).map(|c| c.solves).sum()
+    }
+
+    /// Solves so far, homogeneous ones included.
+    #[must_use]
+    pub fn evaluations(&self) -> usize {
         self.conditions.iter().map(|c| c.solves).sum()
     }
 
@@ -133,7 +139,7 @@ impl Problem<'_> {
                 // The minimum between solves, so near to one that the solve there would add nothing.
                 return Ok(Found { minimum: aim, path, converged: true, expected_within, failures });
             }
-            if self.solves() >= budget || trust < LEAST_TRUST {
+            if self.evaluations() >= budget || trust < LEAST_TRUST {
                 let minimum = self.with_best_moduli(&best.point);
                 return Ok(Found { minimum, path, converged: false, expected_within, failures });
             }

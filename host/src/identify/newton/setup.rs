@@ -5,6 +5,7 @@ use lut_gen::model::Resolution;
 use crate::experiment::{Experiment, Length};
 use crate::identify::data::{Height, LoadingCurve, MODEL_OF_HEIGHT, Selection};
 use crate::identify::fe::block;
+use crate::identify::grip::Grip;
 use crate::identify::spec::{Extra, FitSpec, FittedLaw, Own};
 
 use super::condition::{Condition, Source};
@@ -21,10 +22,14 @@ pub const FIRST_ALPHA: (f64, f64) = (4.0, 14.0);
 const NU: (f64, f64) = (0.0, 0.45);
 /// Bounds of Ogden's compressibility: Poisson's ratios of 0.49993 to 0.1.
 const COMPRESSIBILITY: (f64, f64) = (4e-4, 2.4);
+/// Its lower bound between rubbing platens, where stiffer bulks are not solved reliably: a ratio of 0.4983.
+const RUBBED_COMPRESSIBILITY: f64 = 1.0 / 300.0;
 /// Bounds of a relaxing part.
 const PART: (f64, f64) = (0.0, 0.97);
 /// Bounds of friction.
 const FRICTION: (f64, f64) = (1e-4, 1.0);
+/// Bounds of friction on platens; at 1 nothing slides any more.
+const PLATEN_FRICTION: (f64, f64) = (1e-3, 1.0);
 /// The modulus is searched this factor around Hertz's estimate.
 const MODULUS_FACTOR: f64 = 300.0;
 /// Rates, depths and holds within these shares are one condition.
@@ -33,6 +38,8 @@ const SAME_DEPTH: f64 = 0.03;
 const SAME_HOLD: f64 = 0.2;
 /// How much deeper than the guess of the contact says a ramp is solved, in ball radii.
 const MARGIN: f64 = 0.03;
+/// Faces come to touch over this many distances between samples.
+const TOUCH_STEPS: f64 = 2.0;
 /// Shortest relaxation time searched, in durations of the shortest ramp, and longest, in durations of the longest run.
 const TAU: (f64, f64) = (0.02, 5.0);
 
@@ -45,7 +52,7 @@ pub fn problem<'a>(
     source: &dyn Fn(&Condition) -> Source,
 ) -> Problem<'a> {
     let (law, terms) = spec.resolved(experiment, material);
-    let (mut conditions, condition_of) = conditions(experiment, selection, spec.relaxation > 0);
+    let (mut conditions, condition_of) = conditions(experiment, selection, spec);
     let unknowns = unknowns(experiment, selection, spec, law, terms);
     for condition in &mut conditions {
         condition.attach(&unknowns);
@@ -61,6 +68,7 @@ pub fn problem<'a>(
         compressibility: 0.1,
         prony: vec![(0.3, 0.3, 1.0); spec.relaxation],
         friction: spec.friction,
+        platen_friction: spec.platen_friction,
         height_mm: 0.0,
         ball_mm: 0.0,
     };
@@ -84,7 +92,8 @@ fn held_s(data: &LoadingCurve) -> f64 {
 }
 
 /// Without relaxation a pairing of specimen and ball is a condition; with it, its rates, depths and holds are as well.
-fn conditions(experiment: &Experiment, selection: &Selection, relaxing: bool) -> (Vec<Condition>, Vec<usize>) {
+fn conditions(experiment: &Experiment, selection: &Selection, spec: &FitSpec) -> (Vec<Condition>, Vec<usize>) {
+    let relaxing = spec.relaxation > 0;
     let mut conditions: Vec<Condition> = Vec::new();
     let mut of_pairing: Vec<usize> = Vec::new();
     let mut condition_of = Vec::new();
@@ -104,9 +113,10 @@ fn conditions(experiment: &Experiment, selection: &Selection, relaxing: bool) ->
             of_pairing.push(data.pairing);
             conditions.push(Condition {
                 specimen: pairing.specimen,
-                indenter: pairing.indenter,
+                grip: pairing.grip,
+                rubs: pairing.grip == Grip::Platens && spec.rubs(),
+                rounding_mm: 0.0,
                 block: block(experiment, selection, pairing),
-                ball_mm: pairing.ball_mm,
                 depth_mm: if relaxing { depth_mm } else { 0.0 },
                 rate_mm_s: if relaxing { data.rate_mm_per_s } else { 1.0 },
                 hold_s,
@@ -120,10 +130,20 @@ fn conditions(experiment: &Experiment, selection: &Selection, relaxing: bool) ->
             conditions.len() - 1
         });
         conditions[at].hold_s = conditions[at].hold_s.max(hold_s);
+        if conditions[at].grip.mode().is_some() {
+            let steps = data.depth_mm[..data.hold_from].windows(2).map(|pair| (pair[1] - pair[0]).abs());
+            let step_mm = steps.sum::<f64>() / (data.hold_from - 1) as f64;
+            conditions[at].rounding_mm = conditions[at].rounding_mm.max(TOUCH_STEPS * step_mm);
+        }
         if !relaxing {
             // A contact that is found earlier than guessed lets the ball go deeper; past the ramp's end the curve goes on straight.
             let pairing = &selection.pairings[data.pairing];
-            let reach = (depth_mm + MARGIN * pairing.ball_mm).min(pairing.depth_mm);
+            let margin_mm = match pairing.grip {
+                Grip::Ball { radius_mm, .. } => MARGIN * radius_mm,
+                // Nothing is spared by a shorter way.
+                _ => pairing.depth_mm,
+            };
+            let reach = (depth_mm + margin_mm).min(pairing.depth_mm);
             conditions[at].depth_mm = conditions[at].depth_mm.max(reach);
         }
         condition_of.push(at);
@@ -153,7 +173,7 @@ fn unknowns(
             vec![(Scope::All, String::new())]
         }
     };
-    let modulus = modulus_by_hertz(selection);
+    let modulus = first_modulus(experiment, selection);
     for (scope, of) in scopes(Own::Mu) {
         let bounds = (modulus / MODULUS_FACTOR, modulus * MODULUS_FACTOR);
         add(Kind::Modulus, scope, format!("mu_MPa{of}"), bounds, modulus);
@@ -169,17 +189,25 @@ fn unknowns(
     if terms > 1 {
         add(Kind::Share, Scope::All, "share_2".to_owned(), (0.0, 1.0), 0.3);
     }
+    let on_platens = selection.pairings.iter().any(|p| p.grip == Grip::Platens);
     if law == FittedLaw::Ogden {
-        add(Kind::Compressibility, Scope::All, "D_mu".to_owned(), COMPRESSIBILITY, 0.1);
-    } else if spec.free.contains(&Extra::Nu) {
+        let rubbed = on_platens && spec.rubs();
+        let low = if rubbed { RUBBED_COMPRESSIBILITY } else { COMPRESSIBILITY.0 };
+        add(Kind::Compressibility, Scope::All, "D_mu".to_owned(), (low, COMPRESSIBILITY.1), 0.1);
+    } else if spec.frees_nu(selection) {
         add(Kind::Nu, Scope::All, "nu".to_owned(), NU, 0.1);
     }
     if spec.relaxation > 0 {
         relaxation(selection, spec.relaxation, &mut add);
     }
-    if spec.free.contains(&Extra::Friction) {
+    if spec.free.contains(&Extra::PlatenFriction) && on_platens {
+        add(Kind::PlatenFriction, Scope::All, "platen_friction".to_owned(), PLATEN_FRICTION, 0.2);
+    }
+    if spec.free.contains(&Extra::Friction) && selection.pairings.iter().any(|p| p.grip.indenter().is_some()) {
         add(Kind::Friction, Scope::All, "friction".to_owned(), FRICTION, 0.2);
     }
+    // A specimen that is compressed or pulled as well has a measured height.
+    let under_balls = |at: usize| selection.pairings.iter().all(|p| p.specimen != at || p.grip.indenter().is_some());
     for &at in &specimens {
         let deepest = selection.pairings.iter().filter(|p| p.specimen == at).map(|p| p.depth_mm).fold(0.0, f64::max);
         let specimen = &experiment.specimens[at];
@@ -194,7 +222,7 @@ fn unknowns(
                 let start = (free.low_mm * free.high_mm).sqrt();
                 add(Kind::Height, Scope::Specimen(at), name, (free.low_mm, free.high_mm), start);
             }
-            (Length::Known(mm), None) if spec.free.contains(&Extra::Height) => {
+            (Length::Known(mm), None) if spec.free.contains(&Extra::Height) && under_balls(at) => {
                 let low = (0.5 * mm).max(deepest / MODEL_OF_HEIGHT);
                 add(Kind::Height, Scope::Specimen(at), name, (low, (2.0 * mm).max(1.5 * low)), mm.max(low));
             }
@@ -202,7 +230,8 @@ fn unknowns(
         }
     }
     if spec.free.contains(&Extra::BallRadius) {
-        let mut balls: Vec<(usize, f64)> = selection.pairings.iter().map(|p| (p.indenter, p.ball_mm)).collect();
+        let mut balls: Vec<(usize, f64)> =
+            selection.pairings.iter().filter_map(|p| Some((p.grip.indenter()?, p.grip.ball_mm()))).collect();
         balls.sort_by_key(|(at, _)| *at);
         balls.dedup_by_key(|(at, _)| *at);
         for (at, mm) in &balls {
@@ -244,12 +273,20 @@ fn relaxation(selection: &Selection, terms: usize, add: &mut dyn FnMut(Kind, Sco
     }
 }
 
-/// Shear modulus (MPa) that Hertz's law gives for the largest forces, `F = 8/3 mu sqrt(R) d^1.5` at `nu = 0` (thesis Eq. 50).
-fn modulus_by_hertz(selection: &Selection) -> f64 {
+/// Shear modulus (MPa) that the largest forces give at `nu = 0`: under a ball by Hertz's law, `F = 8/3 mu sqrt(R) d^1.5`
+/// (thesis Eq. 50), between faces by Hooke's, `F = 2 mu A d / h`.
+fn first_modulus(experiment: &Experiment, selection: &Selection) -> f64 {
     let estimates = selection.curves.iter().map(|data| {
-        let ball_mm = selection.pairings[data.pairing].ball_mm;
+        let pairing = &selection.pairings[data.pairing];
         let peak = data.force_n.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        peak / (8.0 / 3.0 * ball_mm.sqrt() * reached_mm(data).max(1e-3).powf(1.5))
+        let depth_mm = reached_mm(data).max(1e-3);
+        match pairing.grip {
+            Grip::Ball { radius_mm, .. } => peak / (8.0 / 3.0 * radius_mm.sqrt() * depth_mm.powf(1.5)),
+            _ => {
+                let block = block(experiment, selection, pairing);
+                peak * block.height_mm / (2.0 * std::f64::consts::PI * block.radius_mm.powi(2) * depth_mm)
+            }
+        }
     });
     let mut all: Vec<f64> = estimates.collect();
     all.sort_by(f64::total_cmp);

@@ -2,11 +2,15 @@
 
 use lut_gen::model::{HOLD_NODES, Press, RAMP_NODES};
 
-/// Force of a ball that goes down and then may stand.
+/// Force on a ball or a face that goes down and then may stand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
     depth_max_mm: f64,
-    /// Of `ln(F / (mu d^1.5))` over `s`.
+    /// Exponent `p` of the force at first touch: 1.5 under a ball, 1 under a face.
+    exponent: f64,
+    /// Length over which faces come to touch, mm.
+    rounding_mm: f64,
+    /// Of `ln(F / (mu d^p))` over `s`.
     coefficients: Vec<f64>,
     /// ln(mu / MPa).
     ln_mu: f64,
@@ -18,7 +22,8 @@ pub struct Track {
 }
 
 impl Track {
-    /// From the values of a [`Press`] for a unit modulus: those of the ramp, then those of the hold.
+    /// From the values of a [`Press`] for a unit modulus: those of the ramp, then those of the hold. The force begins as
+    /// a ball's, see [`Track::beginning_as`].
     #[must_use]
     pub fn new(depth_max_mm: f64, hold_s: f64, values: &[f64], ln_mu: f64) -> Self {
         let (ramp, held) = values.split_at(RAMP_NODES.min(values.len()));
@@ -26,12 +31,30 @@ impl Track {
             if held.is_empty() { Vec::new() } else { std::iter::once(0.0).chain(held.iter().copied()).collect() };
         Self {
             depth_max_mm,
+            exponent: 1.5,
+            rounding_mm: 0.0,
             coefficients: Press::ramp_axis().coefficients(ramp),
             ln_mu,
             hold_s,
             hold,
             error: (0.0, 0.0),
         }
+    }
+
+    /// The same for values of `ln(F / d^p)` with another exponent, the touch spread over a length: depths count as
+    /// `(d + sqrt(d^2 + w^2)) / 2`.
+    ///
+    /// A face meets its specimen with a jump of stiffness. As a contact point moves from sample to sample, the jump would put a
+    /// kink into the objective at each, at which a search gets caught; spread over their distance there is none.
+    #[must_use]
+    pub fn beginning_as(mut self, exponent: f64, rounding_mm: f64) -> Self {
+        (self.exponent, self.rounding_mm) = (exponent, rounding_mm);
+        self
+    }
+
+    /// `d^p`; both exponents in use without a power.
+    fn power(&self, depth_mm: f64) -> f64 {
+        if self.exponent == 1.5 { depth_mm * depth_mm.sqrt() } else { depth_mm.powf(self.exponent) }
     }
 
     /// The same with an error of the force: `size F_peak x cos(waves pi x)`, `x = d / d_max`. Errors of the simulation are
@@ -46,6 +69,15 @@ impl Track {
     /// logarithm goes on straight in `s`.
     #[must_use]
     pub fn ramp(&self, depth_mm: f64) -> (f64, f64) {
+        if self.rounding_mm <= 0.0 {
+            return self.sharp(depth_mm);
+        }
+        let round = depth_mm.hypot(self.rounding_mm);
+        let (force, slope) = self.sharp(0.5 * (depth_mm + round));
+        (force, slope * 0.5 * (1.0 + depth_mm / round))
+    }
+
+    fn sharp(&self, depth_mm: f64) -> (f64, f64) {
         if depth_mm <= 0.0 {
             return (0.0, 0.0);
         }
@@ -53,8 +85,8 @@ impl Track {
         let (mut q, slope) = chebyshev(&self.coefficients, 2.0 * s.min(1.0) - 1.0);
         let slope = 2.0 * slope;
         q += slope * (s - s.min(1.0));
-        let force = (self.ln_mu + q).exp() * depth_mm * depth_mm.sqrt();
-        (force + self.wrong(s * s), force * (1.5 + 0.5 * slope * s) / depth_mm)
+        let force = (self.ln_mu + q).exp() * self.power(depth_mm);
+        (force + self.wrong(s * s), force * (self.exponent + 0.5 * slope * s) / depth_mm)
     }
 
     fn wrong(&self, x: f64) -> f64 {
@@ -63,7 +95,7 @@ impl Track {
             return 0.0;
         }
         let (q, _) = chebyshev(&self.coefficients, 1.0);
-        let peak = (self.ln_mu + q).exp() * self.depth_max_mm * self.depth_max_mm.sqrt();
+        let peak = (self.ln_mu + q).exp() * self.power(self.depth_max_mm);
         size * peak * x * (waves * std::f64::consts::PI * x).cos()
     }
 
@@ -131,5 +163,12 @@ mod tests {
             assert!((track.hold(4.0, t).0 / exact - 1.0).abs() < 1e-3, "{t}");
         }
         assert_eq!(track.ramp(-0.1), (0.0, 0.0));
+        let round = track.beginning_as(1.5, 0.05);
+        for d in [-0.1, 0.0, 0.03, 1.0] {
+            let quotient = (round.ramp(d + 1e-5).0 - round.ramp(d - 1e-5).0) / 2e-5;
+            assert!((round.ramp(d).1 / quotient - 1.0).abs() < 1e-5, "{d}");
+        }
+        // Deep inside the depth is 0.05^2 / (4 d) more.
+        assert!((round.ramp(2.0).0 / (0.5 * ramp(2.0)) - 1.0).abs() < 1e-3);
     }
 }
