@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use palpate::identify::identify;
 use palpate::identify::spec::FitSpec;
+use palpate::report::number;
 use tests::processor::Clock;
 use tests::recovery::cases;
 use tests::tissue::{LIVER, Pressed, Recovered, recover};
@@ -87,12 +88,12 @@ fn table(recovered: &[Recovered]) -> String {
         let said = r.standing.map_or("nothing", |s| s.word());
         let _ = writeln!(
             out,
-            "| {} | {:.4} | {:.4} | {:.4} to {:.4}{} | {:.2} | {said} |",
+            "| {} | {} | {} | {} to {}{} | {:.2} | {said} |",
             r.name,
-            r.truth,
-            r.value,
-            r.interval.0,
-            r.interval.1,
+            number(r.truth),
+            number(r.value),
+            number(r.interval.0),
+            number(r.interval.1),
             if r.holds() { "" } else { ", without the truth" },
             (r.value - r.truth).abs() / half
         );
