@@ -74,7 +74,7 @@ fn on_the_same_forces_both_searches_end_at_the_same_optimum() {
         case.experiment.sensor.noise_n = Some(0.01);
         let shared = Shared(MODELS.clone());
         let simplex = identify_with(&case.experiment, "foam", &shared);
-        let source = |condition: &Condition| Source::Model(Box::new(MODELS[condition.indenter].clone()));
+        let source = |condition: &Condition| Source::Model(Box::new(MODELS[condition.grip.indenter().unwrap()].clone()));
         let absolute = FitSpec { loss: Loss::Absolute, ..FitSpec::default() };
         let newton = identify_from(&case.experiment, "foam", &absolute, &source).unwrap();
         for name in ["mu_MPa", "alpha"] {

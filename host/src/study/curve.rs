@@ -94,7 +94,7 @@ fn curve(subject: &Subject, whole: &Identification, run: &RunFit, over_time: boo
     };
     Curve {
         run: subject.experiment.runs[data.run].file.clone(),
-        ball: whole.selection.pairings[data.pairing].indenter,
+        ball: whole.selection.pairings[data.pairing].grip.indenter().unwrap_or(0),
         place,
         measured_n: data.force_n.clone(),
         fitted_n: run.model_n.clone(),

@@ -3,7 +3,7 @@
 use lut_gen::model::ForceModel;
 
 use crate::experiment::{Experiment, motion};
-use crate::identify::data::{Height, Selection};
+use crate::identify::data::{Height, LoadingCurve, Selection};
 use crate::identify::fe::{FeModel, Progress};
 use crate::identify::fit::{Fit, Parameter};
 use crate::identify::model::ForwardModel;
@@ -65,7 +65,7 @@ pub struct Depths {
 
 /// The force model of a condition's specimen and ball.
 fn model_of<'a>(model: &'a FeModel, selection: &Selection, specimen: usize, indenter: usize) -> Option<&'a ForceModel> {
-    let same = |p: &crate::identify::data::Pairing| p.specimen == specimen && p.indenter == indenter;
+    let same = |p: &crate::identify::data::Pairing| p.specimen == specimen && p.grip.indenter() == Some(indenter);
     selection.pairings.iter().position(same).map(|at| model.force_model(at))
 }
 
@@ -73,7 +73,8 @@ fn model_of<'a>(model: &'a FeModel, selection: &Selection, specimen: usize, inde
 fn cut(subject: &Subject, selection: &Selection, ball: usize, depth_mm: f64) -> Experiment {
     let mut experiment = subject.experiment.clone();
     let mut runs = Vec::new();
-    for curve in selection.curves.iter().filter(|c| selection.pairings[c.pairing].indenter == ball && !c.hold_out) {
+    let of_ball = |c: &&LoadingCurve| selection.pairings[c.pairing].grip.indenter() == Some(ball) && !c.hold_out;
+    for curve in selection.curves.iter().filter(of_ball) {
         let mut run = experiment.runs[curve.run].clone();
         let end = curve.contact.contact_mm + depth_mm;
         let recording = &run.recording;
@@ -105,12 +106,12 @@ pub fn depths(subject: &Subject, seed: u64, progress: &Progress<'_>) -> Result<D
     let model = FeModel::build(&subject.experiment, &selection, progress)?;
     let balls = subject.balls(&selection);
     let reach = |ball: &usize| {
-        let of_ball = selection.curves.iter().filter(|c| selection.pairings[c.pairing].indenter == *ball);
+        let of_ball = selection.curves.iter().filter(|c| selection.pairings[c.pairing].grip.indenter() == Some(*ball));
         let deepest = of_ball.map(|c| c.depth_mm.iter().copied().fold(0.0, f64::max) - c.contact.contact_mm);
         deepest.fold(f64::INFINITY, f64::min)
     };
     let largest_mm = balls.iter().map(reach).fold(f64::INFINITY, f64::min);
-    let source = |c: &Condition| match model_of(&model, &selection, c.specimen, c.indenter) {
+    let source = |c: &Condition| match c.grip.indenter().and_then(|ball| model_of(&model, &selection, c.specimen, ball)) {
         Some(model) => Source::Model(Box::new(model.clone())),
         None => Source::Solves(lut_gen::model::Resolution::Standard),
     };

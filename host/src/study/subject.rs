@@ -182,11 +182,12 @@ impl Subject {
         Ok(Self { experiment, motions, material: foam.name.clone(), foam: Some(foam) })
     }
 
-    /// One material of an experiment; the first without a name.
+    /// One material of an experiment; the first without a name. The studies are about balls: other runs are left out.
     ///
     /// # Errors
     /// When there is no such material, or none at all.
-    pub fn measured(experiment: Experiment, material: Option<&str>) -> Result<Self, StudyError> {
+    pub fn measured(mut experiment: Experiment, material: Option<&str>) -> Result<Self, StudyError> {
+        experiment.runs.retain(|run| run.test == Test::Indentation);
         let names = materials(&experiment);
         let material = match material {
             Some(wanted) if !names.iter().any(|name| name == wanted) => {
@@ -252,7 +253,8 @@ impl Subject {
     pub fn balls(&self, selection: &Selection) -> Vec<usize> {
         let fitted = selection.curves.iter().filter(|curve| !curve.hold_out);
         let mut balls: Vec<(usize, f64)> = fitted
-            .map(|curve| (selection.pairings[curve.pairing].indenter, selection.pairings[curve.pairing].ball_mm))
+            .map(|curve| selection.pairings[curve.pairing].grip)
+            .filter_map(|grip| Some((grip.indenter()?, grip.ball_mm())))
             .collect();
         balls.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         balls.dedup_by_key(|(at, _)| *at);
@@ -274,7 +276,8 @@ impl Subject {
 /// A selection with the curves of some balls only; pairings stay, so that one model serves all.
 #[must_use]
 pub fn of_balls(selection: &Selection, balls: &[usize]) -> Selection {
-    let wanted = |curve: &&LoadingCurve| balls.contains(&selection.pairings[curve.pairing].indenter);
+    let ball = |curve: &LoadingCurve| selection.pairings[curve.pairing].grip.indenter();
+    let wanted = |curve: &&LoadingCurve| ball(curve).is_some_and(|at| balls.contains(&at));
     let curves = selection.curves.iter().filter(wanted).cloned().collect();
     Selection { curves, ..selection.clone() }
 }
