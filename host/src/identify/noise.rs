@@ -68,14 +68,14 @@ pub fn estimate(residuals: &[Residual], groups: &[Vec<usize>], stated_n: Option<
         return Noise {
             source: NoiseSource::Replicates,
             sigma_n: rms(&deviations),
-            correlated_samples: correlated_samples(&deviations),
+            correlated_samples: correlated_samples(&deviations, independent(groups)),
         };
     }
     if let Some(sigma_n) = stated_n {
         return Noise { source: NoiseSource::Stated, sigma_n, correlated_samples: 1.0 };
     }
     let series: Vec<Vec<f64>> = residuals.iter().map(|r| r.residual_n.clone()).collect();
-    Noise { source: NoiseSource::Residual, sigma_n: rms(&series), correlated_samples: correlated_samples(&series) }
+    Noise { source: NoiseSource::Residual, sigma_n: rms(&series), correlated_samples: correlated_samples(&series, 1.0) }
 }
 
 /// What each replicate differs from the mean of its group, scaled for the degree of freedom that
@@ -92,6 +92,13 @@ fn deviations(residuals: &[Residual], group: &[usize]) -> Vec<Vec<f64>> {
         }
     }
     series
+}
+
+/// Share of deviations from their group's mean that are independent: one in each group follows from the others.
+fn independent(groups: &[Vec<usize>]) -> f64 {
+    let repeated = || groups.iter().filter(|group| group.len() > 1);
+    let all: usize = repeated().map(Vec::len).sum();
+    (all - repeated().count()) as f64 / all.max(1) as f64
 }
 
 /// Root mean square over all series.
@@ -112,7 +119,9 @@ const Z_ONE_SIDED: f64 = 1.645;
 /// Summed until rho falls below 0.05 or below what white noise of that length shows by chance, whose
 /// standard error is `1/sqrt(n)` (Bartlett 1946, doi:10.2307/2983611): without the latter short runs of white noise would always seem
 /// correlated, and every interval too wide.
-pub fn correlated_samples(series: &[Vec<f64>]) -> f64 {
+///
+/// `independent` is the share of the values that is: replicates minus their mean know of one another.
+pub fn correlated_samples(series: &[Vec<f64>], independent: f64) -> f64 {
     let at_lag = |lag: usize| -> f64 {
         series.iter().map(|s| s.iter().zip(s.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>()).sum()
     };
@@ -122,7 +131,7 @@ pub fn correlated_samples(series: &[Vec<f64>]) -> f64 {
         return 1.0;
     }
     let count: usize = series.iter().map(Vec::len).sum();
-    let chance = Z_ONE_SIDED / (count as f64).sqrt();
+    let chance = Z_ONE_SIDED / (independent * count as f64).sqrt();
     let mut sum = 1.0;
     for lag in 1..longest {
         let rho = at_lag(lag) / variance;
@@ -151,17 +160,17 @@ mod tests {
     #[test]
     fn white_noise_counts_every_sample_and_a_running_mean_does_not() {
         let white = uniform(4000, 1);
-        let tau = correlated_samples(std::slice::from_ref(&white));
+        let tau = correlated_samples(std::slice::from_ref(&white), 1.0);
         assert!((tau - 1.0).abs() < 0.15, "{tau}");
         // A running mean of 5 has rho = 0.8, 0.6, 0.4, 0.2: tau = 5.
         let smooth: Vec<f64> = white.windows(5).map(|w| w.iter().sum::<f64>() / 5.0).collect();
-        let tau = correlated_samples(&[smooth]);
+        let tau = correlated_samples(&[smooth], 1.0);
         assert!((tau - 5.0).abs() < 0.7, "{tau}");
     }
 
     #[test]
     fn short_white_noise_is_seldom_called_correlated() {
-        let called = (0..400).filter(|seed| correlated_samples(&[uniform(160, 31 * seed + 7)]) > 1.0).count();
+        let called = (0..400).filter(|seed| correlated_samples(&[uniform(160, 31 * seed + 7)], 1.0) > 1.0).count();
         // 5 % of 400, within three standard deviations of its own scatter.
         assert!((7..=33).contains(&called), "{called}");
     }

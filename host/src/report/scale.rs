@@ -78,9 +78,15 @@ impl Scale {
     }
 }
 
-/// A number with four digits at most and no trailing zeros.
+/// A number with four digits at most and no trailing zeros; "unbounded" for an infinite one, "unknown" for none.
 pub fn number(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
+    if value.is_nan() {
+        return "unknown".to_owned();
+    }
+    if value.is_infinite() {
+        return if value > 0.0 { "unbounded" } else { "-unbounded" }.to_owned();
+    }
+    if value == 0.0 {
         return "0".to_owned();
     }
     let magnitude = value.abs().log10().floor() as i32;
@@ -95,6 +101,12 @@ pub fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_no_number_is_not_zero() {
+        let shown = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.5].map(number);
+        assert_eq!(shown, ["unknown", "unbounded", "-unbounded", "0", "-0.5"]);
+    }
 
     #[test]
     fn ticks_are_round_and_inside() {

@@ -134,9 +134,7 @@ pub fn depths(subject: &Subject, seed: u64, progress: &Progress<'_>) -> Result<D
             deepest = Some(identified);
         }
         let name = subject.ball_name(ball);
-        if let Some(sensitivity) = deepest.and_then(|one| sensitivity(&one, &model, &selection, ball)) {
-            sensitivities.push(sensitivity);
-        }
+        sensitivities.push(deepest.and_then(|one| sensitivity(&one, &model, &selection, ball)));
         found.push(Ball { name, points });
     }
     progress("depths", balls.len() * SHARES.len(), balls.len() * SHARES.len());
@@ -153,8 +151,10 @@ fn logarithms(ball: &Ball, of: &dyn Fn(&Point) -> [f64; 2]) -> Vec<[f64; 2]> {
     ball.points.iter().map(of).map(|[mu, alpha]| [alpha.ln(), mu.ln()]).collect()
 }
 
-fn meetings(balls: &[Ball], sensitivities: &[Sensitivity], seed: u64) -> (Option<Meeting>, Option<[f64; 2]>) {
-    let ([first, second, ..], [of_first, of_second, ..]) = (balls, sensitivities) else { return (None, None) };
+fn meetings(balls: &[Ball], sensitivities: &[Option<Sensitivity>], seed: u64) -> (Option<Meeting>, Option<[f64; 2]>) {
+    let ([first, second, ..], [Some(of_first), Some(of_second), ..]) = (balls, sensitivities) else {
+        return (None, None);
+    };
     let depths = |ball: &Ball| ball.points.iter().map(|point| point.depth_mm).collect::<Vec<f64>>();
     let value = |ball: &Ball| logarithms(ball, &|point| point.value);
     let early = |ball: &Ball| logarithms(ball, &|point| point.early);

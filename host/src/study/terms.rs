@@ -195,8 +195,9 @@ pub fn ends(
     // A corner that cannot be solved is no start.
     let solvable = half.iter().zip(&solved).filter(|(_, nodes)| nodes.iter().all(Result::is_ok));
     let mut starts: Vec<Start> = solvable.map(|(start, _)| *start).collect();
-    starts.extend(starts.clone().iter().map(|([a, b], share)| ([*b, *a], 1.0 - share)));
-    starts.dedup();
+    let images: Vec<Start> = starts.iter().map(|([a, b], share)| ([*b, *a], 1.0 - share)).collect();
+    // Two equal halves are their own image.
+    starts.extend(images.into_iter().filter(|image| image.0[0] != image.0[1] || image.1 != 0.5));
     let starts = best_of(&problem, &places, starts, effort.starts);
     let mut found = Vec::new();
     for (at, start) in starts.iter().enumerate() {

@@ -5,9 +5,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use lut_gen::solve::SolveError;
-
 use crate::identify::simplex::{self, Bounds, Stop};
+use crate::identify::spec::Loss;
 
 use super::problem::Problem;
 use super::search::{Found, Told, Visit};
@@ -26,11 +25,9 @@ const AT_REST: f64 = 0.05;
 const MOST_ROUNDS: usize = 6;
 
 impl Problem<'_> {
-    /// Goes on from the minimum of the rounded loss. A singular Hessian leaves it there: no coordinates make the valley round.
-    ///
-    /// # Errors
-    /// When the finite elements cannot be solved where the simplex ends.
-    pub fn settle(&mut self, mut found: Found, budget: usize, told: &Told<'_>) -> Result<Found, SolveError> {
+    /// Goes on from the minimum of the rounded loss. A singular Hessian leaves it there: no coordinates make the valley round. A solve
+    /// that fails is told and ends the rounds.
+    pub fn settle(&mut self, mut found: Found, budget: usize, told: &Told<'_>) -> Found {
         let spread = self.spread(&found.minimum);
         let region = self.region();
         let count = region.low.len();
@@ -38,7 +35,7 @@ impl Problem<'_> {
             (0..count).filter(|&i| found.minimum.x[i] > region.low[i] && found.minimum.x[i] < region.high[i]).collect();
         let hessian = &found.minimum.at.hessian;
         let inner = DMatrix::from_fn(free.len(), free.len(), |i, j| hessian[(free[i], free[j])]);
-        let Some(factor) = inner.cholesky().filter(|_| !free.is_empty()) else { return Ok(found) };
+        let Some(factor) = inner.cholesky().filter(|_| !free.is_empty()) else { return found };
         let round = factor.l().transpose();
         let bounds = Bounds { low: vec![-REACH; free.len()], high: vec![REACH; free.len()] };
         self.smooth = SHARP * spread;
@@ -61,16 +58,25 @@ impl Problem<'_> {
             );
             let moved = end.point.iter().map(|z| z * z).sum::<f64>().sqrt();
             found.minimum.x = place(&end.point);
-            if moved < AT_REST || self.solves() >= budget {
-                found.converged = moved < AT_REST;
+            found.converged = moved < AT_REST;
+            if found.converged || self.solves() >= budget {
                 break;
             }
-            self.solve_at(std::slice::from_ref(&found.minimum.x))?;
+            if let Err(cause) = self.solve_at(std::slice::from_ref(&found.minimum.x)) {
+                // What was solved around it still says where the minimum is.
+                found.failures.push(cause.to_string());
+                break;
+            }
             told(self.solves());
             found.path.push(Visit { point: found.minimum.x.clone(), value: self.value(&found.minimum.x) });
         }
         self.smooth = ROUNDED * spread;
         found.minimum.at = self.quadratic(&found.minimum.x);
-        Ok(found)
+        self.loss = Loss::Squares;
+        let squares = self.quadratic(&found.minimum.x).hessian;
+        self.loss = Loss::Absolute;
+        // The estimate's variance is pi/2 times that of least squares.
+        found.minimum.at.hessian = squares * std::f64::consts::FRAC_2_PI;
+        found
     }
 }

@@ -125,7 +125,7 @@ pub struct Values {
 }
 
 /// A term's modulus may not vanish: this share of the whole stands for nothing.
-const LEAST_SHARE: f64 = 1e-6;
+pub(super) const LEAST_SHARE: f64 = 1e-6;
 /// Friction whose derivative can be formed; its force differs from none by less than the mesh's error.
 const LEAST_FRICTION: f64 = 1e-4;
 

@@ -12,7 +12,7 @@ use super::condition::Source;
 use super::coordinate::{Kind, Unknown, Values};
 use super::levenberg::Minimum;
 use super::likelihood::{End, Z95, covariance, standard_errors};
-use super::problem::Problem;
+use super::problem::{MOST_RELAXING, Problem};
 use super::search::{Told, Visit};
 use super::setup::FIRST_ALPHA;
 use super::valley::Solved;
@@ -77,6 +77,8 @@ pub struct Newton {
     pub expected_within: f64,
     /// Solves that failed on the way.
     pub failures: Vec<String>,
+    /// Bounds that several parameters lie on together.
+    pub walls: Vec<String>,
     /// Noise of each curve.
     pub noises: Vec<Noise>,
     /// Relative error bound of the simulation.
@@ -93,6 +95,7 @@ impl Newton {
         if !self.converged {
             messages.push(format!("the search did not come to rest within {} points", self.path.len()));
         }
+        messages.extend(self.walls.iter().cloned());
         messages.extend(self.failures.iter().map(|cause| format!("a solve on the way failed: {cause}")));
         messages
     }
@@ -125,7 +128,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         problem.smooth = ROUNDED * problem.spread(&found.minimum);
         let visited = points(&found);
         let rounded = problem.search(&visited, budget, demand.told)?.after(&found);
-        found = problem.settle(rounded, budget, demand.told)?;
+        found = problem.settle(rounded, budget, demand.told);
         path.extend_from_slice(&found.path[visited.len()..]);
     }
     let errors = standard_errors(&found.minimum.at.hessian);
@@ -138,7 +141,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         let visited: Vec<Vec<f64>> = points(&found);
         found = problem.search(&visited, budget, demand.told)?.after(&found);
         if problem.loss == Loss::Absolute {
-            found = problem.settle(found, budget, demand.told)?;
+            found = problem.settle(found, budget, demand.told);
         }
         path.extend_from_slice(&found.path[visited.len()..]);
         ends = problem.ends(&found.minimum, &standard_errors(&found.minimum.at.hessian));
@@ -146,14 +149,24 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     failures.extend(found.failures.clone());
     failures.dedup();
     let errors = standard_errors(&found.minimum.at.hessian);
+    let mut walls = Vec::new();
+    let [shear, bulk] = problem.relaxing(&found.minimum.x);
+    for (name, sum) in [("g", shear), ("k", bulk)] {
+        if sum > MOST_RELAXING - 0.005 {
+            walls.push(format!(
+                "the parts {name} add up to {sum:.3}, which lies on a bound of their search ({MOST_RELAXING}): the data ask for a material that flows"
+            ));
+        }
+    }
     let model_error = problem.conditions.iter().map(|c| c.error()).fold(0.0, f64::max);
     let moved = problem.moved_by_model(&found.minimum, model_error);
-    let spans = spans(problem, &found.minimum, &ends, &moved);
+    let supports = supported(problem, &found.minimum, &ends);
+    let spans = spans(problem, &found.minimum, &ends, &supports, &moved);
     let verdicts = judge(&found.minimum.at.hessian, &judged(&problem.unknowns, &spans));
     let correlation = covariance(&found.minimum.at.hessian)
         .map(|c| DMatrix::from_fn(c.nrows(), c.ncols(), |i, j| c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt()));
     Ok(Newton {
-        supports: supported(problem, &found.minimum, &ends).into_iter().map(<[f64]>::to_vec).collect(),
+        supports,
         minimum: found.minimum,
         spans,
         errors,
@@ -163,6 +176,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         converged: found.converged,
         expected_within: found.expected_within,
         failures,
+        walls,
         noises,
         model_error,
         solved: Solved::of(problem),
@@ -207,9 +221,14 @@ fn judged(unknowns: &[Unknown], spans: &[Span]) -> Vec<Judged> {
 
 /// Every interval holds the points that the profiles of the other parameters found to explain the data well enough:
 /// a profile follows one branch of the valley, and there can be several.
-fn spans(problem: &Problem<'_>, minimum: &Minimum, ends: &[(End, End)], moved: &[f64]) -> Vec<Span> {
+fn spans(
+    problem: &Problem<'_>,
+    minimum: &Minimum,
+    ends: &[(End, End)],
+    supports: &[Vec<f64>],
+    moved: &[f64],
+) -> Vec<Span> {
     let region = problem.region();
-    let supports: Vec<&[f64]> = supported(problem, minimum, ends);
     ends.iter()
         .enumerate()
         .map(|(axis, (low, high))| {
@@ -227,11 +246,16 @@ fn spans(problem: &Problem<'_>, minimum: &Minimum, ends: &[(End, End)], moved: &
         .collect()
 }
 
-/// Ends of profiles that explain the data as well as the edge of an interval may.
-fn supported<'a>(problem: &Problem<'_>, minimum: &Minimum, ends: &'a [(End, End)]) -> Vec<&'a [f64]> {
+/// Ends of profiles that explain the data as well as the edge of an interval may, and where one coordinate slides on from them.
+fn supported(problem: &Problem<'_>, minimum: &Minimum, ends: &[(End, End)]) -> Vec<Vec<f64>> {
     let allowed = EDGE * problem.rise();
-    let all = ends.iter().flat_map(|(low, high)| [low.support.as_slice(), high.support.as_slice()]);
-    all.filter(|point| problem.value(point) - minimum.at.value <= allowed).collect()
+    let all = ends.iter().flat_map(|(low, high)| [low.support.clone(), high.support.clone()]);
+    let mut points: Vec<Vec<f64>> = all.filter(|point| problem.value(point) - minimum.at.value <= allowed).collect();
+    // Two coordinates have one valley between them, which their own profiles follow.
+    if minimum.x.len() > 2 {
+        points.extend(problem.slides(minimum, &points, allowed));
+    }
+    points
 }
 
 impl super::condition::Condition {

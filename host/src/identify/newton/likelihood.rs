@@ -2,6 +2,7 @@
 //! some choice of all other parameters, contact points included, explains the data as well as chance allows.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::levenberg::{Minimum, Region, minimise};
 use super::problem::Problem;
@@ -13,8 +14,11 @@ pub const RISE: f64 = 3.841_458_820_694_124;
 pub const RISE_OF_TWO: f64 = 5.991_464_547_107_979;
 /// Two-sided 95 % of a normal distribution.
 pub const Z95: f64 = 1.959_963_984_540_054;
-/// Variance of a least-absolute-differences estimate over that of least squares for normal noise.
-const ABSOLUTE_OVER_SQUARES: f64 = std::f64::consts::FRAC_PI_2;
+/// Rise of the sum of absolute differences (twice, in standard deviations) over that of squares at the same probability, for normal
+/// noise: the variance of the estimate is pi/2 times larger, the curvature sqrt(2/pi) times (Koenker and Bassett 1978, doi:10.2307/1913643).
+const ABSOLUTE_OVER_SQUARES: f64 = 1.253_314_137_315_500_3;
+/// A point that rises above this many times what is allowed is not worth a search for the best of its other coordinates.
+const PROMISING: f64 = 10.0;
 /// Relative accuracy of an end, in its own half-width.
 const CLOSE: f64 = 0.01;
 const MOST_STEPS: usize = 12;
@@ -107,6 +111,33 @@ impl Problem<'_> {
             distance = if bracketed { next } else { 0.5 * (inside + outside.min(reach)) };
         }
         End { x: from + sign * distance, support, at_bound: false }
+    }
+
+    /// More points that explain the data within `allowed` above the minimum: each of `known`, which do, with one coordinate at a bound or
+    /// halfway there, the others at their best. A profile follows the branch of the valley it begins in; where one parameter takes away
+    /// the effect of another (a bulk that hardly compresses, the relaxation of that bulk) the other slides on its own.
+    #[must_use]
+    pub fn slides(&self, minimum: &Minimum, known: &[Vec<f64>], allowed: f64) -> Vec<Vec<f64>> {
+        let region = self.region();
+        let mut jobs = Vec::new();
+        for point in known {
+            for axis in 0..point.len() {
+                jobs.extend([region.low[axis], region.high[axis]].map(|bound| (point, axis, bound)));
+            }
+        }
+        let slide = |&(point, axis, bound): &(&Vec<f64>, usize, f64)| {
+            [1.0, 0.5].into_iter().find_map(|share| {
+                let mut there = point.clone();
+                there[axis] += share * (bound - point[axis]);
+                let rise = |x: &[f64]| self.value(x) - minimum.at.value;
+                if rise(&there) > PROMISING * allowed {
+                    return None;
+                }
+                let held = self.held(&region, axis, there[axis], &there);
+                (held.at.value - minimum.at.value <= allowed).then_some(held.x)
+            })
+        };
+        jobs.par_iter().filter_map(slide).collect()
     }
 
     /// The best point with one coordinate held.

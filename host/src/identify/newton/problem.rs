@@ -6,7 +6,7 @@ use crate::identify::data::{LoadingCurve, Selection};
 use crate::identify::spec::{HUBER, Loss};
 
 use super::condition::Condition;
-use super::coordinate::{Unknown, Values};
+use super::coordinate::{Kind, Unknown, Values};
 use super::levenberg::{Minimum, Quadratic, Region};
 use super::track::Track;
 
@@ -39,6 +39,8 @@ pub struct Problem<'a> {
     pub smooth: f64,
 }
 
+/// Most of the stiffness that may relax.
+pub const MOST_RELAXING: f64 = 0.98;
 /// Places at which a contact point is looked for before it is refined.
 const SCAN: usize = 24;
 const REFINEMENTS: usize = 30;
@@ -156,6 +158,25 @@ impl Problem<'_> {
         contact
     }
 
+    /// Sums of the relaxing parts, of the shear and of the bulk.
+    #[must_use]
+    pub fn relaxing(&self, point: &[f64]) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for (unknown, x) in self.unknowns.iter().zip(point) {
+            match unknown.kind {
+                Kind::G(_) => sums[0] += x,
+                Kind::K(_) => sums[1] += x,
+                _ => {}
+            }
+        }
+        sums
+    }
+
+    /// A solid keeps a part of its stiffness for ever: no sum of relaxing parts reaches 1.
+    fn holds_together(&self, point: &[f64]) -> bool {
+        self.relaxing(point).iter().all(|sum| *sum <= MOST_RELAXING)
+    }
+
     /// What a fit leaves over on average, in the standard deviations of the weights.
     #[must_use]
     pub fn spread(&self, minimum: &Minimum) -> f64 {
@@ -169,7 +190,7 @@ impl Problem<'_> {
     #[must_use]
     pub fn value(&self, point: &[f64]) -> f64 {
         let tracks = self.tracks(point);
-        if tracks.len() < self.conditions.len() {
+        if tracks.len() < self.conditions.len() || !self.holds_together(point) {
             return f64::INFINITY;
         }
         self.fitted()
@@ -202,7 +223,7 @@ impl Problem<'_> {
     fn quadratic_on(&self, point: &[f64], tracks: Vec<Track>) -> Quadratic {
         let count = self.unknowns.len();
         let mut sum = Quadratic { value: 0.0, gradient: DVector::zeros(count), hessian: DMatrix::zeros(count, count) };
-        if tracks.len() < self.conditions.len() {
+        if tracks.len() < self.conditions.len() || !self.holds_together(point) {
             sum.value = f64::INFINITY;
             return sum;
         }
@@ -232,12 +253,14 @@ impl Problem<'_> {
     fn moved(&self, point: &[f64], axis: usize) -> (Vec<Track>, Vec<Track>, f64) {
         let (low, high) = self.unknowns[axis].bounds();
         let step = QUOTIENT * (high - low);
-        let shifted = |by: f64| {
+        // At a wall one-sided: beyond it there may be no material.
+        let (from, to) = ((point[axis] - step).max(low), (point[axis] + step).min(high));
+        let shifted = |to: f64| {
             let mut point = point.to_vec();
-            point[axis] += by;
+            point[axis] = to;
             self.tracks(&point)
         };
-        (shifted(-step), shifted(step), 2.0 * step)
+        (shifted(from), shifted(to), (to - from).max(f64::MIN_POSITIVE))
     }
 
     fn add(&self, at: usize, compared: &Compared, jacobian: &DMatrix<f64>, sum: &mut Quadratic) {

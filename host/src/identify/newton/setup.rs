@@ -9,7 +9,7 @@ use crate::identify::grip::Grip;
 use crate::identify::spec::{Extra, FitSpec, FittedLaw, Own};
 
 use super::condition::{Condition, Source};
-use super::coordinate::{Kind, Scope, Unknown, Values};
+use super::coordinate::{Kind, LEAST_SHARE, Scope, Unknown, Values};
 use super::problem::Problem;
 use super::surrogate::Surrogate;
 
@@ -24,6 +24,8 @@ const NU: (f64, f64) = (0.0, 0.45);
 const COMPRESSIBILITY: (f64, f64) = (4e-4, 2.4);
 /// Its lower bound between rubbing platens, where stiffer bulks are not solved reliably: a ratio of 0.4983.
 const RUBBED_COMPRESSIBILITY: f64 = 1.0 / 300.0;
+/// Bounds of the share of a second term: one of nothing has no exponent.
+const SHARE: (f64, f64) = (LEAST_SHARE, 1.0 - LEAST_SHARE);
 /// Bounds of a relaxing part.
 const PART: (f64, f64) = (0.0, 0.97);
 /// Bounds of friction.
@@ -187,7 +189,7 @@ fn unknowns(
         }
     }
     if terms > 1 {
-        add(Kind::Share, Scope::All, "share_2".to_owned(), (0.0, 1.0), 0.3);
+        add(Kind::Share, Scope::All, "share_2".to_owned(), SHARE, 0.3);
     }
     let on_platens = selection.pairings.iter().any(|p| p.grip == Grip::Platens);
     if law == FittedLaw::Ogden {

@@ -48,7 +48,8 @@ impl Problem<'_> {
                     })
                     .collect();
                 let noise = if members.len() > 1 {
-                    noise::estimate(&residuals, &[members], stated_n)
+                    let own: Vec<Residual> = members.iter().map(|at| residuals[*at].clone()).collect();
+                    noise::estimate(&own, &[(0..own.len()).collect()], stated_n)
                 } else {
                     noise::estimate(&residuals[at..=at], &[], stated_n)
                 };
