@@ -120,7 +120,9 @@ fn three_modes_together_give_mu_alpha_and_nu() {
     let squares: Vec<f64> = MODES.iter().map(|&(test, depth)| (0.01 * force_n(test, depth)).powi(2)).collect();
     let lengths = [2.0 * 7.4, 2.0 * 7.4, 2.0 * 6.4];
     let put_in = squares.iter().zip(lengths).map(|(s, l)| s * l).sum::<f64>() / lengths.iter().sum::<f64>();
-    assert!((fit.rmse_n / put_in.sqrt() - 1.0).abs() < 0.05, "{} {}", fit.rmse_n, put_in.sqrt());
+    // Loadings of more than 200 samples, here up to 374, are averaged by two.
+    let put_in = (put_in / 2.0).sqrt();
+    assert!((fit.rmse_n / put_in - 1.0).abs() < 0.05, "{} {put_in}", fit.rmse_n);
     let said = found.assumptions.join("\n");
     for part in ["one-term Hyperfoam (thesis Eq. 1)\n", "sides free", "fills its rigid ring", "pulled"] {
         assert!(said.contains(part), "{part}: {said}");

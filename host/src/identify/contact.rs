@@ -57,8 +57,8 @@ pub fn guess(depth_mm: &[f64], force_n: &[f64], ball_mm: f64) -> Option<ContactG
 /// Guesses where two faces begin to press on a specimen or jaws to pull it, or `None` if force never rises above its noise.
 ///
 /// That is the last depth before the force rises through a twelfth of its largest at which it was no more than noise, or a
-/// hundredth of the largest. The search range to either side is a twentieth of the specimen's height, or as
-/// far as the rise is away.
+/// five-hundredth of the largest. The search range is a few percent of the specimen's height to either side, a tenth where noise hides the
+/// beginning: a contact point that could move farther would stand in for a law that does not fit.
 pub fn guess_of_faces(depth_mm: &[f64], force_n: &[f64], height_mm: f64) -> Option<ContactGuess> {
     let lowest = force_n.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = force_n.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -66,12 +66,14 @@ pub fn guess_of_faces(depth_mm: &[f64], force_n: &[f64], height_mm: f64) -> Opti
     if depth_mm.len() < 4 || highest - lowest.max(0.0) <= VISIBLE_SIGMA * noise || highest <= 0.0 {
         return None;
     }
-    let (nothing, something) = ((0.01 * highest).max(2.0 * noise), (0.08 * highest).max(VISIBLE_SIGMA * noise));
+    let (nothing, something) = ((0.002 * highest).max(2.0 * noise), (0.08 * highest).max(VISIBLE_SIGMA * noise));
     let rise = force_n.iter().position(|force| *force > something)?;
     let touch = force_n[..rise].iter().rposition(|force| *force <= nothing).unwrap_or(0);
     let contact_mm = depth_mm[touch].min(depth_mm[rise]);
-    let reach = (0.05 * height_mm).max(depth_mm[rise] - contact_mm);
-    Some(ContactGuess { contact_mm, low_mm: contact_mm - reach, high_mm: contact_mm + reach })
+    // What noise hides may have begun earlier.
+    let before = height_mm * if nothing > 0.005 * highest { 0.1 } else { 0.03 };
+    let after = before.max(depth_mm[rise] - contact_mm).min(0.1 * height_mm);
+    Some(ContactGuess { contact_mm, low_mm: contact_mm - before, high_mm: contact_mm + after })
 }
 
 /// Where the least-squares line through the points crosses zero.
@@ -101,7 +103,7 @@ mod tests {
         let plateau: Vec<f64> = depth.iter().map(|d| 5.0 * (1.0 - (-4.0 * (d - 0.7).max(0.0)).exp())).collect();
         let guess = guess_of_faces(&depth, &plateau, 10.0).unwrap();
         assert!((guess.contact_mm - 0.7).abs() < 0.02, "{guess:?}");
-        assert!((guess.high_mm - guess.low_mm - 1.0).abs() < 1e-12);
+        assert!((guess.high_mm - guess.low_mm - 0.6).abs() < 1e-12, "{guess:?}");
 
         let noise: Vec<f64> = (0..200).map(|i| f64::from(i * 37 % 11) * 1e-3).collect();
         assert_eq!(super::guess(&depth, &noise, 4.0), None);

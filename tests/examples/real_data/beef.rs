@@ -11,6 +11,8 @@ use super::{Outcome, recorded};
 
 /// Prony terms: one leaves 3 % of the peak in the holds.
 const TERMS: usize = 2;
+/// Most solves of a piece, half a second each.
+const SOLVES: usize = 100;
 /// Shown with their intervals, and shown alone.
 const NAMES: [&str; 3] = ["mu_MPa", "alpha", "D_mu"];
 const RELAXING: [&str; 6] = ["g_1", "k_1", "tau_1_s", "g_2", "k_2", "tau_2_s"];
@@ -22,7 +24,7 @@ pub fn section(figures: &Path) -> Outcome<Option<String>> {
     for specimen in &mut experiment.specimens {
         specimen.material.clone_from(&specimen.name);
     }
-    let spec = FitSpec { law: Some(FittedLaw::Ogden), relaxation: TERMS, ..FitSpec::default() };
+    let spec = FitSpec { law: Some(FittedLaw::Ogden), relaxation: TERMS, most_solves: SOLVES, ..FitSpec::default() };
     let mut rows = Vec::new();
     let mut pieces: Vec<(String, Identification)> = Vec::new();
     for found in recorded::all(&experiment, &spec)? {

@@ -14,7 +14,7 @@ use super::{Outcome, recorded};
 /// Repeats of each piece that are fitted: they agree within 2 %.
 const REPEATS: usize = 2;
 /// Most solves of the barrelling cylinder, a second or more each.
-const SOLVES: usize = 40;
+const SOLVES: usize = 60;
 
 /// The section.
 pub fn section(figures: &Path) -> Outcome<Option<String>> {
