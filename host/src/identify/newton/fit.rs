@@ -24,6 +24,9 @@ pub const MESH_ERROR: f64 = 1.5e-3;
 const MANY_ALPHA: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 14.0, 20.0];
 /// Support points nearer than this to a solved one, in standard errors, need no solve of their own.
 const NEAR: f64 = 0.25;
+/// A coordinate whose interval spans more than this share of its range is loose; and most corners that are solved for.
+const LOOSE: f64 = 0.3;
+const MOST_CORNERS: usize = 8;
 /// The end of an interval is found to a hundredth of its half-width, the rise there to twice that.
 const EDGE: f64 = 1.02;
 /// A ramp whose depth the fit moved by more than this share is solved anew to where it ends.
@@ -101,6 +104,15 @@ impl Newton {
     }
 }
 
+/// What is solved after the minimum.
+#[derive(Debug, Clone, Copy)]
+enum Stage {
+    /// Ends of the profiles.
+    Ends,
+    /// Where a loose coordinate goes when another one stands at its end.
+    Corners,
+}
+
 /// Fits a problem.
 ///
 /// # Errors
@@ -133,8 +145,14 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     }
     let errors = standard_errors(&found.minimum.at.hessian);
     let mut ends = problem.ends(&found.minimum, &errors);
-    let wanted = problem.worth_solving(&ends, &errors, budget);
-    if !wanted.is_empty() {
+    for stage in [Stage::Ends, Stage::Corners] {
+        let wanted = match stage {
+            Stage::Ends => problem.worth_solving(&ends, &errors, budget),
+            Stage::Corners => problem.corners(&ends, budget),
+        };
+        if wanted.is_empty() {
+            continue;
+        }
         // A failing solve leaves the end where the neighbours put it.
         failures.extend(problem.solve_at(&wanted).err().map(|cause| cause.to_string()));
         (demand.told)(problem.solves());
@@ -295,6 +313,36 @@ impl Problem<'_> {
             if !known && left >= self.conditions.len() {
                 left -= self.conditions.len();
                 wanted.push(point.clone());
+            }
+        }
+        wanted
+    }
+
+    /// Ends of the profiles of loose coordinates with another loose one at a bound. Where one takes away the effect of the other, the valley
+    /// turns a corner there that no interpolation between the solves of one branch sees.
+    fn corners(&self, ends: &[(End, End)], budget: usize) -> Vec<Vec<f64>> {
+        let region = self.region();
+        let side = |axis: usize| region.high[axis] - region.low[axis];
+        let loose: Vec<usize> = (0..ends.len()).filter(|&at| ends[at].1.x - ends[at].0.x > LOOSE * side(at)).collect();
+        let left = budget.saturating_sub(self.solves()) / self.conditions.len().max(1);
+        let mut wanted: Vec<Vec<f64>> = Vec::new();
+        for &from in &loose {
+            for &to in loose.iter().filter(|to| **to != from) {
+                for (end, bound) in [&ends[from].0, &ends[from].1]
+                    .into_iter()
+                    .flat_map(|end| [region.low[to], region.high[to]].map(|bound| (end, bound)))
+                {
+                    let mut point = end.support.clone();
+                    // What stands near the bound already says enough.
+                    if (point[to] - bound).abs() < LOOSE * side(to) {
+                        continue;
+                    }
+                    point[to] = bound;
+                    let known = self.conditions.iter().all(|c| c.knows(&point));
+                    if !known && wanted.len() < left.min(MOST_CORNERS) {
+                        wanted.push(point);
+                    }
+                }
             }
         }
         wanted
