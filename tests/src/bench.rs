@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
+use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen};
 use rand::Rng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
@@ -76,18 +76,11 @@ impl Bench {
                 clean + normal.map_or(0.0, |normal| normal.sample(&mut self.chance))
             })
             .collect();
-        self.experiment.runs.push(Run {
-            file: format!("press {}", self.experiment.runs.len() + 1),
-            path: PathBuf::new(),
-            specimen: Some(specimen),
-            indenter: Some(indenter),
-            test: Test::Indentation,
-            spot: None,
-            cycle: None,
-            order: None,
-            start_s: None,
-            hold_out: false,
-            recording: Recording::from_samples(time, depth, force),
-        });
+        self.experiment.runs.push(Run::indentation(
+            format!("press {}", self.experiment.runs.len() + 1),
+            specimen,
+            indenter,
+            Recording::from_samples(time, depth, force),
+        ));
     }
 }

@@ -6,7 +6,7 @@ use lut_gen::contact::{Ball, Interface};
 use lut_gen::law::{Material, Ogden, PronyTerm};
 use lut_gen::model::{Resolution, Simulation, Specimen as Block};
 use lut_gen::solve::{Motion, SolveError};
-use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
+use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen};
 use palpate::identify::newton::track::Track;
 use palpate::identify::newton::verdict::Standing;
 use palpate::identify::spec::{FitSpec, FittedLaw};
@@ -136,19 +136,7 @@ impl Pressed {
             }],
             indenters: vec![Indenter { name: "ball".to_owned(), radius_mm: Length::Known(self.ball_mm) }],
             sensor: Sensor::default(),
-            runs: vec![Run {
-                file: "ramp and hold".to_owned(),
-                path: PathBuf::new(),
-                specimen: Some(0),
-                indenter: Some(0),
-                test: Test::Indentation,
-                spot: None,
-                cycle: None,
-                order: None,
-                start_s: None,
-                hold_out: false,
-                recording,
-            }],
+            runs: vec![Run::indentation("ramp and hold".to_owned(), 0, 0, recording)],
         }
     }
 }

@@ -52,17 +52,14 @@ fn run(test: Test, contact_mm: f64, depth_mm: f64, random: &mut Pcg64) -> Run {
     });
     let force: Vec<f64> = force.collect();
     Run {
-        file: format!("{test:?} from {contact_mm} mm"),
-        path: PathBuf::new(),
-        specimen: Some(0),
         indenter: None,
         test,
-        spot: None,
-        cycle: None,
-        order: None,
-        start_s: None,
-        hold_out: false,
-        recording: Recording::from_samples(time.clone(), time, force),
+        ..Run::indentation(
+            format!("{test:?} from {contact_mm} mm"),
+            0,
+            0,
+            Recording::from_samples(time.clone(), time, force),
+        )
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
+use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen};
 use palpate::identify::model::{ForwardModel, Shape, UnitCurve};
 use palpate::identify::noise::NoiseSource;
 use palpate::identify::{Identification, Outcome, identify_with, json};
@@ -62,19 +62,12 @@ fn run(mu_mpa: f64, alpha: f64, contact_mm: f64, depth_mm: f64) -> Run {
     let time: Vec<f64> = (0..=count).map(|i| i as f64 * 0.02).collect();
     let shape = Shape { alpha, height_mm: HEIGHT_MM };
     let force = time.iter().map(|depth| mu_mpa * force_per_mu(shape, depth - contact_mm)).collect();
-    Run {
-        file: format!("{alpha}-{contact_mm}-{depth_mm}.csv"),
-        path: PathBuf::new(),
-        specimen: Some(0),
-        indenter: Some(0),
-        test: Test::Indentation,
-        spot: None,
-        cycle: None,
-        order: None,
-        start_s: None,
-        hold_out: false,
-        recording: Recording::from_samples(time.clone(), time, force),
-    }
+    Run::indentation(
+        format!("{alpha}-{contact_mm}-{depth_mm}.csv"),
+        0,
+        0,
+        Recording::from_samples(time.clone(), time, force),
+    )
 }
 
 fn value(found: &Identification, name: &str) -> f64 {

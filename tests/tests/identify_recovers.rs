@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use lut_gen::contact::Ball;
 use lut_gen::law::{Hyperfoam, Term};
 use lut_gen::model::{Indentation, Resolution, Specimen as Block};
-use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
+use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen};
 use palpate::identify::spec::FitSpec;
 use palpate::identify::{self, Outcome, identify, json};
 
@@ -71,19 +71,7 @@ fn run(indenter: usize, forces: &[f64], contact_mm: f64, noise: &mut Noise) -> R
     let depth = (0..count).map(|i| (i as f64 + 1.0 - before as f64) * 0.02 + contact_mm).collect();
     let force =
         (0..count).map(|i| if i < before { 0.0 } else { forces[i - before] } + 0.01 * peak * noise.next()).collect();
-    Run {
-        file: format!("run at {contact_mm} mm"),
-        path: PathBuf::new(),
-        specimen: Some(0),
-        indenter: Some(indenter),
-        test: Test::Indentation,
-        spot: None,
-        cycle: None,
-        order: None,
-        start_s: None,
-        hold_out: false,
-        recording: Recording::from_samples(time, depth, force),
-    }
+    Run::indentation(format!("run at {contact_mm} mm"), 0, indenter, Recording::from_samples(time, depth, force))
 }
 
 #[test]

@@ -144,6 +144,26 @@ pub struct Run {
     pub recording: Recording,
 }
 
+impl Run {
+    /// A run that comes from no file: a ball in a specimen, to be fitted, without labels. `name` stands for the file.
+    #[must_use]
+    pub fn indentation(name: String, specimen: usize, indenter: usize, recording: Recording) -> Self {
+        Self {
+            file: name,
+            path: PathBuf::new(),
+            specimen: Some(specimen),
+            indenter: Some(indenter),
+            test: Test::Indentation,
+            spot: None,
+            cycle: None,
+            order: None,
+            start_s: None,
+            hold_out: false,
+            recording,
+        }
+    }
+}
+
 /// A whole folder, read and checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {

@@ -142,19 +142,12 @@ impl Foam {
             clean + normal.map_or(0.0, |normal| normal.sample(chance))
         };
         let force = (0..count).map(noisy).collect();
-        Run {
-            file: format!("ball of {} mm", number(self.balls_mm[indenter])),
-            path: PathBuf::new(),
-            specimen: Some(0),
-            indenter: Some(indenter),
-            test: Test::Indentation,
-            spot: None,
-            cycle: None,
-            order: None,
-            start_s: None,
-            hold_out: false,
-            recording: Recording::from_samples(time, depth, force),
-        }
+        Run::indentation(
+            format!("ball of {} mm", number(self.balls_mm[indenter])),
+            0,
+            indenter,
+            Recording::from_samples(time, depth, force),
+        )
     }
 }
 
