@@ -2,17 +2,13 @@
 
 use std::path::PathBuf;
 
-use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen};
-use rand::Rng;
-use rand_distr::{Distribution, Normal};
+use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Run, Sensor, Specimen};
+use palpate::study::subject::pressed;
 use rand_pcg::Pcg64;
 
-/// Way between two samples, mm: 50 Hz at 1 mm/s.
-pub const STEP_MM: f64 = 0.02;
+pub use palpate::study::subject::STEP_MM;
 /// Radius of every specimen, mm.
 pub const RADIUS_MM: f64 = 25.0;
-/// Where a ball touches, mm of its reading.
-const TOUCH_MM: std::ops::Range<f64> = 0.2..0.6;
 
 /// Specimens of one material, balls, and what was recorded with them.
 #[derive(Debug)]
@@ -62,25 +58,12 @@ impl Bench {
 
     /// Records a press at 1 mm/s through `forces_n` at multiples of [`STEP_MM`] past the contact point, which is chance.
     pub fn press(&mut self, specimen: usize, indenter: usize, forces_n: &[f64]) {
-        let contact_mm = self.chance.random_range(TOUCH_MM);
-        let before = (contact_mm / STEP_MM) as usize;
-        let peak = forces_n.last().copied().unwrap_or(0.0);
-        let normal = Normal::new(0.0, self.noise * peak).ok();
-        let count = before + forces_n.len();
-        let time = (0..count).map(|i| i as f64 * STEP_MM).collect();
-        // The first of the forces lies one step past contact.
-        let depth = (0..count).map(|i| (i as f64 + 1.0 - before as f64) * STEP_MM + contact_mm).collect();
-        let force = (0..count)
-            .map(|i| {
-                let clean = i.checked_sub(before).map_or(0.0, |at| forces_n[at]);
-                clean + normal.map_or(0.0, |normal| normal.sample(&mut self.chance))
-            })
-            .collect();
+        let recording = pressed(forces_n, self.noise, &mut self.chance);
         self.experiment.runs.push(Run::indentation(
             format!("press {}", self.experiment.runs.len() + 1),
             specimen,
             indenter,
-            Recording::from_samples(time, depth, force),
+            recording,
         ));
     }
 }

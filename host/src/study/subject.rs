@@ -46,7 +46,7 @@ const BLOCK_RADIUS_MM: f64 = 25.0;
 /// The recordings' mesh is this much finer than the fit's.
 const FINER: f64 = 1.5;
 /// The tester of thesis section 2.6: 50 Hz at 1 mm/s.
-const STEP_MM: f64 = 0.02;
+pub const STEP_MM: f64 = 0.02;
 /// Where a run may touch, mm of its depth reading.
 const CONTACT_MM: (f64, f64) = (0.2, 0.6);
 
@@ -124,31 +124,30 @@ impl Foam {
                 resolution: self.resolution,
             };
             let forces = problem.solve_at(&depths)?.force_n;
-            experiment.runs.push(self.run(indenter, &forces, &mut chance));
+            let recording = pressed(&forces, self.noise, &mut chance);
+            experiment.runs.push(Run::indentation(format!("ball of {} mm", number(radius_mm)), 0, indenter, recording));
         }
         Ok(experiment)
     }
+}
 
-    fn run(&self, indenter: usize, forces: &[f64], chance: &mut Pcg64) -> Run {
-        let contact_mm = chance.random_range(CONTACT_MM.0..CONTACT_MM.1);
-        let before = (contact_mm / STEP_MM) as usize;
-        let peak = forces.last().copied().unwrap_or(0.0);
-        let normal = Normal::new(0.0, self.noise * peak).ok();
-        let count = before + forces.len();
-        let time = (0..count).map(|i| i as f64 * STEP_MM).collect();
-        let depth = (0..count).map(|i| (i as f64 + 1.0 - before as f64) * STEP_MM + contact_mm).collect();
-        let noisy = |i: usize| {
-            let clean = i.checked_sub(before).map_or(0.0, |at| forces[at]);
-            clean + normal.map_or(0.0, |normal| normal.sample(chance))
-        };
-        let force = (0..count).map(noisy).collect();
-        Run::indentation(
-            format!("ball of {} mm", number(self.balls_mm[indenter])),
-            0,
-            indenter,
-            Recording::from_samples(time, depth, force),
-        )
-    }
+/// A recording of a press at 1 mm/s through `forces_n` at multiples of [`STEP_MM`] past the contact point, which is chance as the noise is:
+/// its standard deviation is the share `noise` of the last force.
+#[must_use]
+pub fn pressed(forces_n: &[f64], noise: f64, chance: &mut Pcg64) -> Recording {
+    let contact_mm = chance.random_range(CONTACT_MM.0..CONTACT_MM.1);
+    let before = (contact_mm / STEP_MM) as usize;
+    let peak = forces_n.last().copied().unwrap_or(0.0);
+    let normal = Normal::new(0.0, noise * peak).ok();
+    let count = before + forces_n.len();
+    let time = (0..count).map(|i| i as f64 * STEP_MM).collect();
+    // The first of the forces lies one step past contact.
+    let depth = (0..count).map(|i| (i as f64 + 1.0 - before as f64) * STEP_MM + contact_mm).collect();
+    let noisy = |i: usize| {
+        let clean = i.checked_sub(before).map_or(0.0, |at| forces_n[at]);
+        clean + normal.map_or(0.0, |normal| normal.sample(chance))
+    };
+    Recording::from_samples(time, depth, (0..count).map(noisy).collect())
 }
 
 /// Recordings of one material.
