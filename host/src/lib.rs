@@ -2,6 +2,7 @@
 
 pub mod cli;
 pub mod demo;
+pub mod diagnose;
 pub mod experiment;
 pub mod flash;
 pub mod identify;

@@ -41,8 +41,10 @@
 //! # Ok::<(), lut_gen::solve::SolveError>(())
 //! ```
 
+pub mod chain;
 pub mod contact;
 pub mod dynamics;
+pub mod effect;
 pub mod element;
 pub mod field;
 pub mod homogeneous;

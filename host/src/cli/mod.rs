@@ -2,6 +2,7 @@
 
 pub mod board;
 pub mod demo;
+pub mod diagnose;
 pub mod field;
 pub mod flash;
 pub mod identify;
@@ -37,6 +38,8 @@ enum Command {
     Flash(flash::Arguments),
     /// Find a material's parameters in indentation recordings
     Identify(identify::Arguments),
+    /// Find what the simulation of an experiment gets wrong, and name the cause
+    Diagnose(diagnose::Arguments),
     /// Repeat a study of the thesis on your recordings or on a simulated foam, with pictures
     Study(study::Arguments),
     /// Compute a look-up table by finite elements, sweep more parameters, or explain a table
@@ -57,6 +60,7 @@ pub fn main() -> ExitCode {
         Command::Board(arguments) => board::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),

@@ -59,6 +59,27 @@ impl Expansion {
         Self { axes, terms, coefficients: nodes }
     }
 
+    /// Coefficients in depth at the parameters in the order of the axes.
+    pub fn slice(&self, parameters: [f64; 3]) -> Vec<f64> {
+        let [nu, height, alpha]: [Basis; 3] = std::array::from_fn(|i| {
+            let (x, dx) = self.axes[i].local(parameters[i]);
+            Basis::at(x, dx, self.axes[i].nodes)
+        });
+        let [nn, nh, na] = self.axes.map(|a| a.nodes);
+        let mut out = vec![0.0; self.terms];
+        let mut rows = self.coefficients.chunks_exact(self.terms);
+        for i in 0..nn {
+            for j in 0..nh {
+                let outer = nu.value[i] * height.value[j];
+                for (k, row) in (0..na).zip(rows.by_ref()) {
+                    let weight = outer * alpha.value[k];
+                    out.iter_mut().zip(row).for_each(|(o, c)| *o += weight * c);
+                }
+            }
+        }
+        out
+    }
+
     /// Value and derivatives at `s` in (0, 1] and the parameters in the order of the axes.
     pub fn at(&self, s: f64, parameters: [f64; 3]) -> Expanded {
         let depth = Basis::at(2.0 * s - 1.0, 2.0, self.terms);

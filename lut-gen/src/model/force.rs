@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::expansion::Expansion;
+use super::slice::ForceSlice;
 use super::plan::{Job, ModelSpec, check, checks};
 use super::{Axis, DepthProfile, Indentation, Scale, Specimen};
 use crate::law::{Hyperfoam, Term};
@@ -83,7 +84,9 @@ impl ForceModel {
             }
         }
         let nodes = plan.len();
-        plan.extend(checks(&axes, spec.resolution));
+        if spec.checked {
+            plan.extend(checks(&axes, spec.resolution));
+        }
         let profiles = solve_all(spec, &plan, progress)?;
         let depths = profiles[..nodes].iter().flat_map(logarithm).collect();
         let mut model = Self {
@@ -192,9 +195,26 @@ impl ForceModel {
         }
     }
 
+    /// The model's force over depth at one exponent, Poisson's ratio and height (mm), each moved into its range.
+    #[must_use]
+    pub fn slice(&self, alpha: f64, nu: f64, height_mm: f64) -> ForceSlice {
+        let [nus, heights, alphas] = &self.expansion.axes;
+        let within = |axis: &Axis, x: f64| if axis.nodes == 1 { x } else { x.clamp(axis.low, axis.high) };
+        let nu = if nus.nodes == 1 { self.spec.nu } else { nu.clamp(nus.low, nus.high) };
+        let at = [nu, within(heights, height_mm), within(alphas, alpha)];
+        ForceSlice {
+            depth_max_mm: self.spec.depth_mm,
+            hertz: hertz_force_n(1.0, nu, self.spec.ball.radius_mm, 1.0),
+            coefficients: self.expansion.slice(at),
+        }
+    }
+
     /// Interpolation from left-out solves on the same mesh; discretisation from
     /// the pairs on a refined mesh at the same parameters.
     fn compare(&self, plan: &[Job], profiles: &[DepthProfile]) -> ErrorBound {
+        if !self.spec.checked {
+            return ErrorBound { discretisation: f64::NAN, interpolation: f64::NAN };
+        }
         let mut error = ErrorBound::default();
         let depths: Vec<f64> = (1..=40).map(|i| self.spec.depth_mm * f64::from(i) / 40.0).collect();
         for ((at, resolution), profile) in plan.iter().zip(profiles) {

@@ -15,6 +15,7 @@ mod record;
 mod relaxed;
 mod sensitivity;
 mod simulation;
+mod slice;
 mod specimen;
 
 pub use chebyshev::{Axis, Scale};
@@ -29,4 +30,5 @@ pub use record::Record;
 pub use relaxed::RampRelaxation;
 pub use sensitivity::{Sensitivity, Tracker};
 pub use simulation::{Simulation, Watcher};
+pub use slice::ForceSlice;
 pub use specimen::{Resolution, Specimen};

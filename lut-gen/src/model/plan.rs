@@ -28,6 +28,9 @@ pub struct ModelSpec {
     pub depth_mm: f64,
     /// Mesh of every solve.
     pub resolution: Resolution,
+    /// Whether solves that are no nodes measure the model's error. Without them [`super::ErrorBound`] is unknown (NaN),
+    /// and the model is made in half the time.
+    pub checked: bool,
 }
 
 impl ModelSpec {
@@ -44,6 +47,7 @@ impl ModelSpec {
             heights_mm: None,
             depth_mm,
             resolution: Resolution::Standard,
+            checked: true,
         }
     }
 }

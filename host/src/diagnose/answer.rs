@@ -1,0 +1,60 @@
+//! The answer of `palpate diagnose` as JSON.
+
+use serde_json::{Value, json};
+
+use super::fit::Fit;
+use super::verdict::Z95;
+use super::{Diagnosis, Verdict};
+
+/// One material's answer; keys as in the contract, `material`, `faults`, `reason` and `messages` added.
+#[must_use]
+pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
+    let effects: Vec<Value> = diagnosis
+        .findings
+        .iter()
+        .map(|finding| {
+            let parameters: serde_json::Map<String, Value> = finding
+                .parameters
+                .iter()
+                .map(|(name, value, (low, high))| {
+                    ((*name).to_owned(), json!({ "value": value, "interval95": [low, high] }))
+                })
+                .collect();
+            json!({ "code": finding.code, "form": finding.form, "parameters": parameters })
+        })
+        .collect();
+    let ambiguous: Vec<&Vec<&str>> = diagnosis.findings.iter().map(|f| &f.ambiguous_with).collect();
+    let evidence = diagnosis.evidence.as_deref();
+    let held_out = evidence.and_then(|e| e.held_out.as_ref());
+    let extended = evidence.and_then(|e| e.held.first()).filter(|_| named(diagnosis.verdict));
+    let faults: Vec<Value> =
+        diagnosis.faults.iter().map(|f| json!({ "code": f.code(), "what": f.to_string() })).collect();
+    json!({
+        "material": diagnosis.material,
+        "verdict": diagnosis.verdict.word(),
+        "effects": effects,
+        "ambiguous_with": ambiguous,
+        "shows_in": diagnosis.shows_in,
+        "blind_to": diagnosis.blind_to,
+        "faults": faults,
+        "reason": diagnosis.refusal.as_ref().map(ToString::to_string),
+        "held_out": held_out.map(|h| json!({
+            "rmse_N_before": h.rmse_before_n, "rmse_N_after": h.rmse_after_n, "conditions": h.conditions,
+        })),
+        "base": { "parameters": evidence.map(|e| parameters(&e.base)) },
+        "extended": { "parameters": extended.map(|e| parameters(&e.fit)) },
+        "messages": diagnosis.messages,
+        "report": report,
+        "seconds": diagnosis.seconds,
+    })
+}
+
+fn named(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::Named | Verdict::Ambiguous)
+}
+
+fn parameters(fit: &Fit) -> Value {
+    let [mu, alpha] = fit.base(Z95);
+    let one = |(value, (low, high)): (f64, (f64, f64))| json!({ "value": value, "interval95": [low, high] });
+    json!({ "mu_MPa": one(mu), "alpha": one(alpha) })
+}

@@ -1,0 +1,410 @@
+//! What was done in an experiment, and its data thinned to nodes: means over short windows of each branch.
+
+use std::ops::Range;
+
+use lut_gen::chain::{Geometry, Passage};
+use lut_gen::model::Specimen as Block;
+use lut_gen::solve;
+
+use crate::experiment::motion::{self, Motion};
+use crate::experiment::{Base, BaseLaw, Experiment, Recording, Test};
+use crate::identify::contact;
+
+use super::Refusal;
+
+/// Windows of a loading branch, a hold and a way back.
+const WINDOWS: (usize, usize, usize) = (36, 14, 24);
+/// Share of the stroke above the contact from which on samples are used: they show the sensor's zero.
+const ABOVE: f64 = 0.05;
+/// Least samples of a loading branch.
+const LEAST_SAMPLES: usize = 12;
+/// Rates that differ by less than this share are one rate.
+const SAME_RATE: f64 = 0.05;
+/// Largest depth over ball radius that the force models are asked for: beyond, a ball is a shank.
+const DEEPEST: f64 = 1.2;
+/// Recorded zeros within this distance (mm) of the contact were meant to be the contact.
+const MEANT_MM: f64 = 0.4;
+
+/// Part of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Branch {
+    /// On the way down.
+    Loading,
+    /// Standing at the deepest point.
+    Hold,
+    /// On the way back.
+    Unloading,
+}
+
+/// Mean over a short window of one run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// Middle of the window, s since the run's first used sample.
+    pub time_s: f64,
+    /// Length of the window, s.
+    pub length_s: f64,
+    /// Samples in it.
+    pub samples: usize,
+    /// Mean recorded depth, mm; the experiment's zero is taken off.
+    pub depth_mm: f64,
+    /// Mean force, N.
+    pub force_n: f64,
+    /// Branch.
+    pub branch: Branch,
+    /// Time since the hold began, s; 0 elsewhere.
+    pub held_s: f64,
+}
+
+/// One used run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Index into [`Experiment::runs`].
+    pub run: usize,
+    /// Index of the specimen.
+    pub specimen: usize,
+    /// Index of the ball.
+    pub indenter: usize,
+    /// Index into [`Design::geometries`].
+    pub geometry: usize,
+    /// Index into [`Design::rates_mm_per_s`].
+    pub rate: usize,
+    /// n-th press on its spot, from 1.
+    pub cycle: i64,
+    /// Start on the session clock, s, if known.
+    pub start_s: Option<f64>,
+    /// Number of the spot; runs on one spot share their contact point and gain.
+    pub spot: usize,
+    /// Runs of one condition have the same number: they differ in labels only.
+    pub condition: usize,
+    /// Conditions without the cycle: what is left out together.
+    pub group: usize,
+    /// Never fitted, only predicted.
+    pub hold_out: bool,
+    /// Largest recorded depth of earlier presses on this spot, mm.
+    pub pressed_before_mm: f64,
+    /// The data.
+    pub nodes: Vec<Node>,
+}
+
+/// The used runs of one material, and what varies between them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    /// Name of the material.
+    pub material: String,
+    /// Used runs.
+    pub series: Vec<Series>,
+    /// Balls on specimens.
+    pub geometries: Vec<Geometry>,
+    /// Rates of loading, mm/s, rising.
+    pub rates_mm_per_s: Vec<f64>,
+    /// Number of spots.
+    pub spots: usize,
+    /// Number of conditions.
+    pub conditions: usize,
+    /// Number of groups that are left out together.
+    pub groups: usize,
+    /// True when the recorded zero was meant to be the contact point, so that a common offset can be seen.
+    pub zero_is_contact: bool,
+    /// Recorded depth, mm, that was taken off everywhere: 0 when the zero was meant to be the contact.
+    pub zero_mm: f64,
+    /// What the reader should know.
+    pub messages: Vec<String>,
+}
+
+/// A run before windows are cut.
+struct Raw {
+    run: usize,
+    motion: Motion,
+    contact_mm: f64,
+}
+
+impl Design {
+    /// Reads the design of one material from its data.
+    ///
+    /// # Errors
+    /// [`Refusal`] when nothing can be used.
+    pub fn of(experiment: &Experiment, material: &str) -> Result<Self, Refusal> {
+        let mut messages = Vec::new();
+        let raws = raw_runs(experiment, material, &mut messages);
+        if raws.is_empty() {
+            return Err(Refusal::NothingToFit(messages.join("; ")));
+        }
+        let mut contacts: Vec<f64> = raws.iter().map(|raw| raw.contact_mm).collect();
+        contacts.sort_by(f64::total_cmp);
+        let middle = contacts[contacts.len() / 2];
+        let spread = contacts.last().zip(contacts.first()).map_or(0.0, |(b, a)| b - a);
+        let zero_is_contact = middle.abs() < MEANT_MM && spread < 2.0 * MEANT_MM;
+        let zero_mm = if zero_is_contact { 0.0 } else { middle };
+        if !zero_is_contact {
+            messages.push(format!(
+                "the recorded depth is {middle:.2} mm at the contact (range {spread:.2} mm): it was not zeroed there, so an offset of the contact cannot be seen"
+            ));
+        }
+        let mut design = Self {
+            material: material.to_owned(),
+            series: Vec::new(),
+            geometries: Vec::new(),
+            rates_mm_per_s: Vec::new(),
+            spots: 0,
+            conditions: 0,
+            groups: 0,
+            zero_is_contact,
+            zero_mm,
+            messages,
+        };
+        design.rates(&raws);
+        for raw in &raws {
+            design.add(experiment, raw);
+        }
+        design.number();
+        Ok(design)
+    }
+
+    fn rates(&mut self, raws: &[Raw]) {
+        let mut rates: Vec<f64> = raws.iter().map(|raw| raw.motion.rate_mm_per_s).collect();
+        rates.sort_by(f64::total_cmp);
+        for rate in rates {
+            if self.rates_mm_per_s.last().is_none_or(|last| rate / last - 1.0 > SAME_RATE) {
+                self.rates_mm_per_s.push(rate);
+            }
+        }
+    }
+
+    fn add(&mut self, experiment: &Experiment, raw: &Raw) {
+        let run = &experiment.runs[raw.run];
+        let (Some(specimen), Some(indenter)) = (run.specimen, run.indenter) else { return };
+        let ball_mm = experiment.indenters[indenter].radius_mm.known().unwrap_or(0.0);
+        let contact_mm = if self.zero_is_contact { raw.contact_mm } else { self.zero_mm };
+        let nodes = nodes(&run.recording, &raw.motion, raw.contact_mm, self.zero_mm);
+        let deepest = nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max) - (raw.contact_mm - contact_mm).min(0.0);
+        let geometry = self.geometry(experiment, specimen, ball_mm, deepest);
+        let rate = self
+            .rates_mm_per_s
+            .iter()
+            .rposition(|rate| *rate <= raw.motion.rate_mm_per_s * (1.0 + 1e-12))
+            .unwrap_or(0);
+        let cycle = run.cycle.unwrap_or(1);
+        let spot = self.spot(experiment, raw.run, cycle);
+        let earlier = |s: &&Series| s.spot == spot;
+        let pressed_before_mm = self
+            .series
+            .iter()
+            .filter(earlier)
+            .flat_map(|s| s.nodes.iter().map(|n| n.depth_mm))
+            .fold(0.0, f64::max);
+        self.series.push(Series {
+            run: raw.run,
+            specimen,
+            indenter,
+            geometry,
+            rate,
+            cycle,
+            start_s: run.start_s,
+            spot,
+            condition: 0,
+            group: 0,
+            hold_out: run.hold_out,
+            pressed_before_mm,
+            nodes,
+        });
+    }
+
+    fn geometry(&mut self, experiment: &Experiment, specimen: usize, ball_mm: f64, deepest_mm: f64) -> usize {
+        let its = &experiment.specimens[specimen];
+        let height_mm = its.height_mm.known().unwrap_or(0.0);
+        let block = Block {
+            height_mm,
+            radius_mm: its.radius_mm.known().unwrap_or(6.0 * ball_mm),
+            base: match its.base {
+                Base::Bonded => solve::Base::Bonded,
+                Base::Sliding => solve::Base::Sliding,
+            },
+        };
+        // a margin for what contact and compliance add, in steps so that like experiments share their models
+        let wanted = (1.12 * deepest_mm).min(DEEPEST * ball_mm).min(0.8 * height_mm);
+        let depth_mm = (wanted / 0.25).ceil() * 0.25;
+        let known = self.geometries.iter_mut().enumerate();
+        for (at, geometry) in known {
+            if geometry.specimen == block && geometry.ball_mm == ball_mm {
+                geometry.depth_mm = geometry.depth_mm.max(depth_mm);
+                return at;
+            }
+        }
+        self.geometries.push(Geometry { specimen: block, ball_mm, depth_mm });
+        self.geometries.len() - 1
+    }
+
+    /// The spot a run was made on: as labelled; else a later cycle is on the spot of the cycle before it.
+    fn spot(&mut self, experiment: &Experiment, run: usize, cycle: i64) -> usize {
+        let own = &experiment.runs[run];
+        let same = |s: &&Series| {
+            let other = &experiment.runs[s.run];
+            if own.specimen != other.specimen {
+                return false;
+            }
+            match own.spot {
+                Some(spot) => other.spot == Some(spot),
+                None => other.spot.is_none() && own.indenter == other.indenter && s.cycle + 1 == cycle && cycle > 1,
+            }
+        };
+        if let Some(found) = self.series.iter().rev().find(same) {
+            return found.spot;
+        }
+        self.spots += 1;
+        self.spots - 1
+    }
+
+    fn number(&mut self) {
+        let mut conditions: Vec<(usize, usize, usize, i64, bool, bool)> = Vec::new();
+        let mut groups: Vec<(usize, usize, usize)> = Vec::new();
+        for s in &mut self.series {
+            let has = |branch: Branch| s.nodes.iter().any(|n| n.branch == branch);
+            let key = (s.specimen, s.indenter, s.rate, s.cycle, has(Branch::Hold), has(Branch::Unloading));
+            s.condition = place(&mut conditions, key);
+            s.group = place(&mut groups, (s.specimen, s.indenter, s.rate));
+        }
+        self.conditions = conditions.len();
+        self.groups = groups.len();
+    }
+
+    /// The runs as the chain sees them.
+    #[must_use]
+    pub fn passages(&self) -> Vec<Passage> {
+        self.series
+            .iter()
+            .map(|s| Passage {
+                time_s: s.nodes.iter().map(|n| n.time_s).collect(),
+                depth_mm: s.nodes.iter().map(|n| n.depth_mm).collect(),
+                start_s: s.start_s.unwrap_or(0.0),
+                geometry: s.geometry,
+                specimen: s.specimen,
+                indenter: s.indenter,
+                pressed_before_mm: s.pressed_before_mm,
+            })
+            .collect()
+    }
+
+    /// Name of a group: ball, rate and specimen.
+    #[must_use]
+    pub fn group_name(&self, experiment: &Experiment, group: usize) -> String {
+        self.series.iter().find(|s| s.group == group).map_or_else(String::new, |s| {
+            let ball = &experiment.indenters[s.indenter].name;
+            let specimen = &experiment.specimens[s.specimen].name;
+            let rate = self.rates_mm_per_s[s.rate];
+            if experiment.specimens.len() > 1 {
+                format!("{ball}-v{rate:.3}-{specimen}")
+            } else {
+                format!("{ball}-v{rate:.3}")
+            }
+        })
+    }
+}
+
+fn place<K: PartialEq>(list: &mut Vec<K>, key: K) -> usize {
+    list.iter().position(|other| *other == key).unwrap_or_else(|| {
+        list.push(key);
+        list.len() - 1
+    })
+}
+
+fn raw_runs(experiment: &Experiment, material: &str, messages: &mut Vec<String>) -> Vec<Raw> {
+    let mut raws = Vec::new();
+    for (at, run) in experiment.runs.iter().enumerate() {
+        let (Some(specimen), Some(indenter), Test::Indentation) = (run.specimen, run.indenter, run.test) else {
+            continue;
+        };
+        let its = &experiment.specimens[specimen];
+        if its.material != material || its.base_law == BaseLaw::Rigid {
+            continue;
+        }
+        let Some(ball_mm) = experiment.indenters[indenter].radius_mm.known() else { continue };
+        let Some(motion) = motion::of(&run.recording) else {
+            messages.push(format!("{}: the ball never went down", run.file));
+            continue;
+        };
+        let loading = motion.loading.clone();
+        let depth = &run.recording.depth_mm[loading.clone()];
+        let guess = contact::guess(depth, &run.recording.force_n[loading.clone()], ball_mm);
+        let Some(guess) = guess.filter(|_| depth.len() >= LEAST_SAMPLES) else {
+            messages.push(format!("{}: no contact, or fewer than {LEAST_SAMPLES} samples on the way down", run.file));
+            continue;
+        };
+        for event in &motion.events {
+            messages.push(format!("{}: {event}", run.file));
+        }
+        raws.push(Raw { run: at, motion, contact_mm: guess.contact_mm });
+    }
+    raws
+}
+
+/// Windows of equal numbers of samples on the ways down and back, and of growing length in a hold.
+fn nodes(recording: &Recording, motion: &Motion, contact_mm: f64, zero_mm: f64) -> Vec<Node> {
+    let depth = &recording.depth_mm;
+    let loading = motion.loading.clone();
+    let last = loading.end.saturating_sub(1);
+    let above = contact_mm - ABOVE * (depth[last] - contact_mm);
+    let begin = loading.clone().find(|i| depth[*i] >= above).unwrap_or(loading.start);
+    let start_s = recording.time_s[begin];
+    let mut windows: Vec<(Range<usize>, Branch)> = Vec::new();
+    even(&mut windows, begin..loading.end, WINDOWS.0, Branch::Loading);
+    let mut held_from_s = f64::NAN;
+    if let Some(hold) = motion.hold.clone().filter(|hold| !hold.is_empty()) {
+        held_from_s = recording.time_s[hold.start];
+        growing(&mut windows, recording, hold, WINDOWS.1);
+    }
+    if let Some(back) = motion.unloading.clone().filter(|back| !back.is_empty()) {
+        let end = back.clone().find(|i| depth[*i] < above).unwrap_or(back.end);
+        even(&mut windows, back.start..end, WINDOWS.2, Branch::Unloading);
+    }
+    windows.iter().map(|(window, branch)| node(recording, window, *branch, start_s, held_from_s, zero_mm)).collect()
+}
+
+fn even(windows: &mut Vec<(Range<usize>, Branch)>, samples: Range<usize>, most: usize, branch: Branch) {
+    let count = samples.len().min(most);
+    for k in 0..count {
+        let at = |k: usize| samples.start + k * samples.len() / count;
+        windows.push((at(k)..at(k + 1), branch));
+    }
+}
+
+fn growing(windows: &mut Vec<(Range<usize>, Branch)>, recording: &Recording, hold: Range<usize>, most: usize) {
+    let time = &recording.time_s;
+    let (from, to) = (time[hold.start], time[hold.end - 1]);
+    let mut start = hold.start;
+    for k in 1..=most {
+        // a hundredth of the hold first, the rest evenly in the logarithm
+        let share = (100.0_f64.ln() * (k as f64 / most as f64 - 1.0)).exp();
+        let end_s = from + share * (to - from);
+        let end = if k == most { hold.end } else { time[hold.clone()].partition_point(|t| *t <= end_s) + hold.start };
+        if end > start {
+            windows.push((start..end, Branch::Hold));
+            start = end;
+        }
+    }
+}
+
+fn node(
+    recording: &Recording,
+    window: &Range<usize>,
+    branch: Branch,
+    start_s: f64,
+    held_from_s: f64,
+    zero_mm: f64,
+) -> Node {
+    let mean = |values: &[f64]| values[window.clone()].iter().sum::<f64>() / window.len() as f64;
+    let time_s = mean(&recording.time_s) - start_s;
+    let first = recording.time_s[window.start];
+    let next = recording.time_s.get(window.end).copied().unwrap_or_else(|| {
+        let last = recording.time_s[window.end - 1];
+        last + (last - first) / (window.len().max(2) - 1) as f64
+    });
+    Node {
+        time_s,
+        length_s: (next - first).max(1e-6),
+        samples: window.len(),
+        depth_mm: mean(&recording.depth_mm) - zero_mm,
+        force_n: mean(&recording.force_n),
+        branch,
+        held_s: if branch == Branch::Hold { (time_s + start_s - held_from_s).max(0.0) } else { 0.0 },
+    }
+}

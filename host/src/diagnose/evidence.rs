@@ -1,0 +1,247 @@
+//! How large a residual is against what noise alone would make: thresholds from simulated clean twins of the data set.
+
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_distr::{ChiSquared, Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+use super::fit::Fit;
+use super::margin::{Margin, Variable};
+use super::noise::Noise;
+use super::whiten::Whitening;
+
+/// Clean twins that thresholds are taken from.
+pub const TWINS: usize = 1000;
+/// Share of clean twins whose largest statistic lies above a threshold; two statistics are looked at.
+const LEVEL: f64 = 0.005;
+/// Seed of the twins: the same data give the same verdict.
+const SEED: u64 = 0x7061_6c70;
+
+/// Directions made orthogonal to parameters, with what they measure in clean twins.
+#[derive(Debug)]
+pub struct Gauge {
+    /// One column a direction, unit length, orthogonal to the parameters.
+    directions: DMatrix<f64>,
+    /// Standard deviation of each over clean twins.
+    scatter: Vec<f64>,
+    /// What the largest of their magnitudes, in units of its scatter, exceeds in one clean twin of a hundred.
+    pub threshold: f64,
+}
+
+/// Draws of whitened residuals of clean twins, with the uncertainty of the noise estimate.
+#[must_use]
+pub fn twins(whitening: &Whitening, noise: &Noise, used: &[bool], count: usize) -> DMatrix<f64> {
+    let mut chance = Pcg64::seed_from_u64(SEED);
+    let factor = |freedom: f64, chance: &mut Pcg64| {
+        ChiSquared::new(freedom).map_or(1.0, |chi| (freedom / chi.sample(chance).max(0.05 * freedom)).sqrt())
+    };
+    let mut out = DMatrix::zeros(whitening.len(), count);
+    for j in 0..count {
+        let sensor = factor(noise.sensor_freedom, &mut chance);
+        let jitter = [(); 3].map(|()| factor(noise.freedom, &mut chance));
+        let mut draw = whitening.draw(sensor, jitter, || StandardNormal.sample(&mut chance));
+        draw.iter_mut().zip(used).filter(|(_, used)| !**used).for_each(|(value, _)| *value = 0.0);
+        out.set_column(j, &draw);
+    }
+    out
+}
+
+/// An orthonormal basis of some columns.
+#[must_use]
+pub fn basis(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut kept: Vec<DVector<f64>> = Vec::new();
+    for column in columns.column_iter() {
+        let length = column.norm();
+        if length <= 0.0 || !length.is_finite() {
+            continue;
+        }
+        let mut v = column / length;
+        for _ in 0..2 {
+            for q in &kept {
+                v.axpy(-q.dot(&v), q, 1.0);
+            }
+        }
+        let rest = v.norm();
+        // what is left of a column that the others explain is rounding
+        if rest > 1e-6 {
+            kept.push(v / rest);
+        }
+    }
+    if kept.is_empty() { DMatrix::zeros(columns.nrows(), 0) } else { DMatrix::from_columns(&kept) }
+}
+
+/// Takes off a matrix what a basis explains.
+#[must_use]
+pub fn rest_of(columns: &DMatrix<f64>, basis: &DMatrix<f64>) -> DMatrix<f64> {
+    columns - basis * basis.tr_mul(columns)
+}
+
+impl Gauge {
+    /// Of margins, after the parameters of a fit.
+    #[must_use]
+    pub fn new(margins: &[Margin], parameters: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
+        let raw: Vec<DVector<f64>> = margins.iter().map(|m| m.direction.clone()).collect();
+        let raw = if raw.is_empty() { DMatrix::zeros(twins.nrows(), 0) } else { DMatrix::from_columns(&raw) };
+        Self::of(&raw, parameters, twins)
+    }
+
+    /// Of any directions.
+    #[must_use]
+    pub fn of(raw: &DMatrix<f64>, parameters: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
+        let explained = basis(parameters);
+        let mut directions = rest_of(raw, &explained);
+        for (mut column, whole) in directions.column_iter_mut().zip(raw.column_iter()) {
+            let (own, before) = (column.norm(), whole.norm());
+            // a direction that the parameters take up whole says nothing
+            if own > 1e-3 * before { column /= own } else { column.fill(0.0) }
+        }
+        let values = directions.tr_mul(twins);
+        let count = twins.ncols().max(1) as f64;
+        let scatter: Vec<f64> = values.row_iter().map(|row| (row.norm_squared() / count).sqrt()).collect();
+        let mut largest: Vec<f64> = values
+            .column_iter()
+            .map(|column| {
+                let each = column.iter().zip(&scatter).filter(|(_, s)| **s > 0.0);
+                each.map(|(v, s)| v.abs() / s).fold(0.0, f64::max)
+            })
+            .collect();
+        largest.sort_by(f64::total_cmp);
+        let at = ((1.0 - LEVEL) * count).floor() as usize;
+        let threshold = largest.get(at.min(largest.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY);
+        Self { directions, scatter, threshold }
+    }
+
+    /// Adds to every direction's scatter what errors along some columns, each with unit variance, make of it.
+    pub fn widen(&mut self, errors: &DMatrix<f64>) {
+        let along = self.directions.tr_mul(errors);
+        for (scatter, row) in self.scatter.iter_mut().zip(along.row_iter()).filter(|(s, _)| **s > 0.0) {
+            *scatter = scatter.hypot(row.norm());
+        }
+    }
+
+    /// Every direction's value in units of its scatter.
+    #[must_use]
+    pub fn read(&self, residual: &DVector<f64>) -> Vec<f64> {
+        let values = self.directions.tr_mul(residual);
+        values.iter().zip(&self.scatter).map(|(v, s)| if *s > 0.0 { v / s } else { 0.0 }).collect()
+    }
+}
+
+/// Whether a fit leaves more than noise.
+#[derive(Debug, Clone)]
+pub struct Adequacy {
+    /// Every margin's mean in units of its scatter.
+    pub readings: Vec<f64>,
+    /// What the largest may be.
+    pub threshold: f64,
+    /// Variables whose margins exceed it, the worst first.
+    pub shows_in: Vec<Variable>,
+}
+
+impl Adequacy {
+    /// Of a fit. `twins` are clean twins of the data set.
+    #[must_use]
+    pub fn of(fit: &Fit, margins: &[Margin], form_error: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
+        let mut gauge = Gauge::new(margins, &fit.jacobian, twins);
+        gauge.widen(form_error);
+        let readings = gauge.read(&fit.residual);
+        let mut worst: Vec<(Variable, f64)> = Vec::new();
+        for (margin, reading) in margins.iter().zip(&readings).filter(|(_, r)| r.abs() > gauge.threshold) {
+            match worst.iter_mut().find(|(v, _)| *v == margin.variable) {
+                Some((_, size)) => *size = size.max(reading.abs()),
+                None => worst.push((margin.variable, reading.abs())),
+            }
+        }
+        worst.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Self { readings, threshold: gauge.threshold, shows_in: worst.into_iter().map(|(v, _)| v).collect() }
+    }
+
+    /// True when nothing shows.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        self.shows_in.is_empty()
+    }
+
+    /// Largest reading over the threshold.
+    #[must_use]
+    pub fn worst(&self) -> f64 {
+        self.readings.iter().map(|r| r.abs()).fold(0.0, f64::max) / self.threshold
+    }
+}
+
+/// Subspaces, each of which an effect could move the data in, with what they hold of clean twins.
+#[derive(Debug)]
+pub struct Spaces {
+    each: Vec<Space>,
+    /// What the largest reading exceeds in one clean twin of two hundred.
+    pub threshold: f64,
+}
+
+#[derive(Debug)]
+struct Space {
+    basis: DMatrix<f64>,
+    /// Mean of the square over clean twins.
+    mean: f64,
+}
+
+impl Spaces {
+    /// One space a candidate: its signatures less what the parameters take up.
+    #[must_use]
+    pub fn new(signatures: &[DMatrix<f64>], parameters: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
+        let explained = basis(parameters);
+        let count = twins.ncols().max(1) as f64;
+        let mut readings: Vec<Vec<f64>> = Vec::new();
+        let mut each = Vec::new();
+        for signature in signatures {
+            let own = basis(&visible(signature, &rest_of(signature, &explained)));
+            let values = own.tr_mul(twins);
+            let squares: Vec<f64> = values.column_iter().map(|c| c.norm_squared()).collect();
+            let mean = squares.iter().sum::<f64>() / count;
+            let space = Space { basis: own, mean };
+            readings.push(squares.iter().map(|s| space.standard(*s)).collect());
+            each.push(space);
+        }
+        let mut largest: Vec<f64> = (0..twins.ncols())
+            .map(|j| readings.iter().map(|r| r[j]).fold(f64::NEG_INFINITY, f64::max))
+            .collect();
+        largest.sort_by(f64::total_cmp);
+        let at = ((1.0 - LEVEL) * count).floor() as usize;
+        let threshold = largest.get(at.min(largest.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY);
+        Self { each, threshold }
+    }
+
+    /// Reading of one space: about unit normal for a clean residual.
+    #[must_use]
+    pub fn read(&self, at: usize, residual: &DVector<f64>) -> f64 {
+        let space = &self.each[at];
+        space.standard(space.basis.tr_mul(residual).norm_squared())
+    }
+
+    /// The reading that an improvement of the sum of squares corresponds to.
+    #[must_use]
+    pub fn of_gain(&self, at: usize, gain: f64) -> f64 {
+        self.each[at].standard(gain)
+    }
+}
+
+impl Space {
+    /// Fisher's approximation of a chi-square by a normal distribution.
+    fn standard(&self, square: f64) -> f64 {
+        let freedom = self.basis.ncols() as f64;
+        if freedom == 0.0 || self.mean <= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        (2.0 * square.max(0.0) * freedom / self.mean).sqrt() - (2.0 * freedom - 1.0).sqrt()
+    }
+}
+
+/// Columns that keep more than a thousandth of themselves; the others are what the parameters take up whole.
+fn visible(whole: &DMatrix<f64>, rest: &DMatrix<f64>) -> DMatrix<f64> {
+    let kept: Vec<DVector<f64>> = rest
+        .column_iter()
+        .zip(whole.column_iter())
+        .filter(|(r, w)| r.norm() > 1e-3 * w.norm())
+        .map(|(r, _)| r.into_owned())
+        .collect();
+    if kept.is_empty() { DMatrix::zeros(rest.nrows(), 0) } else { DMatrix::from_columns(&kept) }
+}

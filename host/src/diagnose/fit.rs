@@ -1,0 +1,341 @@
+//! Fits of the base model with effects to whitened residuals.
+
+use lut_gen::chain::{Chain, Model, Setting};
+use lut_gen::effect::{Effect, Quantity, Spread, contact_offset};
+use nalgebra::{DMatrix, DVector};
+
+use super::design::Design;
+use super::noise::Curve;
+use super::whiten::Whitening;
+
+/// An effect that may be at work, with the ball or specimen it belongs to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Index of the ball or specimen.
+    pub owner: usize,
+}
+
+/// One parameter of a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Coordinate {
+    /// Logarithm of the shear modulus, MPa.
+    LnMu,
+    /// Logarithm of the exponent.
+    LnAlpha,
+    /// Offset of a depth that was not zeroed at the contact, mm.
+    Zero,
+    /// A quantity of a candidate: which candidate, which quantity.
+    Of(usize, Quantity),
+}
+
+/// Data, model and noise: what is fitted.
+#[derive(Debug)]
+pub struct Problem<'a> {
+    /// The data.
+    pub design: &'a Design,
+    /// The model.
+    pub chain: &'a Chain,
+    /// Contact point of every run, mm, as the base fit sees it.
+    pub contacts_mm: Vec<f64>,
+    /// What a first-order step back to contact 0 adds to the prediction, N.
+    pub back_n: DVector<f64>,
+    /// Noise.
+    pub whitening: Whitening,
+    /// Entries that are fitted; the others are 0 in every residual.
+    pub used: Vec<bool>,
+}
+
+/// A fit.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// Effects that were added to the base.
+    pub candidates: Vec<Candidate>,
+    /// Parameters.
+    pub coordinates: Vec<Coordinate>,
+    /// Their values, logarithms where they are searched so.
+    pub x: DVector<f64>,
+    /// The model.
+    pub model: Model,
+    /// Sum of the squares of the whitened residuals.
+    pub square: f64,
+    /// Whitened residuals.
+    pub residual: DVector<f64>,
+    /// Derivative of the whitened prediction by every parameter.
+    pub jacobian: DMatrix<f64>,
+    /// True when a quantity of an effect lies at a bound that is not its null value.
+    pub at_bound: bool,
+}
+
+const MOST_STEPS: usize = 14;
+/// A fit has ended when a step changes the sum of squares by less than this.
+const SETTLED: f64 = 0.02;
+/// Exponents that the force models cover.
+const ALPHA: (f64, f64) = (2.0, 24.0);
+
+impl Coordinate {
+    /// Lowest and highest value.
+    #[must_use]
+    pub fn bounds(&self) -> (f64, f64) {
+        match self {
+            Coordinate::LnMu => (1e-6_f64.ln(), 1e3_f64.ln()),
+            Coordinate::LnAlpha => (ALPHA.0.ln(), ALPHA.1.ln()),
+            Coordinate::Zero => (-1.0, 1.0),
+            Coordinate::Of(_, q) => match q.spread {
+                Spread::Even => (q.low, q.high),
+                Spread::Logarithmic => (q.low.ln(), q.high.ln()),
+            },
+        }
+    }
+
+    /// Step of a difference quotient.
+    fn step(&self) -> f64 {
+        match self {
+            Coordinate::LnMu | Coordinate::LnAlpha => 1e-3,
+            Coordinate::Zero => 1e-3,
+            Coordinate::Of(_, q) => match q.spread {
+                Spread::Even => 0.02 * (q.plausible - q.null).abs(),
+                Spread::Logarithmic => 0.01,
+            },
+        }
+    }
+
+    /// The parameter's own value.
+    #[must_use]
+    pub fn value(&self, x: f64) -> f64 {
+        match self {
+            Coordinate::LnMu | Coordinate::LnAlpha => x.exp(),
+            Coordinate::Zero => x,
+            Coordinate::Of(_, q) => match q.spread {
+                Spread::Even => x,
+                Spread::Logarithmic => x.exp(),
+            },
+        }
+    }
+
+    /// The coordinate of a value.
+    #[must_use]
+    pub fn of(&self, value: f64) -> f64 {
+        match self {
+            Coordinate::LnMu | Coordinate::LnAlpha => value.ln(),
+            Coordinate::Zero => value,
+            Coordinate::Of(_, q) => match q.spread {
+                Spread::Even => value,
+                Spread::Logarithmic => value.ln(),
+            },
+        }
+    }
+}
+
+/// Parameters of the base with candidates.
+#[must_use]
+pub fn coordinates(design: &Design, candidates: &[Candidate]) -> Vec<Coordinate> {
+    let mut list = vec![Coordinate::LnMu, Coordinate::LnAlpha];
+    if !design.zero_is_contact {
+        list.push(Coordinate::Zero);
+    }
+    for (at, candidate) in candidates.iter().enumerate() {
+        list.extend(candidate.effect.quantities.iter().map(|q| Coordinate::Of(at, *q)));
+    }
+    list
+}
+
+/// The model of a point.
+#[must_use]
+pub fn model(coordinates: &[Coordinate], candidates: &[Candidate], x: &DVector<f64>) -> Model {
+    let mut model = Model::base(1.0, 1.0);
+    let setting = |c: &Candidate| Setting { effect: c.effect, owner: c.owner, values: Vec::new() };
+    model.settings = candidates.iter().map(setting).collect();
+    let mut zero = None;
+    for (coordinate, x) in coordinates.iter().zip(x.iter()) {
+        let value = coordinate.value(*x);
+        match coordinate {
+            Coordinate::LnMu => model.mu_mpa = value,
+            Coordinate::LnAlpha => model.alpha = value,
+            Coordinate::Zero => zero = Some(value),
+            Coordinate::Of(at, _) => model.settings[*at].values.push(value),
+        }
+    }
+    if let Some(offset_mm) = zero {
+        // a contact point that is fitted is no effect, but it acts like one
+        model.settings.push(Setting { effect: &contact_offset::EFFECT, owner: 0, values: vec![offset_mm] });
+    }
+    model
+}
+
+impl Problem<'_> {
+    /// Measured less predicted, whitened; entries that are not used are 0.
+    #[must_use]
+    pub fn residual(&self, model: &Model) -> DVector<f64> {
+        let mut residual = self.plain(model);
+        self.whitening.apply(&mut residual);
+        residual
+    }
+
+    /// Measured less predicted, N, moved back to contact 0 to first order.
+    #[must_use]
+    pub fn plain(&self, model: &Model) -> DVector<f64> {
+        let predicted = self.chain.predict(model, &self.contacts_mm);
+        let mut residual = DVector::zeros(self.whitening.len());
+        for (s, (series, curve)) in self.design.series.iter().zip(&predicted).enumerate() {
+            let first = self.whitening.first(s);
+            for (k, (node, force_n)) in series.nodes.iter().zip(curve).enumerate() {
+                let at = first + k;
+                residual[at] = if self.used[at] { node.force_n - force_n - self.back_n[at] } else { 0.0 };
+            }
+        }
+        residual
+    }
+
+    /// Fits the base with candidates from a point.
+    #[must_use]
+    pub fn fit(&self, candidates: &[Candidate], start: &DVector<f64>) -> Fit {
+        let coordinates = coordinates(self.design, candidates);
+        let bounds: Vec<(f64, f64)> = coordinates.iter().map(Coordinate::bounds).collect();
+        let clamped = |x: &DVector<f64>| DVector::from_fn(x.len(), |i, _| x[i].clamp(bounds[i].0, bounds[i].1));
+        let mut x = clamped(start);
+        let mut residual = self.residual(&model(&coordinates, candidates, &x));
+        let mut square = residual.norm_squared();
+        let mut jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
+        let mut damping = 1e-3;
+        for _ in 0..MOST_STEPS {
+            let Some(step) = damped_step(&jacobian, &residual, damping, &x, &bounds) else { break };
+            let next = clamped(&(&x + step));
+            let there = self.residual(&model(&coordinates, candidates, &next));
+            let its = there.norm_squared();
+            if its < square {
+                let gain = square - its;
+                (x, residual, square) = (next, there, its);
+                damping = f64::max(damping * 0.2, 1e-7);
+                if gain < SETTLED {
+                    break;
+                }
+                jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
+            } else {
+                damping *= 10.0;
+                if damping > 1e5 {
+                    break;
+                }
+            }
+        }
+        let jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
+        let at_bound = coordinates.iter().zip(x.iter().zip(&bounds)).any(|(c, (x, (low, high)))| match c {
+            Coordinate::Of(_, q) => {
+                let near = |end: f64| (x - end).abs() < 1e-3 * (high - low);
+                let null = c.of(q.null);
+                (near(*low) && (low - null).abs() > 1e-9) || (near(*high) && (high - null).abs() > 1e-9)
+            }
+            _ => false,
+        });
+        let model = model(&coordinates, candidates, &x);
+        Fit { candidates: candidates.to_vec(), coordinates, x, model, square, residual, jacobian, at_bound }
+    }
+
+    /// Derivative of the whitened prediction by difference quotients.
+    fn jacobian(
+        &self,
+        coordinates: &[Coordinate],
+        candidates: &[Candidate],
+        x: &DVector<f64>,
+        residual: &DVector<f64>,
+    ) -> DMatrix<f64> {
+        let mut out = DMatrix::zeros(self.whitening.len(), coordinates.len());
+        for (j, coordinate) in coordinates.iter().enumerate() {
+            let (_, high) = coordinate.bounds();
+            let step = if x[j] + coordinate.step() > high { -coordinate.step() } else { coordinate.step() };
+            let mut moved = x.clone();
+            moved[j] += step;
+            let there = self.residual(&model(coordinates, candidates, &moved));
+            out.set_column(j, &((residual - there) / step));
+        }
+        out
+    }
+
+    /// Prediction and slope of every run at a model.
+    #[must_use]
+    pub fn curves(chain: &Chain, model: &Model, contacts_mm: &[f64]) -> Vec<Curve> {
+        const STEP_MM: f64 = 1e-3;
+        let moved = |by: f64| -> Vec<f64> { contacts_mm.iter().map(|c| c + by).collect() };
+        let here = chain.predict(model, contacts_mm);
+        let deeper = chain.predict(model, &moved(-STEP_MM));
+        let shallower = chain.predict(model, &moved(STEP_MM));
+        here.into_iter()
+            .zip(deeper.into_iter().zip(shallower))
+            .map(|(force_n, (a, b))| {
+                let slope_n_per_mm = a.iter().zip(&b).map(|(a, b)| (a - b) / (2.0 * STEP_MM)).collect();
+                Curve { force_n, slope_n_per_mm }
+            })
+            .collect()
+    }
+}
+
+/// Levenberg and Marquardt's step; a coordinate that would leave its bounds stays on them.
+fn damped_step(
+    jacobian: &DMatrix<f64>,
+    residual: &DVector<f64>,
+    damping: f64,
+    x: &DVector<f64>,
+    bounds: &[(f64, f64)],
+) -> Option<DVector<f64>> {
+    let mut normal = jacobian.tr_mul(jacobian);
+    let mut right = jacobian.tr_mul(residual);
+    let n = x.len();
+    for i in 0..n {
+        let outward = (x[i] <= bounds[i].0 && right[i] < 0.0) || (x[i] >= bounds[i].1 && right[i] > 0.0);
+        if outward {
+            for j in 0..n {
+                normal[(i, j)] = 0.0;
+                normal[(j, i)] = 0.0;
+            }
+            right[i] = 0.0;
+            normal[(i, i)] = 1.0;
+        } else {
+            normal[(i, i)] = normal[(i, i)] * (1.0 + damping) + 1e-9;
+        }
+    }
+    normal.cholesky().map(|c| c.solve(&right))
+}
+
+impl Fit {
+    /// Covariance of the parameters.
+    #[must_use]
+    pub fn covariance(&self) -> Option<DMatrix<f64>> {
+        let mut normal = self.jacobian.tr_mul(&self.jacobian);
+        for i in 0..normal.nrows() {
+            normal[(i, i)] += 1e-12;
+        }
+        normal.try_inverse()
+    }
+
+    /// Values of the quantities of one candidate, with 95 % intervals at `z` standard errors.
+    #[must_use]
+    pub fn quantities(&self, candidate: usize, z: f64) -> Vec<(Quantity, f64, (f64, f64))> {
+        let covariance = self.covariance();
+        let own = self.coordinates.iter().enumerate().filter_map(|(i, c)| match c {
+            Coordinate::Of(at, q) if *at == candidate => Some((i, c, q)),
+            _ => None,
+        });
+        own.map(|(i, c, q)| {
+            let interval = interval(c, self.x[i], covariance.as_ref().map_or(f64::NAN, |v| v[(i, i)].sqrt()), z);
+            (*q, c.value(self.x[i]), interval)
+        })
+        .collect()
+    }
+
+    /// `mu` (MPa) and `alpha`, each with its interval.
+    #[must_use]
+    pub fn base(&self, z: f64) -> [(f64, (f64, f64)); 2] {
+        let covariance = self.covariance();
+        std::array::from_fn(|i| {
+            let c = &self.coordinates[i];
+            let sigma = covariance.as_ref().map_or(f64::NAN, |v| v[(i, i)].sqrt());
+            (c.value(self.x[i]), interval(c, self.x[i], sigma, z))
+        })
+    }
+}
+
+fn interval(c: &Coordinate, x: f64, sigma: f64, z: f64) -> (f64, f64) {
+    let (low, high) = c.bounds();
+    (c.value((x - z * sigma).max(low)), c.value((x + z * sigma).min(high)))
+}

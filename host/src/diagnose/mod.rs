@@ -1,0 +1,363 @@
+//! Diagnosis: what a simulated indentation gets wrong, why, and what mending it gains.
+//!
+//! The order is that of the questions, and none is answered before the one in front of it: is the simulation wrong at all, against the noise of
+//! this very data set ([`noise`], [`evidence`]); which effect of the catalogue explains it ([`search`]), alone or with others that this design cannot
+//! tell apart; what the extended model is; what it gains on conditions that no fit has seen ([`held_out`]); and what this design cannot see.
+
+pub mod answer;
+pub mod design;
+pub mod evidence;
+pub mod fault;
+pub mod fit;
+pub mod held_out;
+pub mod margin;
+pub mod noise;
+mod placebo;
+pub mod search;
+mod verdict;
+pub mod whiten;
+
+use std::sync::Mutex;
+use std::time::Instant;
+
+use lut_gen::chain::{Chain, Geometry, Library, LibraryError, Need};
+use nalgebra::DMatrix;
+
+use crate::experiment::Experiment;
+use crate::identify;
+
+use design::Design;
+use evidence::{Adequacy, Spaces};
+use fault::Fault;
+use fit::{Fit, Problem};
+use held_out::HeldOut;
+use margin::Margin;
+use noise::{Curve, Jitter, Noise, SensorNoise, Source};
+use search::{Explanation, Search};
+use whiten::Whitening;
+
+pub use verdict::{Finding, Verdict};
+
+/// Why a diagnosis is not made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// No run can be used.
+    #[error("no run can be used: {0}")]
+    NothingToFit(String),
+    /// Nothing tells what noise is.
+    #[error(
+        "no two runs repeat a condition and no noise is stated: without one of them nobody can say what is noise and what is a discrepancy; repeat at least one condition on another spot, or state [sensor] noise_N"
+    )]
+    NoNoise,
+    /// The data are not what the description says.
+    #[error("{0}")]
+    Faulty(String),
+}
+
+/// Why there is no diagnosis at all.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// A force model could not be made.
+    #[error("no force model: {0}")]
+    Model(#[from] LibraryError),
+    /// A number is not one.
+    #[error("the noise of {0} has no positive definite covariance")]
+    Covariance(String),
+}
+
+/// Force models that were made before, to be shared by many diagnoses.
+#[derive(Debug, Default)]
+pub struct Models(Mutex<Option<Library>>);
+
+impl Models {
+    /// A library of the wanted geometries; what is missing is solved.
+    ///
+    /// # Errors
+    /// The first force model that fails.
+    pub fn of(
+        &self,
+        wanted: &[Geometry],
+        progress: &(dyn Fn(usize, usize) + Send + Sync),
+    ) -> Result<Library, LibraryError> {
+        let mut known = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let has = |g: &Geometry| known.as_ref().is_some_and(|library| library.of(&[*g]).is_some());
+        let missing: Vec<Geometry> = wanted.iter().filter(|g| !has(g)).copied().collect();
+        if !missing.is_empty() {
+            let more = Library::build(&missing, Need { effects: true }, progress)?;
+            match known.as_mut() {
+                Some(library) => library.extend(more),
+                None => *known = Some(more),
+            }
+        }
+        known.as_ref().and_then(|library| library.of(wanted)).ok_or_else(|| {
+            LibraryError::Parameter {
+                parameter: "geometries",
+                value: wanted.len() as f64,
+                expected: "must have been solved".to_owned(),
+            }
+        })
+    }
+}
+
+/// What was found about one material.
+#[derive(Debug)]
+pub struct Diagnosis {
+    /// Name of the material.
+    pub material: String,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Named effects, or the sets that stand for one.
+    pub findings: Vec<Finding>,
+    /// Variables in which a discrepancy shows, the worst first.
+    pub shows_in: Vec<&'static str>,
+    /// Effects that a plausible amount of would not be seen in this design.
+    pub blind_to: Vec<&'static str>,
+    /// The data's own faults.
+    pub faults: Vec<Fault>,
+    /// Why it was refused, if so.
+    pub refusal: Option<Refusal>,
+    /// The evidence, if anything could be fitted.
+    pub evidence: Option<Box<Evidence>>,
+    /// What the reader should know.
+    pub messages: Vec<String>,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+/// What a verdict rests on.
+#[derive(Debug)]
+pub struct Evidence {
+    /// The data.
+    pub design: Design,
+    /// The noise.
+    pub noise: Noise,
+    /// The base.
+    pub base: Fit,
+    /// What the base leaves.
+    pub adequacy: Adequacy,
+    /// Margins, as the readings of an [`Adequacy`] refer to them.
+    pub margins: Vec<Margin>,
+    /// Every candidate alone, the best first.
+    pub singles: Vec<Explanation>,
+    /// Explanations that hold and none that is a hundred times more likely, the best first.
+    pub held: Vec<Explanation>,
+    /// Error on conditions that were left out.
+    pub held_out: Option<HeldOut>,
+    /// Finite-element solves behind the force models.
+    pub solves: usize,
+}
+
+/// Progress: what is done, how much of it, of how much.
+pub type Progress<'a> = dyn Fn(&str, usize, usize) + Send + Sync + 'a;
+
+/// Diagnoses every material of an experiment.
+///
+/// # Errors
+/// See [`DiagnoseError`]; bad or insufficient data are no error but a verdict.
+pub fn diagnose(
+    experiment: &Experiment,
+    models: &Models,
+    progress: &Progress<'_>,
+) -> Result<Vec<Diagnosis>, DiagnoseError> {
+    identify::materials(experiment).iter().map(|material| one(experiment, material, models, progress)).collect()
+}
+
+fn one(
+    experiment: &Experiment,
+    material: &str,
+    models: &Models,
+    progress: &Progress<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let start = Instant::now();
+    let faults = fault::of(experiment, material);
+    let mut diagnosis = Diagnosis::empty(material, faults);
+    if let Some(fault) = diagnosis.faults.iter().find(|fault| fault.stops()) {
+        diagnosis.refusal = Some(Refusal::Faulty(fault.to_string()));
+    } else {
+        match Design::of(experiment, material) {
+            Err(refusal) => {
+                diagnosis.verdict = Verdict::TooFewData;
+                diagnosis.refusal = Some(refusal);
+            }
+            Ok(design) => diagnosis.examine(experiment, design, models, progress)?,
+        }
+    }
+    diagnosis.seconds = start.elapsed().as_secs_f64();
+    Ok(diagnosis)
+}
+
+impl Diagnosis {
+    fn empty(material: &str, faults: Vec<Fault>) -> Self {
+        Self {
+            material: material.to_owned(),
+            verdict: Verdict::Refused,
+            findings: Vec::new(),
+            shows_in: Vec::new(),
+            blind_to: Vec::new(),
+            messages: faults.iter().map(ToString::to_string).collect(),
+            faults,
+            refusal: None,
+            evidence: None,
+            seconds: 0.0,
+        }
+    }
+
+    fn examine(
+        &mut self,
+        experiment: &Experiment,
+        design: Design,
+        models: &Models,
+        progress: &Progress<'_>,
+    ) -> Result<(), DiagnoseError> {
+        self.messages.extend_from_slice(&design.messages);
+        if !has_replicates(&design) && experiment.sensor.noise_n.is_none() {
+            self.refusal = Some(Refusal::NoNoise);
+            return Ok(());
+        }
+        let library = models.of(&design.geometries, &|done, total| progress("force models", done, total))?;
+        let solves = library.solves();
+        let chain = Chain { library, passages: design.passages() };
+        progress("base", 0, 1);
+        let prepared = Prepared::new(&design, &chain, experiment.sensor.noise_n, None)
+            .ok_or_else(|| DiagnoseError::Covariance(self.material.clone()))?;
+        let Prepared { problem, base, noise } = &prepared;
+        if noise.source == Source::Stated {
+            self.messages.push(
+                "nothing repeats: the noise is the stated one, and the scatter between spots is assumed (0.05 mm of contact, 1 % of gain)".to_owned(),
+            );
+        }
+        let curves = Problem::curves(&chain, &base.model, &problem.contacts_mm);
+        let margins = margin::margins(problem, &curves);
+        let twins = evidence::twins(&problem.whitening, noise, &problem.used, evidence::TWINS);
+        let candidates = search::candidates(&design);
+        let signatures: Vec<DMatrix<f64>> = candidates.iter().map(|c| search::signature(problem, base, c)).collect();
+        let spaces = Spaces::new(&signatures, &base.jacobian, &twins);
+        let none = DMatrix::zeros(problem.whitening.len(), 0);
+        let adequacy = Adequacy::of(base, &margins, &none, &twins);
+        self.blind_to = verdict::blind_spots(&candidates, &signatures, base, &twins);
+        let catalogue = (0..candidates.len()).map(|at| spaces.read(at, &base.residual)).fold(f64::MIN, f64::max);
+        let visible = !adequacy.passes() || catalogue > spaces.threshold;
+        self.shows_in = adequacy.shows_in.iter().map(|v| v.word()).collect();
+        let search = Search {
+            problem,
+            margins: &margins,
+            twins: &twins,
+            candidates,
+            base: base.clone(),
+            signatures,
+            spaces,
+        };
+        let (mut singles, mut held) = (Vec::new(), Vec::new());
+        if visible {
+            progress("effects", 0, 1);
+            singles = search.singles();
+            held = verdict::explanations(&search, &singles, progress);
+        }
+        let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &prepared, &search, &held)).flatten();
+        verdict::conclude(self, visible, &held, held_out.as_ref());
+        let (base, noise) = (base.clone(), *noise);
+        drop(search);
+        self.evidence =
+            Some(Box::new(Evidence { design: design.clone(), noise, base, adequacy, margins, singles, held, held_out, solves }));
+        Ok(())
+    }
+}
+
+/// True when two runs on different spots share a condition.
+fn has_replicates(design: &Design) -> bool {
+    let series = &design.series;
+    series.iter().enumerate().any(|(i, a)| series[..i].iter().any(|b| a.condition == b.condition && a.spot != b.spot))
+}
+
+/// A problem whose noise is known and whose base is fitted.
+#[derive(Debug)]
+pub struct Prepared<'a> {
+    /// Data, model and whitening.
+    pub problem: Problem<'a>,
+    /// The base.
+    pub base: Fit,
+    /// The noise.
+    pub noise: Noise,
+}
+
+/// Rounds in which noise, contact points and base are found, each from the others.
+const ROUNDS: usize = 3;
+
+impl<'a> Prepared<'a> {
+    /// Finds noise, contact points and base parameters. `left_out` is a group that is not fitted. `None` when
+    /// the noise cannot be found, or no covariance is positive definite.
+    #[must_use]
+    pub fn new(design: &'a Design, chain: &'a Chain, stated_n: Option<f64>, left_out: Option<usize>) -> Option<Self> {
+        let peak = |s: &design::Series| s.nodes.iter().map(|n| n.force_n).fold(0.0, f64::max);
+        let largest = design.series.iter().map(peak).fold(0.0, f64::max);
+        // before anything is known: a percent of the peak, contacts to a twentieth of a millimetre
+        let mut noise = Noise {
+            source: Source::Stated,
+            sensor: SensorNoise { sigma_n: 0.01 * largest, white: 0.5, correlation_s: 0.1, relative: 0.0 },
+            jitter: Jitter { contact_mm: 0.05, gain: 0.02, zero_n: 0.0 },
+            freedom: 5.0,
+            sensor_freedom: 50.0,
+        };
+        let mut contacts_mm = vec![0.0; design.series.len()];
+        let mut curves: Vec<Curve> = design
+            .series
+            .iter()
+            .map(|s| Curve { force_n: s.nodes.iter().map(|n| n.force_n.max(0.0)).collect(), slope_n_per_mm: slopes(s) })
+            .collect();
+        let used = used(design, left_out);
+        let mut base: Option<Fit> = None;
+        for round in 0..=ROUNDS {
+            let whitening = Whitening::new(design, &curves, &noise)?;
+            let back_n = back(design, &curves, &contacts_mm, whitening.len());
+            let problem = Problem { design, chain, contacts_mm: contacts_mm.clone(), back_n, whitening, used: used.clone() };
+            let fitted = match &base {
+                None => search::base_fit(&problem, 0.05 * largest.max(1e-6)),
+                Some(before) => problem.fit(&[], &before.x),
+            };
+            if round == ROUNDS {
+                return Some(Self { problem, base: fitted, noise });
+            }
+            let residual = problem.plain(&fitted.model);
+            let spots = problem.whitening.contacts_mm(&residual, noise.jitter.contact_mm);
+            contacts_mm = design.series.iter().map(|s| spots[s.spot]).collect();
+            curves = Problem::curves(chain, &fitted.model, &contacts_mm);
+            let at_zero: Vec<Curve> = curves
+                .iter()
+                .zip(&contacts_mm)
+                .map(|(c, contact)| Curve {
+                    force_n: c.force_n.iter().zip(&c.slope_n_per_mm).map(|(f, s)| f + s * contact).collect(),
+                    slope_n_per_mm: c.slope_n_per_mm.clone(),
+                })
+                .collect();
+            noise = noise::estimate(design, &at_zero, stated_n)?;
+            base = Some(fitted);
+        }
+        None
+    }
+}
+
+/// Entries that are fitted: no held-out runs, no group that is left out.
+fn used(design: &Design, left_out: Option<usize>) -> Vec<bool> {
+    design.series.iter().flat_map(|s| vec![!s.hold_out && Some(s.group) != left_out; s.nodes.len()]).collect()
+}
+
+/// First-order step from the contact points back to contact 0.
+fn back(design: &Design, curves: &[Curve], contacts_mm: &[f64], len: usize) -> nalgebra::DVector<f64> {
+    let mut out = nalgebra::DVector::zeros(len);
+    let mut at = 0;
+    for (s, series) in design.series.iter().enumerate() {
+        for k in 0..series.nodes.len() {
+            out[at] = curves[s].slope_n_per_mm[k] * contacts_mm[s];
+            at += 1;
+        }
+    }
+    out
+}
+
+/// Slopes of measured forces over depth, for the very first round.
+fn slopes(series: &design::Series) -> Vec<f64> {
+    let nodes = &series.nodes;
+    let deepest = nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
+    let peak = nodes.iter().map(|n| n.force_n).fold(0.0, f64::max);
+    nodes.iter().map(|n| 2.0 * peak / deepest * (n.depth_mm / deepest).clamp(0.0, 1.0)).collect()
+}

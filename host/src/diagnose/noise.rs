@@ -1,0 +1,269 @@
+//! What repeats of one condition differ by: sensor noise with its correlation in time, and jitter of contact point, gain
+//! and zero.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::design::{Design, Node};
+
+/// Noise of one sample of the force: a part that is correlated in time and a white one, both with a part that grows with the force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensorNoise {
+    /// Standard deviation of a sample at force 0, N.
+    pub sigma_n: f64,
+    /// Share of its variance that is white.
+    pub white: f64,
+    /// Correlation time of the rest, s.
+    pub correlation_s: f64,
+    /// Added in quadrature: this times the force.
+    pub relative: f64,
+}
+
+/// Scatter between spots and runs, as standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jitter {
+    /// Contact point of a spot, mm.
+    pub contact_mm: f64,
+    /// Gain of a spot, relative.
+    pub gain: f64,
+    /// Zero of a run, N.
+    pub zero_n: f64,
+}
+
+/// Where the noise was taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Differences between replicates.
+    Replicates,
+    /// Stated by the user.
+    Stated,
+}
+
+/// Noise of a data set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Source.
+    pub source: Source,
+    /// Of the sensor.
+    pub sensor: SensorNoise,
+    /// Between spots.
+    pub jitter: Jitter,
+    /// Degrees of freedom behind the jitter.
+    pub freedom: f64,
+    /// Degrees of freedom behind the sensor noise.
+    pub sensor_freedom: f64,
+}
+
+/// What jitter is expected before anything is measured, with the weight of one degree of freedom: a contact is found to a
+/// hundredth of a millimetre, a foam is uniform to a percent from spot to spot.
+const EXPECTED: Jitter = Jitter { contact_mm: 0.01, gain: 0.007, zero_n: 0.0 };
+const EXPECTED_FREEDOM: f64 = 1.0;
+/// Jitter when a noise is stated but nothing repeated; the report says so.
+const UNREPEATED: Jitter = Jitter { contact_mm: 0.05, gain: 0.01, zero_n: 0.0 };
+/// Degrees of freedom that a stated noise is taken for.
+const STATED_FREEDOM: f64 = 20.0;
+
+/// Correlation times (s), white shares and relative parts that are tried.
+const TIMES_S: [f64; 9] = [0.005, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 2.5];
+const WHITE: [f64; 4] = [0.0, 0.2, 0.5, 0.9];
+const RELATIVE: [f64; 4] = [0.0, 0.003, 0.01, 0.03];
+
+impl SensorNoise {
+    /// Covariance of the means of a run's windows, N^2. `force_n` is what the model predicts there.
+    ///
+    /// For a process with correlation `exp(-|t| / tau)` and windows of length `T` at a distance: the exact double integral.
+    #[must_use]
+    pub fn covariance(&self, nodes: &[Node], force_n: &[f64]) -> DMatrix<f64> {
+        let tau = self.correlation_s;
+        let level = |i: usize| self.sigma_n.hypot(self.relative * force_n[i]);
+        let reach = |i: usize| -(-nodes[i].length_s / tau).exp_m1() * tau / nodes[i].length_s;
+        let mut c = DMatrix::zeros(nodes.len(), nodes.len());
+        for i in 0..nodes.len() {
+            let x = nodes[i].length_s / tau;
+            let own = if x < 1e-4 { 1.0 - x / 3.0 } else { 2.0 * (x + (-x).exp_m1()) / (x * x) };
+            let white = self.white / nodes[i].samples as f64;
+            c[(i, i)] = level(i).powi(2) * ((1.0 - self.white) * own + white);
+            for j in 0..i {
+                let gap = nodes[i].time_s - nodes[j].time_s - 0.5 * (nodes[i].length_s + nodes[j].length_s);
+                let shared = (1.0 - self.white) * reach(i) * reach(j) * (-gap.max(0.0) / tau).exp();
+                c[(i, j)] = level(i) * level(j) * shared;
+                c[(j, i)] = c[(i, j)];
+            }
+        }
+        c
+    }
+}
+
+/// How one run differs from the mean of its replicates.
+struct Deviation {
+    series: usize,
+    values: DVector<f64>,
+    /// Slope of the force, force, and 1, at its nodes.
+    shapes: DMatrix<f64>,
+}
+
+/// Prediction of one run, with its slope, at its nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// N.
+    pub force_n: Vec<f64>,
+    /// N/mm.
+    pub slope_n_per_mm: Vec<f64>,
+}
+
+/// Estimates the noise from replicates; `None` without any, unless a noise is stated. `curves` is a fit of the base: what it
+/// misses is common to the replicates and drops out.
+#[must_use]
+pub fn estimate(design: &Design, curves: &[Curve], stated_n: Option<f64>) -> Option<Noise> {
+    let deviations = deviations(design, curves);
+    if deviations.is_empty() {
+        let sigma_n = stated_n?;
+        let sensor = SensorNoise { sigma_n, white: 1.0, correlation_s: TIMES_S[0], relative: 0.0 };
+        return Some(Noise {
+            source: Source::Stated,
+            sensor,
+            jitter: UNREPEATED,
+            freedom: STATED_FREEDOM,
+            sensor_freedom: STATED_FREEDOM,
+        });
+    }
+    let sensor = most_likely(design, curves, &deviations);
+    let (jitter, freedom) = jitter(design, curves, &deviations, &sensor);
+    let nodes: usize = deviations.iter().map(|d| d.values.len().saturating_sub(3)).sum();
+    Some(Noise { source: Source::Replicates, sensor, jitter, freedom, sensor_freedom: 0.5 * nodes as f64 })
+}
+
+fn deviations(design: &Design, curves: &[Curve]) -> Vec<Deviation> {
+    let mut list = Vec::new();
+    for condition in 0..design.conditions {
+        let runs: Vec<usize> = (0..design.series.len()).filter(|s| design.series[*s].condition == condition).collect();
+        let mut spots: Vec<usize> = runs.iter().map(|s| design.series[*s].spot).collect();
+        spots.sort_unstable();
+        spots.dedup();
+        let least = runs.iter().map(|s| design.series[*s].nodes.len()).min().unwrap_or(0);
+        let alike = runs.iter().all(|s| design.series[*s].nodes.len() == least);
+        if spots.len() < 2 || !alike {
+            continue;
+        }
+        let residual = |s: usize, k: usize| design.series[s].nodes[k].force_n - curves[s].force_n[k];
+        let mean: Vec<f64> =
+            (0..least).map(|k| runs.iter().map(|s| residual(*s, k)).sum::<f64>() / runs.len() as f64).collect();
+        // the mean takes one of n degrees of freedom
+        let scale = (runs.len() as f64 / (runs.len() as f64 - 1.0)).sqrt();
+        for &s in &runs {
+            let values = DVector::from_fn(least, |k, _| scale * (residual(s, k) - mean[k]));
+            let shapes = DMatrix::from_fn(least, 3, |k, j| match j {
+                0 => -curves[s].slope_n_per_mm[k],
+                1 => curves[s].force_n[k],
+                _ => 1.0,
+            });
+            list.push(Deviation { series: s, values, shapes });
+        }
+    }
+    list
+}
+
+/// Sensor noise of the largest likelihood over a grid, its level found in closed form, jitter removed as free parameters.
+fn most_likely(design: &Design, curves: &[Curve], deviations: &[Deviation]) -> SensorNoise {
+    // a dozen runs say enough about the shape of a noise
+    let few: Vec<&Deviation> = deviations.iter().step_by(deviations.len().div_ceil(12)).collect();
+    let peak = curves.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
+    let mut best = (f64::INFINITY, SensorNoise { sigma_n: 1.0, white: 1.0, correlation_s: 0.02, relative: 0.0 });
+    for correlation_s in TIMES_S {
+        for white in WHITE {
+            for part in RELATIVE {
+                // at unit level, the relative part in proportion to the noise of a hundredth of the peak
+                let unit = SensorNoise { sigma_n: 1.0, white, correlation_s, relative: part / (0.01 * peak) };
+                let Some((scale, deviance)) = level(design, curves, &few, &unit) else { continue };
+                if deviance < best.0 {
+                    let sensor = SensorNoise { sigma_n: scale, relative: unit.relative * scale, ..unit };
+                    best = (deviance, sensor);
+                }
+            }
+        }
+    }
+    best.1
+}
+
+/// Level of a noise of given shape, and twice its negative log-likelihood.
+fn level(design: &Design, curves: &[Curve], runs: &[&Deviation], unit: &SensorNoise) -> Option<(f64, f64)> {
+    let (mut square, mut log, mut count) = (0.0, 0.0, 0.0);
+    for run in runs {
+        let series = &design.series[run.series];
+        let factor = unit.covariance(&series.nodes, &curves[run.series].force_n).cholesky()?;
+        let (rest, information) = without_shapes(run, &factor)?;
+        square += rest;
+        log += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum() + information;
+        count += run.values.len() as f64 - 3.0;
+    }
+    let variance = square / count;
+    (variance > 0.0).then(|| (variance.sqrt(), log + count * variance.ln()))
+}
+
+type Factor = nalgebra::Cholesky<f64, nalgebra::Dyn>;
+
+/// Whitened square of what the three shapes leave, and the logarithm of their information.
+fn without_shapes(run: &Deviation, factor: &Factor) -> Option<(f64, f64)> {
+    let y = factor.l_dirty().solve_lower_triangular(&run.values)?;
+    let x = factor.l_dirty().solve_lower_triangular(&run.shapes)?;
+    let normal = (x.transpose() * &x).cholesky()?;
+    let right = x.transpose() * &y;
+    let fitted = normal.solve(&right).dot(&right);
+    let information = 2.0 * normal.l_dirty().diagonal().map(f64::ln).sum();
+    Some(((y.norm_squared() - fitted).max(0.0), information))
+}
+
+/// Jitter from the shapes that fit each run's deviation, less what sensor noise alone would make of them.
+fn jitter(design: &Design, curves: &[Curve], deviations: &[Deviation], sensor: &SensorNoise) -> (Jitter, f64) {
+    let mut spots: Vec<(usize, [f64; 3], [f64; 3], f64)> = Vec::new();
+    let mut zero = (0.0, 0.0, 0.0);
+    for run in deviations {
+        let series = &design.series[run.series];
+        let Some(factor) = sensor.covariance(&series.nodes, &curves[run.series].force_n).cholesky() else { continue };
+        let Some((found, variance)) = shapes(run, &factor) else { continue };
+        match spots.iter_mut().find(|(spot, ..)| *spot == series.spot) {
+            Some((_, sum, of, n)) => {
+                for k in 0..3 {
+                    sum[k] += found[k];
+                    of[k] += variance[k];
+                }
+                *n += 1.0;
+            }
+            None => spots.push((series.spot, found, variance, 1.0)),
+        }
+        zero = (zero.0 + found[2] * found[2], zero.1 + variance[2], zero.2 + 1.0);
+    }
+    let lost = lost_freedom(design, &spots);
+    let freedom = (spots.len() as f64 - lost).max(1.0);
+    // deviations were scaled up for the freedom that means cost, so that each of them has the full variance
+    let spread = |k: usize, expected: f64| {
+        let count = spots.len().max(1) as f64;
+        let raw = spots.iter().map(|(_, sum, of, n)| (sum[k] / n).powi(2) - of[k] / (n * n)).sum::<f64>() / count;
+        let known = raw.max(0.0) * freedom + expected * expected * EXPECTED_FREEDOM;
+        (known / (freedom + EXPECTED_FREEDOM)).sqrt()
+    };
+    let zero_n = ((zero.0 - zero.1) / f64::max(zero.2, 1.0)).max(0.0).sqrt();
+    let jitter = Jitter { contact_mm: spread(0, EXPECTED.contact_mm), gain: spread(1, EXPECTED.gain), zero_n };
+    (jitter, freedom + EXPECTED_FREEDOM)
+}
+
+/// Number of means that were taken off: one a set of spots that share their conditions.
+fn lost_freedom(design: &Design, spots: &[(usize, [f64; 3], [f64; 3], f64)]) -> f64 {
+    let mut groups: Vec<usize> = design
+        .series
+        .iter()
+        .filter(|s| spots.iter().any(|(spot, ..)| *spot == s.spot))
+        .map(|s| s.group)
+        .collect();
+    groups.sort_unstable();
+    groups.dedup();
+    groups.len() as f64
+}
+
+/// Amounts of the three shapes, and their variances under sensor noise.
+fn shapes(run: &Deviation, factor: &Factor) -> Option<([f64; 3], [f64; 3])> {
+    let y = factor.l_dirty().solve_lower_triangular(&run.values)?;
+    let x = factor.l_dirty().solve_lower_triangular(&run.shapes)?;
+    let inverse = (x.transpose() * &x).try_inverse()?;
+    let found = &inverse * (x.transpose() * y);
+    Some((std::array::from_fn(|k| found[k]), std::array::from_fn(|k| inverse[(k, k)])))
+}

@@ -1,0 +1,314 @@
+//! Which effects explain a residual: fits of every candidate, and of pairs and triples where one is not enough.
+
+use lut_gen::chain::Setting;
+use lut_gen::effect::{CATALOGUE, Owner, Spread};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::design::{Branch, Design};
+use super::evidence::{Adequacy, Spaces};
+use super::fit::{self, Candidate, Fit, Problem, coordinates};
+use super::margin::Margin;
+use super::placebo;
+
+/// Likelihood ratio of 100 as a difference of sums of squares.
+pub const RATIO_100: f64 = 9.21;
+/// Charge of a parameter, as a sum of squares: it must improve the fit by that to be worth it.
+const CHARGE: f64 = 3.0;
+/// Relative error of an effect as the catalogue writes it down, along smooth shapes: the chain against finite elements of the
+/// whole path is within that (tests/chain.rs), and nature is not closer to either.
+const FORM_ERROR: f64 = 0.02;
+/// Singles and pairs that are extended when one, or two, effects are not enough.
+const EXTENDED: usize = 5;
+/// Partners that each is tried with, by how much of its residual they could explain.
+const PARTNERS: usize = 7;
+
+/// A fit with what was found out about it.
+#[derive(Debug, Clone)]
+pub struct Explanation {
+    /// The fit.
+    pub fit: Fit,
+    /// What it leaves.
+    pub adequacy: Adequacy,
+    /// It beats the largest of the catalogue in clean twins.
+    pub beats_noise: bool,
+    /// It predicts left-out conditions better.
+    pub predicts: bool,
+    /// It beats placebo effects.
+    pub beats_placebo: bool,
+}
+
+impl Explanation {
+    /// Sum of squares with the charge for parameters.
+    #[must_use]
+    pub fn score(&self) -> f64 {
+        score(&self.fit)
+    }
+
+    /// Every demand on a name is met.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.adequacy.passes() && self.qualifies()
+    }
+
+    /// Every demand but that of an adequate residual.
+    #[must_use]
+    pub fn qualifies(&self) -> bool {
+        self.beats_noise && self.predicts && self.beats_placebo && !self.fit.at_bound
+    }
+}
+
+fn score(fit: &Fit) -> f64 {
+    fit.square + CHARGE * fit.coordinates.len() as f64
+}
+
+/// Everything a search needs.
+#[derive(Debug)]
+pub struct Search<'a> {
+    /// Data and model.
+    pub problem: &'a Problem<'a>,
+    /// Margins.
+    pub margins: &'a [Margin],
+    /// Clean twins.
+    pub twins: &'a DMatrix<f64>,
+    /// Candidates that this design could have.
+    pub candidates: Vec<Candidate>,
+    /// Fit of the base.
+    pub base: Fit,
+    /// Signature of every candidate at the base fit.
+    pub signatures: Vec<DMatrix<f64>>,
+    /// What they hold of clean twins.
+    pub spaces: Spaces,
+}
+
+/// Candidates that a design can have at all: an effect of the clock needs a clock.
+#[must_use]
+pub fn candidates(design: &Design) -> Vec<Candidate> {
+    let mut list = Vec::new();
+    let clock = design.series.iter().all(|s| s.start_s.is_some());
+    let has = |branch: Branch| design.series.iter().any(|s| s.nodes.iter().any(|n| n.branch == branch));
+    let cycles = design.series.iter().any(|s| s.cycle > 1);
+    let owners = |of: &dyn Fn(&super::design::Series) -> usize| {
+        let mut all: Vec<usize> = design.series.iter().map(of).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    };
+    for effect in CATALOGUE {
+        let possible = match effect.code {
+            "drift" => clock,
+            "softening" => cycles || has(Branch::Unloading),
+            "contact-offset" => design.zero_is_contact,
+            _ => true,
+        };
+        if !possible {
+            continue;
+        }
+        match effect.owner {
+            Owner::All => list.push(Candidate { effect, owner: 0 }),
+            Owner::Indenter => {
+                let balls = owners(&|s| s.indenter);
+                if balls.len() > 1 {
+                    list.extend(balls.into_iter().map(|owner| Candidate { effect, owner }));
+                }
+            }
+            Owner::Specimen => {
+                list.extend(owners(&|s| s.specimen).into_iter().map(|owner| Candidate { effect, owner }));
+            }
+        }
+    }
+    list
+}
+
+/// What a plausible amount of a candidate changes, whitened: a column for every start of its shape.
+#[must_use]
+pub fn signature(problem: &Problem<'_>, at: &Fit, candidate: &Candidate) -> DMatrix<f64> {
+    let here = problem.residual(&at.model);
+    let columns: Vec<DVector<f64>> = shapes(candidate)
+        .into_iter()
+        .map(|values| {
+            let mut model = at.model.clone();
+            model.settings.push(Setting { effect: candidate.effect, owner: candidate.owner, values });
+            &here - problem.residual(&model)
+        })
+        .collect();
+    DMatrix::from_columns(&columns)
+}
+
+/// Plausible amplitudes with every start of the shape parameters.
+fn shapes(candidate: &Candidate) -> Vec<Vec<f64>> {
+    starts(candidate, |q| match q.spread {
+        Spread::Even => vec![q.plausible],
+        Spread::Logarithmic => q.starts.to_vec(),
+    })
+}
+
+fn starts(candidate: &Candidate, of: impl Fn(&lut_gen::effect::Quantity) -> Vec<f64>) -> Vec<Vec<f64>> {
+    let mut list = vec![Vec::new()];
+    for q in candidate.effect.quantities {
+        let values = of(q);
+        list = list
+            .into_iter()
+            .flat_map(|head: Vec<f64>| {
+                values.iter().map(move |v| head.iter().copied().chain([*v]).collect()).collect::<Vec<_>>()
+            })
+            .collect();
+    }
+    list
+}
+
+impl Search<'_> {
+    /// The best fit of another fit's effects with one more candidate, from all starts.
+    #[must_use]
+    pub fn extended(&self, from: &Fit, candidate: &Candidate) -> Fit {
+        let candidates: Vec<Candidate> = from.candidates.iter().copied().chain([*candidate]).collect();
+        let list = coordinates(self.problem.design, &candidates);
+        let fits = starts(candidate, |q| q.starts.to_vec()).into_iter().map(|values| {
+            let known = from.x.len();
+            let x = DVector::from_fn(list.len(), |i, _| if i < known { from.x[i] } else { list[i].of(values[i - known]) });
+            self.problem.fit(&candidates, &x)
+        });
+        // the settings' order of a fit without candidates may carry the zero: coordinates come first, candidates after
+        let best = fits.min_by(|a, b| a.square.total_cmp(&b.square));
+        best.unwrap_or_else(|| from.clone())
+    }
+
+    /// What was found out about a fit, compared with the one it extends.
+    #[must_use]
+    pub fn judged(&self, fit: Fit, before: &Fit, reading: f64) -> Explanation {
+        let form = form_error(self.problem, &fit);
+        let adequacy = Adequacy::of(&fit, self.margins, &form, self.twins);
+        let added = fit.coordinates.len() - before.coordinates.len();
+        let placebo = placebo::largest_gain(self.problem, before, added);
+        let gain = before.square - fit.square;
+        let predicts = left_out(self.problem.design, &fit, self.problem) < left_out(self.problem.design, before, self.problem);
+        Explanation { beats_noise: reading > self.spaces.threshold, predicts, beats_placebo: gain > placebo, adequacy, fit }
+    }
+
+    /// Explanations by one effect, the best first.
+    #[must_use]
+    pub fn singles(&self) -> Vec<Explanation> {
+        let each = self.candidates.par_iter().enumerate().map(|(at, candidate)| {
+            let fit = self.extended(&self.base, candidate);
+            let reading = self.spaces.of_gain(at, self.base.square - fit.square);
+            self.judged(fit, &self.base, reading)
+        });
+        sorted(each.collect())
+    }
+
+    /// Explanations by one effect more than those given, the best first.
+    #[must_use]
+    pub fn one_more(&self, than: &[Explanation]) -> Vec<Explanation> {
+        let mut tasks: Vec<(usize, Candidate, f64)> = Vec::new();
+        for (at, explanation) in than.iter().enumerate().take(EXTENDED) {
+            let fit = &explanation.fit;
+            let others: Vec<Candidate> = self.candidates.iter().filter(|c| other(c, fit)).copied().collect();
+            let signatures: Vec<DMatrix<f64>> =
+                others.par_iter().map(|c| signature(self.problem, fit, c)).collect();
+            let spaces = Spaces::new(&signatures, &fit.jacobian, &self.twins.columns(0, self.twins.ncols().min(200)).into_owned());
+            let mut promise: Vec<(f64, Candidate)> =
+                others.iter().enumerate().map(|(i, c)| (spaces.read(i, &fit.residual), *c)).collect();
+            promise.sort_by(|a, b| b.0.total_cmp(&a.0));
+            tasks.extend(promise.into_iter().take(PARTNERS).map(|(_, c)| (at, c, spaces.threshold)));
+        }
+        let each = tasks.par_iter().map(|(at, candidate, threshold)| {
+            let before = &than[*at].fit;
+            let fit = self.extended(before, candidate);
+            let space = Spaces::new(&[signature(self.problem, before, candidate)], &before.jacobian, self.twins);
+            let reading = space.of_gain(0, before.square - fit.square) - threshold + self.spaces.threshold;
+            self.judged(fit, before, reading)
+        });
+        let mut list: Vec<Explanation> = sorted(each.collect());
+        let mut seen: Vec<Vec<(&str, &str, usize)>> = Vec::new();
+        list.retain(|e| {
+            let mut key: Vec<_> = e.fit.candidates.iter().map(|c| (c.effect.code, c.effect.form, c.owner)).collect();
+            key.sort_unstable();
+            let new = !seen.contains(&key);
+            seen.push(key);
+            new
+        });
+        list
+    }
+}
+
+/// A candidate that is not yet among a fit's, nor another form of one of them.
+fn other(candidate: &Candidate, fit: &Fit) -> bool {
+    !fit.candidates.iter().any(|c| c.effect.code == candidate.effect.code)
+}
+
+fn sorted(mut list: Vec<Explanation>) -> Vec<Explanation> {
+    list.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    list
+}
+
+/// What the effects of a fit add to the prediction may be wrong by a small share of itself, differently in each branch and
+/// along the depth.
+fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
+    let mut bare = fit.model.clone();
+    bare.settings.retain(|s| !fit.candidates.iter().any(|c| c.effect == s.effect && c.owner == s.owner));
+    let added = problem.plain(&bare) - problem.plain(&fit.model);
+    let mut columns = Vec::new();
+    for branch in [Branch::Loading, Branch::Hold, Branch::Unloading] {
+        for shape in 0..2 {
+            let mut column = DVector::zeros(added.len());
+            for (s, series) in problem.design.series.iter().enumerate() {
+                let deepest = series.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
+                for (k, node) in series.nodes.iter().enumerate().filter(|(_, n)| n.branch == branch) {
+                    let at = problem.whitening.first(s) + k;
+                    let x = if shape == 0 { 1.0 } else { 2.0 * (node.depth_mm / deepest) - 1.0 };
+                    column[at] = FORM_ERROR * added[at] * x;
+                }
+            }
+            if column.norm() > 0.0 {
+                problem.whitening.apply(&mut column);
+                columns.push(column);
+            }
+        }
+    }
+    if columns.is_empty() { DMatrix::zeros(added.len(), 0) } else { DMatrix::from_columns(&columns) }
+}
+
+/// Sum of squares of every group of conditions as the others predict it, to first order about the fit.
+fn left_out(design: &Design, fit: &Fit, problem: &Problem<'_>) -> f64 {
+    let whole = fit.jacobian.tr_mul(&fit.jacobian);
+    let mut sum = 0.0;
+    for group in 0..design.groups {
+        let rows: Vec<usize> = design
+            .series
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| s.group == group)
+            .flat_map(|(s, series)| problem.whitening.first(s)..problem.whitening.first(s) + series.nodes.len())
+            .collect();
+        let own = DMatrix::from_fn(rows.len(), fit.jacobian.ncols(), |i, j| fit.jacobian[(rows[i], j)]);
+        let residual = DVector::from_fn(rows.len(), |i, _| fit.residual[rows[i]]);
+        let mut rest = &whole - own.tr_mul(&own);
+        for (i, c) in fit.coordinates.iter().enumerate() {
+            // a parameter that only this group shows stays where it is
+            let (low, high) = c.bounds();
+            rest[(i, i)] += 4.0 / (high - low).powi(2) + 1e-9 * whole[(i, i)];
+        }
+        let right = own.tr_mul(&residual);
+        let moved = rest.cholesky().map(|c| c.solve(&right));
+        sum += moved.map_or(f64::INFINITY, |m| (&residual + &own * m).norm_squared());
+    }
+    sum
+}
+
+/// The base fitted from several exponents.
+#[must_use]
+pub fn base_fit(problem: &Problem<'_>, peak_mpa: f64) -> Fit {
+    const ALPHAS: [f64; 3] = [4.0, 9.0, 16.0];
+    let list = coordinates(problem.design, &[]);
+    let fits = ALPHAS.par_iter().map(|alpha| {
+        let x = DVector::from_fn(list.len(), |i, _| match list[i] {
+            fit::Coordinate::LnMu => peak_mpa.ln(),
+            fit::Coordinate::LnAlpha => alpha.ln(),
+            _ => 0.0,
+        });
+        problem.fit(&[], &x)
+    });
+    let mut fits: Vec<Fit> = fits.collect();
+    fits.sort_by(|a, b| a.square.total_cmp(&b.square));
+    fits.swap_remove(0)
+}

@@ -1,0 +1,167 @@
+//! From explanations to a verdict with names.
+
+use nalgebra::DMatrix;
+
+use super::Diagnosis;
+use super::evidence::Gauge;
+use super::fit::{Candidate, Fit};
+use super::held_out::HeldOut;
+use super::search::{Explanation, RATIO_100, Search};
+
+/// The stable word of an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// No discrepancy is visible.
+    Clean,
+    /// One effect, or several, each with one name.
+    Named,
+    /// At least one effect has several names that this design cannot tell apart.
+    Ambiguous,
+    /// A discrepancy is visible and no name holds.
+    Unknown,
+    /// No run can be used.
+    TooFewData,
+    /// Nothing can be said, and the reason is given.
+    Refused,
+}
+
+impl Verdict {
+    /// The word in answers.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Verdict::Clean => "clean",
+            Verdict::Named => "named",
+            Verdict::Ambiguous => "ambiguous",
+            Verdict::Unknown => "unknown",
+            Verdict::TooFewData => "too-few-data",
+            Verdict::Refused => "refused",
+        }
+    }
+}
+
+/// One effect, or a set of names that stands for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// Code of the likeliest name.
+    pub code: &'static str,
+    /// Which of its forms.
+    pub form: &'static str,
+    /// Ball or specimen that it belongs to.
+    pub owner: usize,
+    /// Parameters: name, value, 95 % interval.
+    pub parameters: Vec<(&'static str, f64, (f64, f64))>,
+    /// Other names that this design cannot tell from it.
+    pub ambiguous_with: Vec<&'static str>,
+}
+
+/// Half width of a 95 % interval of a normal distribution, in standard deviations.
+pub(super) const Z95: f64 = 1.96;
+/// A plausible amount must lie this far beyond the threshold to be seen in nine cases of ten.
+const POWER: f64 = 1.28;
+/// Twins that blind spots are found with.
+const FEW_TWINS: usize = 200;
+/// Most effects at once.
+const MOST: usize = 3;
+
+/// Codes of which a plausible amount would not be seen.
+pub(super) fn blind_spots(
+    candidates: &[Candidate],
+    signatures: &[DMatrix<f64>],
+    base: &Fit,
+    twins: &DMatrix<f64>,
+) -> Vec<&'static str> {
+    let few = twins.columns(0, twins.ncols().min(FEW_TWINS)).into_owned();
+    let mut blind: Vec<&'static str> = Vec::new();
+    for effect in lut_gen::effect::CATALOGUE {
+        if blind.contains(&effect.code) {
+            continue;
+        }
+        let own = candidates.iter().zip(signatures).filter(|(c, _)| c.effect.code == effect.code);
+        let mut forms = own.map(|(_, signature)| {
+            let gauge = Gauge::of(signature, &base.jacobian, &few);
+            let seen = signature.column_iter().enumerate().map(|(j, column)| gauge.read(&column.into_owned())[j].abs());
+            // one direction alone needs 2.8 to pass at the level of one in two hundred
+            seen.fold(0.0, f64::max) > 2.8 + POWER
+        });
+        if !forms.any(|seen| seen) {
+            blind.push(effect.code);
+        }
+    }
+    blind
+}
+
+/// Explanations that hold and that none is a hundred times likelier than, with as few effects as will do.
+pub(super) fn explanations(
+    search: &Search<'_>,
+    singles: &[Explanation],
+    progress: &super::Progress<'_>,
+) -> Vec<Explanation> {
+    let mut level: Vec<Explanation> = singles.to_vec();
+    for effects in 1..=MOST {
+        let held = alike(&level);
+        if !held.is_empty() || effects == MOST {
+            return held;
+        }
+        progress("effects together", effects, MOST);
+        let best: Vec<Explanation> = level.into_iter().filter(|e| e.beats_noise && !e.fit.at_bound).collect();
+        level = search.one_more(&best);
+    }
+    Vec::new()
+}
+
+fn alike(list: &[Explanation]) -> Vec<Explanation> {
+    let mut held: Vec<Explanation> = list.iter().filter(|e| e.holds()).cloned().collect();
+    held.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    let best = held.first().map_or(f64::INFINITY, Explanation::score);
+    held.retain(|e| e.score() <= best + RATIO_100);
+    held
+}
+
+/// Fills in verdict and findings.
+pub(super) fn conclude(diagnosis: &mut Diagnosis, visible: bool, held: &[Explanation], held_out: Option<&HeldOut>) {
+    if !visible {
+        diagnosis.verdict = Verdict::Clean;
+        return;
+    }
+    let gains = held_out.is_none_or(|h| h.rmse_after_n < h.rmse_before_n);
+    let Some(best) = held.first().filter(|_| gains) else {
+        diagnosis.verdict = Verdict::Unknown;
+        return;
+    };
+    for (at, candidate) in best.fit.candidates.iter().enumerate() {
+        let others: Vec<&'static str> = best
+            .fit
+            .candidates
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| *i != at)
+            .map(|(_, c)| c.effect.code)
+            .collect();
+        let mut ambiguous_with: Vec<&'static str> = Vec::new();
+        for rival in held {
+            let mut codes: Vec<&'static str> = rival.fit.candidates.iter().map(|c| c.effect.code).collect();
+            // what the rival has in place of this effect
+            for other in &others {
+                if let Some(found) = codes.iter().position(|c| c == other) {
+                    codes.remove(found);
+                }
+            }
+            for code in codes {
+                if code != candidate.effect.code && !ambiguous_with.contains(&code) {
+                    ambiguous_with.push(code);
+                }
+            }
+        }
+        let parameters = best.fit.quantities(at, Z95).into_iter().map(|(q, value, i)| (q.name, value, i)).collect();
+        diagnosis.findings.push(Finding {
+            code: candidate.effect.code,
+            form: candidate.effect.form,
+            owner: candidate.owner,
+            parameters,
+            ambiguous_with,
+        });
+    }
+    let single = diagnosis.findings.iter().all(|f| f.ambiguous_with.is_empty());
+    diagnosis.verdict = if single { Verdict::Named } else { Verdict::Ambiguous };
+}

@@ -1,0 +1,189 @@
+//! From forces to numbers that are independent with unit variance when the model is right.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::design::Design;
+use super::noise::{Curve, Noise};
+
+/// A linear map of residuals (N, all runs one after the other) that makes their noise white.
+#[derive(Debug, Clone)]
+pub struct Whitening {
+    runs: Vec<Factor>,
+    spots: Vec<Spot>,
+    /// What the simulation's own error may be, after the rest of the whitening, and its kernel.
+    shared: (DMatrix<f64>, DMatrix<f64>),
+    /// First entry of every run in the vector of all.
+    first: Vec<usize>,
+    len: usize,
+}
+
+#[derive(Debug, Clone)]
+struct Factor {
+    lower: DMatrix<f64>,
+}
+
+/// Runs on one spot and what they share.
+#[derive(Debug, Clone)]
+struct Spot {
+    /// Entries of its runs.
+    entries: Vec<usize>,
+    /// Jitter's columns after the runs' own whitening: contact, gain, then a zero for each run.
+    jitter: DMatrix<f64>,
+    /// `K` of `(I + Z Z')^(-1/2) = I - Z K Z'`.
+    kernel: DMatrix<f64>,
+}
+
+/// Standard deviation of the simulated force's error, relative, along each of three smooth shapes over depth: the
+/// standard mesh is within 0.14 % of finer ones (docs/verification.md), and neighbouring meshes scatter by as much.
+const SIMULATED: f64 = 0.001;
+
+/// `K` of `(I + Z Z')^(-1/2) = I - Z K Z'`.
+fn kernel(z: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = (z.transpose() * z).symmetric_eigen();
+    // (1 - 1/sqrt(1 + x)) / x, its limit 1/2 for x -> 0
+    let part = |x: f64| if x < 1e-9 { 0.5 } else { (1.0 - 1.0 / (1.0 + x).sqrt()) / x };
+    let scaled = &eigen.eigenvectors * DMatrix::from_diagonal(&eigen.eigenvalues.map(part));
+    scaled * eigen.eigenvectors.transpose()
+}
+
+impl Whitening {
+    /// For a noise, at the forces of a fit of the base; `None` when a covariance is not positive definite.
+    #[must_use]
+    pub fn new(design: &Design, curves: &[Curve], noise: &Noise) -> Option<Self> {
+        let mut first = Vec::new();
+        let mut len = 0;
+        let mut runs = Vec::new();
+        for (series, curve) in design.series.iter().zip(curves) {
+            first.push(len);
+            len += series.nodes.len();
+            let lower = noise.sensor.covariance(&series.nodes, &curve.force_n).cholesky()?.unpack();
+            runs.push(Factor { lower });
+        }
+        let shared = (DMatrix::zeros(len, 0), DMatrix::zeros(0, 0));
+        let mut out = Self { runs, spots: Vec::new(), shared, first, len };
+        for spot in 0..design.spots {
+            let members: Vec<usize> = (0..design.series.len()).filter(|s| design.series[*s].spot == spot).collect();
+            let entries: Vec<usize> =
+                members.iter().flat_map(|s| out.first[*s]..out.first[*s] + design.series[*s].nodes.len()).collect();
+            let mut jitter = DMatrix::zeros(entries.len(), 2 + members.len());
+            let mut row = 0;
+            for (at, &s) in members.iter().enumerate() {
+                let curve = &curves[s];
+                for k in 0..curve.force_n.len() {
+                    jitter[(row, 0)] = -noise.jitter.contact_mm * curve.slope_n_per_mm[k];
+                    jitter[(row, 1)] = noise.jitter.gain * curve.force_n[k];
+                    jitter[(row, 2 + at)] = noise.jitter.zero_n;
+                    row += 1;
+                }
+                let rows = row - curve.force_n.len();
+                let own = jitter.rows(rows, curve.force_n.len()).into_owned();
+                let white = out.runs[s].lower.solve_lower_triangular(&own)?;
+                jitter.rows_mut(rows, curve.force_n.len()).copy_from(&white);
+            }
+            let kernel = kernel(&jitter);
+            out.spots.push(Spot { entries, jitter, kernel });
+        }
+        out.share(design, curves);
+        Some(out)
+    }
+
+    /// Adds the error of the simulation: smooth over depth, for every geometry by itself.
+    fn share(&mut self, design: &Design, curves: &[Curve]) {
+        let mut columns = DMatrix::zeros(self.len, 3 * design.geometries.len());
+        for (s, (series, curve)) in design.series.iter().zip(curves).enumerate() {
+            let depth_mm = design.geometries[series.geometry].depth_mm;
+            for (k, (node, force_n)) in series.nodes.iter().zip(&curve.force_n).enumerate() {
+                let x = 2.0 * (node.depth_mm / depth_mm).clamp(0.0, 1.0).sqrt() - 1.0;
+                for (j, shape) in [1.0, x, 1.5 * x * x - 0.5].into_iter().enumerate() {
+                    columns[(self.first[s] + k, 3 * series.geometry + j)] = SIMULATED * force_n * shape;
+                }
+            }
+        }
+        for j in 0..columns.ncols() {
+            let mut column = columns.column(j).into_owned();
+            self.apply(&mut column);
+            columns.set_column(j, &column);
+        }
+        let kernel = kernel(&columns);
+        self.shared = (columns, kernel);
+    }
+
+    /// Number of residuals.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// First entry of a run.
+    #[must_use]
+    pub fn first(&self, run: usize) -> usize {
+        self.first[run]
+    }
+
+    /// Whitens residuals in place.
+    pub fn apply(&self, values: &mut DVector<f64>) {
+        for (factor, first) in self.runs.iter().zip(&self.first) {
+            let mut own = values.rows_mut(*first, factor.lower.nrows());
+            factor.lower.solve_lower_triangular_mut(&mut own);
+        }
+        self.apply_spots(values);
+        self.apply_shared(values);
+    }
+
+    fn apply_shared(&self, values: &mut DVector<f64>) {
+        let (columns, kernel) = &self.shared;
+        if columns.ncols() > 0 {
+            *values -= columns * (kernel * columns.tr_mul(values));
+        }
+    }
+
+    fn apply_spots(&self, values: &mut DVector<f64>) {
+        for spot in &self.spots {
+            let own = DVector::from_fn(spot.entries.len(), |k, _| values[spot.entries[k]]);
+            let change = &spot.jitter * (&spot.kernel * spot.jitter.tr_mul(&own));
+            for (k, &entry) in spot.entries.iter().enumerate() {
+                values[entry] -= change[k];
+            }
+        }
+    }
+
+    /// A draw of what whitened residuals would be if sensor noise were `sensor` times and jitter of contact, gain and zero
+    /// were `jitter` times what was estimated; `normal` gives independent unit normal numbers.
+    pub fn draw(&self, sensor: f64, jitter: [f64; 3], mut normal: impl FnMut() -> f64) -> DVector<f64> {
+        let mut values = DVector::from_fn(self.len, |_, _| sensor * normal());
+        for spot in &self.spots {
+            let amounts = DVector::from_fn(spot.jitter.ncols(), |k, _| jitter[k.min(2)] * normal());
+            let shift = &spot.jitter * amounts;
+            for (k, &entry) in spot.entries.iter().enumerate() {
+                values[entry] += shift[k];
+            }
+        }
+        self.apply_spots(&mut values);
+        let (columns, _) = &self.shared;
+        values += columns * DVector::from_fn(columns.ncols(), |_, _| normal());
+        self.apply_shared(&mut values);
+        values
+    }
+
+    /// Contact point (mm) of every spot that residuals speak for, given the jitter: the mean of its distribution.
+    #[must_use]
+    pub fn contacts_mm(&self, residuals: &DVector<f64>, contact_sigma_mm: f64) -> Vec<f64> {
+        let mut half = residuals.clone();
+        for (factor, first) in self.runs.iter().zip(&self.first) {
+            let mut own = half.rows_mut(*first, factor.lower.nrows());
+            factor.lower.solve_lower_triangular_mut(&mut own);
+        }
+        self.spots
+            .iter()
+            .map(|spot| {
+                let own = DVector::from_fn(spot.entries.len(), |k, _| half[spot.entries[k]]);
+                let mut normal = spot.jitter.transpose() * &spot.jitter;
+                for k in 0..normal.nrows() {
+                    normal[(k, k)] += 1.0;
+                }
+                let right = spot.jitter.tr_mul(&own);
+                normal.cholesky().map_or(0.0, |c| contact_sigma_mm * c.solve(&right)[0])
+            })
+            .collect()
+    }
+}

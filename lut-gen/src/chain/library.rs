@@ -1,0 +1,327 @@
+//! Continuous force models of every pair of ball and specimen in an experiment.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use crate::contact::{Ball, Interface};
+use crate::effect::relaxation;
+use crate::law::{Hyperfoam, PronyTerm};
+use crate::model::{ForceModel, ForceSlice, ModelSpec, Resolution, Simulation, Specimen};
+use crate::solve::{Base, Motion, SolveError};
+
+/// A ball on a specimen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Geometry {
+    /// The block as declared.
+    pub specimen: Specimen,
+    /// Radius of the ball as declared (mm).
+    pub ball_mm: f64,
+    /// Largest depth that is asked for (mm).
+    pub depth_mm: f64,
+}
+
+/// What a library covers besides shear modulus, exponent and depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Need {
+    /// Other heights, Poisson's ratios, sliding bases and friction.
+    pub effects: bool,
+}
+
+/// Why there is no library.
+pub type LibraryError = SolveError;
+
+/// Forces of one geometry.
+#[derive(Debug, Clone)]
+pub(super) struct Family {
+    pub geometry: Geometry,
+    /// Over exponent and height.
+    height: ForceModel,
+    /// Over exponent and Poisson's ratio, at the declared height.
+    poisson: Option<ForceModel>,
+    /// What a base that slides changes: over exponent, at the declared height.
+    sliding: Option<ForceModel>,
+    /// What friction changes.
+    friction: Vec<Rubbed>,
+    /// How far the deformation carries the memory of a relaxing material along: exponent and `carried` of [`relaxation::relaxed`].
+    memory: Vec<(f64, f64)>,
+}
+
+/// Force with friction over force without, on the way down and on the way up.
+#[derive(Debug, Clone)]
+struct Rubbed {
+    coefficient: f64,
+    alpha: f64,
+    down: [f64; RUBBED],
+    up: [f64; RUBBED],
+}
+
+/// Stations of a friction curve, evenly over the share of the largest depth.
+const RUBBED: usize = 21;
+/// Coefficients and exponents at which friction is solved; in between and beyond it is interpolated.
+const COEFFICIENTS: [f64; 2] = [0.2, 0.6];
+const RUBBED_ALPHA: [f64; 2] = [5.0, 15.0];
+/// The relaxing material whose press measures how memory is carried: its part, its time as a share of the ramp's, and the hold
+/// after it in ramps. The result depends little on them (g 0.3 to 0.6, tau 0.07 to 7 ramps: 12 % of it).
+const RELAXING: (f64, f64, f64) = (0.3, 0.33, 1.0);
+
+/// Exponents of a library: those of soft foams (thesis Tables 1 and 3 lie between 4 and 15).
+const ALPHA: (f64, f64, usize) = (2.0, 24.0, 8);
+/// Heights, as factors on the declared one.
+const HEIGHTS: (f64, f64, usize) = (0.6, 2.0, 3);
+/// Poisson's ratios.
+const NUS: (f64, f64, usize) = (0.0, 0.35, 4);
+const NU_ALPHAS: usize = 6;
+
+/// Force models of all geometries of an experiment.
+#[derive(Debug, Clone)]
+pub struct Library {
+    pub(super) families: Vec<Family>,
+    solves: usize,
+}
+
+enum Part {
+    Height(ForceModel),
+    Poisson(ForceModel),
+    Sliding(ForceModel),
+    Friction(Rubbed),
+    Memory(f64, f64),
+}
+
+impl Library {
+    /// Solves what a diagnosis of these geometries may need; `progress(done, total)` counts parts.
+    ///
+    /// # Errors
+    /// The first failing part, in the order of the geometries.
+    pub fn build(
+        geometries: &[Geometry],
+        need: Need,
+        progress: &(dyn Fn(usize, usize) + Send + Sync),
+    ) -> Result<Self, LibraryError> {
+        let mut plan: Vec<(usize, usize)> = Vec::new();
+        let parts = if need.effects { 3 + (COEFFICIENTS.len() + 1) * RUBBED_ALPHA.len() } else { 1 };
+        for at in 0..geometries.len() {
+            plan.extend((0..parts).map(|part| (at, part)));
+        }
+        let done = AtomicUsize::new(0);
+        let built: Vec<Result<Part, SolveError>> = plan
+            .par_iter()
+            .map(|&(at, part)| {
+                let made = geometries[at].part(part, need);
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1, plan.len());
+                made
+            })
+            .collect();
+        let mut families: Vec<Family> = Vec::new();
+        let mut solves = 0;
+        for ((at, _), part) in plan.iter().zip(built) {
+            match (part?, families.last_mut()) {
+                (Part::Height(height), _) => {
+                    solves += height.solves();
+                    let geometry = geometries[*at];
+                    families.push(Family { geometry, height, poisson: None, sliding: None, friction: Vec::new(), memory: Vec::new() });
+                }
+                (Part::Poisson(model), Some(family)) => {
+                    solves += model.solves();
+                    family.poisson = Some(model);
+                }
+                (Part::Sliding(model), Some(family)) => {
+                    solves += model.solves();
+                    family.sliding = Some(model);
+                }
+                (Part::Friction(rubbed), Some(family)) => {
+                    solves += 1;
+                    family.friction.push(rubbed);
+                }
+                (Part::Memory(alpha, carried), Some(family)) => {
+                    solves += 2;
+                    family.memory.push((alpha, carried));
+                }
+                (_, None) => {}
+            }
+        }
+        Ok(Self { families, solves })
+    }
+
+    /// What it covers.
+    #[must_use]
+    pub fn geometries(&self) -> Vec<Geometry> {
+        self.families.iter().map(|family| family.geometry).collect()
+    }
+
+    /// A library of some of the geometries of this one.
+    #[must_use]
+    pub fn of(&self, wanted: &[Geometry]) -> Option<Self> {
+        let found = |w: &Geometry| self.families.iter().find(|f| f.geometry == *w).cloned();
+        let families = wanted.iter().map(found).collect::<Option<Vec<_>>>()?;
+        Some(Self { families, solves: self.solves })
+    }
+
+    /// Puts two libraries together.
+    pub fn extend(&mut self, other: Self) {
+        self.solves += other.solves;
+        self.families.extend(other.families);
+    }
+
+    /// Finite-element solves that were spent.
+    #[must_use]
+    pub fn solves(&self) -> usize {
+        self.solves
+    }
+}
+
+impl Geometry {
+    fn part(&self, part: usize, need: Need) -> Result<Part, SolveError> {
+        let ball = Ball { radius_mm: self.ball_mm };
+        let h = self.specimen.height_mm;
+        let one = ModelSpec {
+            alpha: (ALPHA.0, ALPHA.1),
+            alpha_nodes: ALPHA.2,
+            checked: false,
+            ..ModelSpec::new(self.specimen, ball, self.depth_mm)
+        };
+        let silent = |_: usize, _: usize| {};
+        match part {
+            0 => {
+                // a ball must not come close to the ground
+                let low = (HEIGHTS.0 * h).max(1.3 * self.depth_mm).min(h);
+                let heights_mm = need.effects.then_some((low, HEIGHTS.1 * h, HEIGHTS.2));
+                Ok(Part::Height(ForceModel::build(&ModelSpec { heights_mm, ..one }, &silent)?))
+            }
+            1 => {
+                let spec = ModelSpec { nus: Some(NUS), alpha_nodes: NU_ALPHAS, ..one };
+                Ok(Part::Poisson(ForceModel::build(&spec, &silent)?))
+            }
+            2 => {
+                let specimen = Specimen { base: Base::Sliding, ..self.specimen };
+                let spec = ModelSpec { alpha_nodes: 4, specimen, ..one };
+                Ok(Part::Sliding(ForceModel::build(&spec, &silent)?))
+            }
+            _ => {
+                let at = part - 3;
+                if at >= COEFFICIENTS.len() * RUBBED_ALPHA.len() {
+                    return self.carried(RUBBED_ALPHA[at - COEFFICIENTS.len() * RUBBED_ALPHA.len()]);
+                }
+                let coefficient = COEFFICIENTS[at % COEFFICIENTS.len()];
+                self.rubbed(coefficient, RUBBED_ALPHA[at / COEFFICIENTS.len()]).map(Part::Friction)
+            }
+        }
+    }
+
+    fn pressed(&self, alpha: f64, motion: Motion) -> Result<Simulation, SolveError> {
+        Ok(Simulation {
+            material: Hyperfoam::one_term(1.0, alpha)?.into(),
+            specimen: self.specimen,
+            ball: Ball { radius_mm: self.ball_mm },
+            interface: Interface::default(),
+            motion,
+            resolution: Resolution::Standard,
+        })
+    }
+
+    /// The `carried` with which the convolution meets a relaxing press of finite elements best.
+    fn carried(&self, alpha: f64) -> Result<Part, SolveError> {
+        let (g, share, hold) = RELAXING;
+        let end_s = 1.0;
+        let elastic = self.pressed(alpha, Motion::ramp(self.depth_mm, self.depth_mm / end_s))?.curve(&[])?.profile;
+        let mut press = self.pressed(alpha, Motion::ramp(self.depth_mm, self.depth_mm / end_s).hold(hold * end_s))?;
+        press.material = press.material.relaxing(vec![PronyTerm { g, k: g, tau_s: share * end_s }])?;
+        let record = press.solve()?;
+        // even nodes of both, so that the convolution moves straight between them
+        let nodes: Vec<f64> = (0..=80).map(|k| (1.0 + hold) * end_s * f64::from(k) / 80.0).collect();
+        let depth: Vec<f64> = nodes.iter().map(|t| self.depth_mm * (t / end_s).min(1.0)).collect();
+        let miss = |carried: f64| -> f64 {
+            let shape: Vec<f64> = depth.iter().map(|d| (-carried * d / self.ball_mm).exp()).collect();
+            let mut force: Vec<f64> = depth.iter().map(|d| elastic.force_n(*d)).collect();
+            relaxation::relaxed(&nodes, &shape, &[(g, share * end_s)], &mut force);
+            nodes.iter().zip(&force).map(|(t, f)| (f - record.force_at(*t)).powi(2)).sum()
+        };
+        Ok(Part::Memory(alpha, least(miss, (0.0, 4.0))))
+    }
+
+    /// Down and up again with and without friction, on the same mesh.
+    fn rubbed(&self, coefficient: f64, alpha: f64) -> Result<Rubbed, SolveError> {
+        let free = self.pressed(alpha, Motion::ramp(self.depth_mm, 1.0).to_depth(0.0, 1.0))?;
+        let rough = Simulation { interface: Interface { friction: coefficient, ..free.interface }, ..free.clone() };
+        let (without, with) = (free.solve()?, rough.solve()?);
+        let at = |record: &crate::model::Record, time_s: f64| record.force_at(time_s);
+        let ratio = |time_s: f64| at(&with, time_s) / at(&without, time_s).max(f64::MIN_POSITIVE);
+        let share = |k: usize| k as f64 / (RUBBED - 1) as f64;
+        // the first and last steps touch with a few points only: the next station stands for them
+        let seen = |k: usize| share(k.max(2)) * self.depth_mm;
+        let down = std::array::from_fn(|k| ratio(seen(k)));
+        let up = std::array::from_fn(|k| ratio(2.0 * self.depth_mm - seen(k)));
+        Ok(Rubbed { coefficient, alpha, down, up })
+    }
+}
+
+impl Family {
+    /// Force of a unit modulus over depth.
+    pub fn slice(&self, alpha: f64, nu: f64, height_mm: f64, sliding: f64) -> ForceSlice {
+        let mut slice = self.height.slice(alpha, 0.0, height_mm);
+        let declared = self.geometry.specimen.height_mm;
+        if let (Some(poisson), true) = (&self.poisson, nu != 0.0) {
+            slice = slice.moved(&poisson.slice(alpha, 0.0, declared), &poisson.slice(alpha, nu, declared));
+        }
+        if let (Some(model), true) = (&self.sliding, sliding != 0.0) {
+            let (bonded, free) = (self.height.slice(alpha, 0.0, declared), model.slice(alpha, 0.0, declared));
+            for (own, (a, b)) in slice.coefficients.iter_mut().zip(bonded.coefficients.iter().zip(&free.coefficients)) {
+                *own += sliding * (b - a);
+            }
+        }
+        slice
+    }
+
+    /// How far memory is carried along at an exponent, straight between the solved ones.
+    pub fn carried(&self, alpha: f64) -> f64 {
+        match self.memory[..] {
+            [(a, at_a), (b, at_b)] => at_a + (at_b - at_a) * ((alpha - a) / (b - a)).clamp(-0.3, 1.9),
+            _ => 0.0,
+        }
+    }
+
+    /// Factor of friction at a share of the largest depth, on the way down or up: a parabola through none and the
+    /// solved coefficients, straight in the exponent.
+    pub fn rubbed(&self, alpha: f64, coefficient: f64, share: f64, up: bool) -> f64 {
+        let place = share.clamp(0.0, 1.0) * (RUBBED - 1) as f64;
+        let k = (place as usize).min(RUBBED - 2);
+        let x = place - k as f64;
+        let at = |r: &Rubbed| {
+            let list = if up { &r.up } else { &r.down };
+            list[k] + x * (list[k + 1] - list[k]) - 1.0
+        };
+        let [a, b] = RUBBED_ALPHA;
+        let weight = ((alpha - a) / (b - a)).clamp(-0.3, 1.9);
+        let solved = |c: f64| -> f64 {
+            let of = |alpha: f64| {
+                self.friction.iter().find(|r| r.coefficient == c && r.alpha == alpha).map_or(0.0, at)
+            };
+            (1.0 - weight) * of(a) + weight * of(b)
+        };
+        let [c, d] = COEFFICIENTS;
+        let (fc, fd) = (solved(c), solved(d));
+        // f(0) = 0
+        let bend = (fd / d - fc / c) / (d - c);
+        1.0 + coefficient * (fc / c + bend * (coefficient - c))
+    }
+}
+
+/// Where a function with one minimum has it, by golden section to a thousandth of the bracket.
+fn least(f: impl Fn(f64) -> f64, bracket: (f64, f64)) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut a, mut b) = bracket;
+    let (mut x, mut y) = (b - golden * (b - a), a + golden * (b - a));
+    let (mut fx, mut fy) = (f(x), f(y));
+    while b - a > 1e-3 * (bracket.1 - bracket.0) {
+        if fx < fy {
+            (b, y, fy) = (y, x, fx);
+            x = b - golden * (b - a);
+            fx = f(x);
+        } else {
+            (a, x, fx) = (x, y, fy);
+            y = a + golden * (b - a);
+            fy = f(y);
+        }
+    }
+    0.5 * (a + b)
+}

@@ -1,0 +1,194 @@
+//! Force readings that a model predicts for the runs of an experiment.
+
+use super::{Library, Model, Passage};
+use crate::effect::{
+    adhesion, compliance, contact_offset, drift, friction, lag, numerics, poisson, radius, relaxation, second_term,
+    sensor_creep, sensor_gain, sensor_nonlinearity, softening, thickness,
+};
+use crate::model::ForceSlice;
+
+/// A library and the runs it is asked for.
+#[derive(Debug, Clone)]
+pub struct Chain {
+    /// Forces of every geometry.
+    pub library: Library,
+    /// The runs.
+    pub passages: Vec<Passage>,
+}
+
+/// Readings of one run (N), one a node of its [`Passage`].
+pub type Prediction = Vec<f64>;
+
+/// Rounds in which the depth of the ball is found on a machine that gives way: the share `c dF/dd` that each leaves is below
+/// 0.2 for what is in the bounds, squared by Newton's rule.
+const ROUNDS: usize = 4;
+
+/// Force of one geometry under a model.
+struct Elastic {
+    slices: Vec<(f64, ForceSlice)>,
+    /// True over declared radius.
+    scale: f64,
+}
+
+impl Elastic {
+    /// Force (N) and slope (N/mm) at a depth (mm). Lengths scale with the ball: `F(R s, h, d) = s^2 F(R, h / s, d / s)`.
+    fn at(&self, depth_mm: f64) -> (f64, f64) {
+        let mut sum = (0.0, 0.0);
+        for (mu_mpa, slice) in &self.slices {
+            let (f, df) = slice.force_and_slope(depth_mm / self.scale);
+            sum.0 += mu_mpa * self.scale * self.scale * f;
+            sum.1 += mu_mpa * self.scale * df;
+        }
+        sum
+    }
+}
+
+impl Chain {
+    /// Readings of all runs. `contact_mm` is what each run's contact point adds to the recorded depth of contact.
+    #[must_use]
+    pub fn predict(&self, model: &Model, contact_mm: &[f64]) -> Vec<Prediction> {
+        let mut known: Vec<((usize, usize, usize), Elastic)> = Vec::new();
+        for passage in &self.passages {
+            let key = (passage.geometry, passage.specimen, passage.indenter);
+            if !known.iter().any(|(k, _)| *k == key) {
+                known.push((key, self.elastic(model, passage)));
+            }
+        }
+        let of = |p: &Passage| {
+            let key = (p.geometry, p.specimen, p.indenter);
+            known.iter().find(|(k, _)| *k == key).map(|(_, elastic)| elastic)
+        };
+        let each = self.passages.iter().zip(contact_mm);
+        each.map(|(p, contact)| of(p).map_or_else(Vec::new, |elastic| self.reading(model, p, *contact, elastic))).collect()
+    }
+
+    fn elastic(&self, model: &Model, passage: &Passage) -> Elastic {
+        let family = &self.library.families[passage.geometry];
+        let geometry = &family.geometry;
+        let scale = (geometry.ball_mm + model.first(&radius::EFFECT, passage.indenter)) / geometry.ball_mm;
+        let height = geometry.specimen.height_mm + model.first(&thickness::HEIGHT, passage.specimen);
+        let sliding = model.first(&thickness::SLIDING, passage.specimen);
+        let nu = model.first(&poisson::EFFECT, 0);
+        let slice = |alpha: f64| family.slice(alpha, nu, height / scale, sliding);
+        let mut slices = vec![(model.mu_mpa, slice(model.alpha))];
+        for second in model.of(&second_term::EFFECT) {
+            if let [ratio, alpha] = second.values[..] {
+                slices.push((ratio * model.mu_mpa, slice(alpha)));
+            }
+        }
+        Elastic { slices, scale }
+    }
+
+    fn reading(&self, model: &Model, passage: &Passage, contact_mm: f64, elastic: &Elastic) -> Prediction {
+        let time = &passage.time_s;
+        let offset = model.first(&contact_offset::EFFECT, 0) - contact_mm;
+        let mut recorded: Vec<f64> = passage.depth_mm.iter().map(|d| d + offset).collect();
+        for setting in model.of(&lag::FILTER) {
+            recorded = lag::filtered(time, &recorded, setting.values[0]);
+        }
+        for setting in model.of(&lag::RATE_LIMIT) {
+            recorded = lag::limited(time, &recorded, setting.values[0]);
+        }
+        let mm_per_n = model.first(&compliance::EFFECT, 0);
+        let mut force = self.specimen_force(model, passage, &recorded, elastic);
+        if mm_per_n != 0.0 {
+            let mut depth = recorded.clone();
+            for _ in 0..ROUNDS {
+                for ((d, x), f) in depth.iter_mut().zip(&recorded).zip(&force) {
+                    let slope = elastic.at(*d).1;
+                    *d += compliance::correction(*x, *d, *f, slope, mm_per_n);
+                }
+                force = self.specimen_force(model, passage, &depth, elastic);
+            }
+        }
+        self.sensed(model, passage, force)
+    }
+
+    /// Force of the specimen on the ball over depths (mm) of the ball.
+    fn specimen_force(&self, model: &Model, passage: &Passage, depth_mm: &[f64], elastic: &Elastic) -> Vec<f64> {
+        let family = &self.library.families[passage.geometry];
+        let mut force: Vec<f64> = depth_mm.iter().map(|d| elastic.at(*d).0).collect();
+        let share = model.first(&numerics::EFFECT, 0);
+        let deepest = depth_mm.iter().copied().fold(0.0, f64::max);
+        if share != 0.0 {
+            force.iter_mut().zip(depth_mm).for_each(|(f, d)| *f *= 1.0 + share * d / family.geometry.depth_mm);
+        }
+        let coefficient = model.first(&friction::EFFECT, 0);
+        if coefficient != 0.0 {
+            let mut up = false;
+            let mut before = f64::NEG_INFINITY;
+            for (f, d) in force.iter_mut().zip(depth_mm) {
+                // in a hold the ball has not turned yet
+                up = if *d < before - friction::TURN * deepest { true } else { up && *d <= before };
+                before = *d;
+                *f *= family.rubbed(model.alpha, coefficient, d / deepest.max(f64::MIN_POSITIVE), up);
+            }
+        }
+        for setting in model.of(&softening::EFFECT) {
+            self.soften(&mut force, setting.values[0], setting.values[1], passage, depth_mm, elastic);
+        }
+        self.relax(model, passage, depth_mm, elastic, &mut force);
+        let work = model.first(&adhesion::EFFECT, 0);
+        if work != 0.0 {
+            let radius_mm = family.geometry.ball_mm * elastic.scale;
+            force.iter_mut().zip(depth_mm).for_each(|(f, d)| *f -= adhesion::attraction_n(work, radius_mm, *d));
+        }
+        force
+    }
+
+    fn soften(&self, force: &mut [f64], loss: f64, scale: f64, passage: &Passage, depth_mm: &[f64], elastic: &Elastic) {
+        let shift = passage.depth_mm.first().zip(depth_mm.first()).map_or(0.0, |(x, d)| d - x);
+        let mut deepest = if passage.pressed_before_mm > 0.0 { passage.pressed_before_mm + shift } else { 0.0 };
+        for (f, d) in force.iter_mut().zip(depth_mm) {
+            if *d >= deepest {
+                deepest = *d;
+            } else if *d > 0.0 {
+                *f *= softening::factor(loss, scale, energy_share(elastic, *d, deepest));
+            }
+        }
+    }
+
+    fn relax(&self, model: &Model, passage: &Passage, depth_mm: &[f64], elastic: &Elastic, force: &mut [f64]) {
+        let settings = || [&relaxation::ONE, &relaxation::TWO].into_iter().flat_map(|effect| model.of(effect));
+        let terms: Vec<(f64, f64)> = settings().flat_map(|s| s.values.chunks_exact(2)).map(|t| (t[0], t[1])).collect();
+        if terms.is_empty() {
+            return;
+        }
+        let family = &self.library.families[passage.geometry];
+        let carried = family.carried(model.alpha) / (family.geometry.ball_mm * elastic.scale);
+        let shape: Vec<f64> = depth_mm.iter().map(|d| (-carried * d.max(0.0)).exp()).collect();
+        relaxation::relaxed(&passage.time_s, &shape, &terms, force);
+    }
+
+    fn sensed(&self, model: &Model, passage: &Passage, mut force: Vec<f64>) -> Prediction {
+        for setting in model.of(&sensor_creep::CREEP) {
+            sensor_creep::creep(&passage.time_s, &mut force, (setting.values[0], setting.values[1]));
+        }
+        for setting in model.of(&sensor_creep::HYSTERESIS) {
+            sensor_creep::hysteresis(&mut force, setting.values[0]);
+        }
+        let quadratic = model.first(&sensor_nonlinearity::EFFECT, 0);
+        let gain = model.first(&sensor_gain::EFFECT, 0);
+        let per_hour = model.first(&drift::EFFECT, 0);
+        for (f, t) in force.iter_mut().zip(&passage.time_s) {
+            *f = gain * (*f + quadratic * *f * *f) + drift::zero_n(per_hour, passage.start_s + t);
+        }
+        force
+    }
+}
+
+/// Energy of an elastic press to a depth over that to the deepest, by Simpson's rule on `F ~ d^(3/2)` pieces.
+fn energy_share(elastic: &Elastic, depth_mm: f64, deepest_mm: f64) -> f64 {
+    let work = |to: f64| {
+        // substituted d = to x^2 the integrand is smooth: F(d) 2 to x dx
+        const PIECES: usize = 8;
+        let at = |k: usize| {
+            let x = k as f64 / PIECES as f64;
+            elastic.at(to * x * x).0 * 2.0 * to * x
+        };
+        let inner: f64 = (1..PIECES).map(|k| if k % 2 == 1 { 4.0 * at(k) } else { 2.0 * at(k) }).sum();
+        (at(0) + inner + at(PIECES)) / (3.0 * PIECES as f64)
+    };
+    let whole = work(deepest_mm);
+    if whole > 0.0 { (work(depth_mm) / whole).clamp(0.0, 1.0) } else { 0.0 }
+}

@@ -1,0 +1,29 @@
+//! Adhesion between ball and specimen.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// Attraction of a contact that follows the depth (Derjaguin, Muller and Toporov 1975, doi:10.1016/0021-9797(75)90018-1).
+pub const EFFECT: Effect = Effect {
+    code: "adhesion",
+    form: "dmt",
+    stage: Stage::Contact,
+    assumption: "nothing pulls the surfaces together",
+    signature: "near contact and at pull-off, in proportion to the radius",
+    twins: &["contact-offset", "friction"],
+    separated_by: "the pull-off branch; powder",
+    quantities: &[
+        Quantity::amplitude("work_N_per_mm", 0.0, (0.0, 0.5), 2e-3, &[1e-3]),
+    ],
+    owner: Owner::All,
+};
+
+/// Attraction (N) of a ball: `2 pi R w` in contact, and over a gap what a traction of that range leaves of it.
+#[must_use]
+pub fn attraction_n(work_n_per_mm: f64, radius_mm: f64, depth_mm: f64) -> f64 {
+    let whole = 2.0 * std::f64::consts::PI * radius_mm * work_n_per_mm;
+    if depth_mm >= 0.0 { whole } else { whole * (depth_mm / RANGE_MM).exp() }
+}
+
+/// Gap (mm) over which the attraction of surfaces that are not in contact falls: that of a rough, soft surface, where
+/// what is seen is the height of its asperities.
+const RANGE_MM: f64 = 0.01;

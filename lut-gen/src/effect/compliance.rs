@@ -1,0 +1,24 @@
+//! A machine that gives way.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// The recorded depth contains what the machine yields.
+pub const EFFECT: Effect = Effect {
+    code: "compliance",
+    form: "linear",
+    stage: Stage::Machine,
+    assumption: "the machine is rigid",
+    signature: "grows with F and dF/dd",
+    twins: &["thickness"],
+    separated_by: "a press on a stiff block",
+    quantities: &[
+        Quantity::amplitude("mm_per_N", 0.0, (0.0, 2.0), 0.05, &[0.0]),
+    ],
+    owner: Owner::All,
+};
+
+/// What one step of Newton's method adds to the depth of the ball: recorded depth `x = d + c F(d)`.
+#[must_use]
+pub fn correction(recorded_mm: f64, depth_mm: f64, force_n: f64, slope_n_per_mm: f64, mm_per_n: f64) -> f64 {
+    (recorded_mm - mm_per_n * force_n - depth_mm) / (1.0 + mm_per_n * slope_n_per_mm)
+}

@@ -1,0 +1,24 @@
+//! A zero that drifts over the session.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// The zero of the sensor moves in proportion to the session clock.
+pub const EFFECT: Effect = Effect {
+    code: "drift",
+    form: "linear",
+    stage: Stage::Clock,
+    assumption: "the zero stays where it was",
+    signature: "the session clock only",
+    twins: &["softening"],
+    separated_by: "an air run; a repeat at the end",
+    quantities: &[
+        Quantity::amplitude("N_per_h", 0.0, (-20.0, 20.0), 0.02, &[0.0]),
+    ],
+    owner: Owner::All,
+};
+
+/// Zero of the sensor (N) at a time on the session clock (s).
+#[must_use]
+pub fn zero_n(n_per_h: f64, session_s: f64) -> f64 {
+    n_per_h * session_s / 3600.0
+}

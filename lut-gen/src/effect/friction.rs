@@ -1,0 +1,21 @@
+//! Friction between ball and specimen.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// Coulomb friction under the ball.
+pub const EFFECT: Effect = Effect {
+    code: "friction",
+    form: "coulomb",
+    stage: Stage::Contact,
+    assumption: "the ball is frictionless",
+    signature: "changes sign with the direction of motion",
+    twins: &["relaxation"],
+    separated_by: "a slow against a fast loop; a lubricant",
+    quantities: &[
+        Quantity::amplitude("coefficient", 0.0, (0.0, 1.0), 0.3, &[0.3]),
+    ],
+    owner: Owner::All,
+};
+
+/// Way back, as a share of the largest depth, from which on the ball counts as turned.
+pub const TURN: f64 = 1e-3;

@@ -1,0 +1,71 @@
+//! A ball that lags behind what is recorded.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// The ball follows the recorded depth through a first-order filter.
+pub const FILTER: Effect = Effect {
+    code: "lag",
+    form: "filter",
+    stage: Stage::Machine,
+    assumption: "depth and force are recorded at the same instant",
+    signature: "jumps where the motion starts and stops",
+    twins: &["contact-offset", "relaxation"],
+    separated_by: "a reversal; another rate",
+    quantities: &[
+        Quantity::amplitude("lag_s", 0.0, (-0.2, 1.0), 0.03, &[0.01]),
+    ],
+    owner: Owner::All,
+};
+
+/// The ball cannot move faster than a limit; the parameter is its reciprocal.
+pub const RATE_LIMIT: Effect = Effect {
+    code: "lag",
+    form: "rate-limit",
+    stage: Stage::Machine,
+    assumption: "the ball is where it was told to be",
+    signature: "jumps where the motion starts and stops",
+    twins: &["contact-offset", "relaxation"],
+    separated_by: "a reversal; another rate",
+    quantities: &[
+        Quantity::amplitude("limit_s_per_mm", 0.0, (0.0, 10.0), 0.2, &[0.15, 0.6]),
+    ],
+    owner: Owner::All,
+};
+
+/// Depth of the ball behind a filter, exact where the recorded depth moves straight. A negative time makes the ball lead: the
+/// recorded depth is then the one that lags.
+#[must_use]
+pub fn filtered(time_s: &[f64], recorded_mm: &[f64], lag_s: f64) -> Vec<f64> {
+    let mut out = recorded_mm.to_vec();
+    let tau = lag_s.abs();
+    if tau == 0.0 || out.is_empty() {
+        return out;
+    }
+    let mut behind = 0.0;
+    for i in 1..out.len() {
+        let dt = time_s[i] - time_s[i - 1];
+        if dt <= 0.0 {
+            out[i] = recorded_mm[i] - behind * lag_s.signum();
+            continue;
+        }
+        let kept = (-dt / tau).exp();
+        let rate = (recorded_mm[i] - recorded_mm[i - 1]) / dt;
+        behind = behind * kept + rate * tau * (1.0 - kept);
+        out[i] = recorded_mm[i] - behind * lag_s.signum();
+    }
+    out
+}
+
+/// Depth of a ball that cannot move faster than `1 / limit_s_per_mm`.
+#[must_use]
+pub fn limited(time_s: &[f64], recorded_mm: &[f64], limit_s_per_mm: f64) -> Vec<f64> {
+    let mut out = recorded_mm.to_vec();
+    if limit_s_per_mm <= 0.0 {
+        return out;
+    }
+    for i in 1..out.len() {
+        let reach = (time_s[i] - time_s[i - 1]).max(0.0) / limit_s_per_mm;
+        out[i] = recorded_mm[i].clamp(out[i - 1] - reach, out[i - 1] + reach);
+    }
+    out
+}

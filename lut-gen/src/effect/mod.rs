@@ -1,0 +1,174 @@
+//! The catalogue: what a simulated indentation may get wrong, one departure a file.
+//!
+//! Each file says which assumption of the base model the effect breaks, where it acts in the [chain](crate::chain),
+//! its parameters with unit, null value and bounds, and holds the physics of that stage.
+
+pub mod adhesion;
+pub mod compliance;
+pub mod contact_offset;
+pub mod drift;
+pub mod friction;
+pub mod lag;
+pub mod numerics;
+pub mod poisson;
+pub mod radius;
+pub mod relaxation;
+pub mod second_term;
+pub mod sensor_creep;
+pub mod sensor_gain;
+pub mod sensor_nonlinearity;
+pub mod softening;
+pub mod thickness;
+
+/// Where an effect acts, in physical order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Shape of the block and how it is held.
+    Specimen,
+    /// The material's law.
+    Material,
+    /// Between ball and specimen.
+    Contact,
+    /// The machine that moves the ball and measures its place.
+    Machine,
+    /// The force sensor.
+    Sensor,
+    /// The session clock.
+    Clock,
+    /// The simulation itself.
+    Numerics,
+}
+
+impl Stage {
+    /// The word in reports.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Stage::Specimen => "specimen",
+            Stage::Material => "material",
+            Stage::Contact => "contact",
+            Stage::Machine => "machine",
+            Stage::Sensor => "sensor",
+            Stage::Clock => "clock",
+            Stage::Numerics => "numerics",
+        }
+    }
+}
+
+/// How a parameter of an effect is searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spread {
+    /// Evenly in its value.
+    Even,
+    /// Evenly in its logarithm; for parameters that have no null value, such as a time.
+    Logarithmic,
+}
+
+/// One parameter of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// Name in files and answers, with its unit.
+    pub name: &'static str,
+    /// Value at which the effect is absent; any value for a shape parameter, whose amplitude is then null.
+    pub null: f64,
+    /// Least value that is physically possible.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// An amount that laboratories meet; what a design cannot see of it is listed as a blind spot.
+    pub plausible: f64,
+    /// Values from which a search begins.
+    pub starts: &'static [f64],
+    /// How it is searched.
+    pub spread: Spread,
+}
+
+/// What an effect belongs to, so that each of several has its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Owner {
+    /// The whole experiment.
+    All,
+    /// One ball.
+    Indenter,
+    /// One specimen.
+    Specimen,
+}
+
+/// One departure from the base model. Two entries with one code are two forms of one effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effect {
+    /// Stable code in answers.
+    pub code: &'static str,
+    /// Which of the forms it is.
+    pub form: &'static str,
+    /// Where it acts.
+    pub stage: Stage,
+    /// What the base model assumes.
+    pub assumption: &'static str,
+    /// What remains of it in the residual after mu and alpha are fitted again.
+    pub signature: &'static str,
+    /// Effects that look alike.
+    pub twins: &'static [&'static str],
+    /// What tells them apart.
+    pub separated_by: &'static str,
+    /// Its parameters.
+    pub quantities: &'static [Quantity],
+    /// What it belongs to.
+    pub owner: Owner,
+}
+
+/// All effects of an indentation, in physical order.
+pub static CATALOGUE: [&Effect; 20] = [
+    &thickness::HEIGHT,
+    &thickness::SLIDING,
+    &poisson::EFFECT,
+    &second_term::EFFECT,
+    &relaxation::ONE,
+    &relaxation::TWO,
+    &softening::EFFECT,
+    &friction::EFFECT,
+    &adhesion::EFFECT,
+    &contact_offset::EFFECT,
+    &compliance::EFFECT,
+    &radius::EFFECT,
+    &lag::FILTER,
+    &lag::RATE_LIMIT,
+    &sensor_gain::EFFECT,
+    &sensor_nonlinearity::EFFECT,
+    &sensor_creep::CREEP,
+    &sensor_creep::HYSTERESIS,
+    &drift::EFFECT,
+    &numerics::EFFECT,
+];
+
+/// The effect of a code and form; without a form its first.
+#[must_use]
+pub fn find(code: &str, form: Option<&str>) -> Option<&'static Effect> {
+    CATALOGUE.into_iter().find(|effect| effect.code == code && form.is_none_or(|form| form == effect.form))
+}
+
+impl Quantity {
+    /// An amplitude searched evenly from one start.
+    pub(crate) const fn amplitude(
+        name: &'static str,
+        null: f64,
+        bounds: (f64, f64),
+        plausible: f64,
+        starts: &'static [f64],
+    ) -> Self {
+        Self { name, null, low: bounds.0, high: bounds.1, plausible, starts, spread: Spread::Even }
+    }
+
+    /// A shape parameter searched in its logarithm.
+    pub(crate) const fn shape(
+        name: &'static str,
+        bounds: (f64, f64),
+        plausible: f64,
+        starts: &'static [f64],
+    ) -> Self {
+        Self { name, null: plausible, low: bounds.0, high: bounds.1, plausible, starts, spread: Spread::Logarithmic }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,18 @@
+//! An error of the simulation itself.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// The simulated force is off by a smooth share of itself that grows with depth.
+pub const EFFECT: Effect = Effect {
+    code: "numerics",
+    form: "smooth",
+    stage: Stage::Numerics,
+    assumption: "the simulated force is exact to its stated bound",
+    signature: "mesh or table cells, the edge of a table",
+    twins: &["second-term"],
+    separated_by: "a finer mesh; the table carries its own bound",
+    quantities: &[
+        Quantity::amplitude("share", 0.0, (-0.003, 0.003), 0.002, &[0.0]),
+    ],
+    owner: Owner::All,
+};

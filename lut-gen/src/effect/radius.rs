@@ -1,0 +1,18 @@
+//! A ball of another radius than declared.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// The radius of one ball is not the declared one.
+pub const EFFECT: Effect = Effect {
+    code: "radius",
+    form: "one-ball",
+    stage: Stage::Machine,
+    assumption: "the balls have the declared radii",
+    signature: "only between balls",
+    twins: &["thickness"],
+    separated_by: "gauge the ball; a third ball",
+    quantities: &[
+        Quantity::amplitude("error_mm", 0.0, (-1.0, 1.0), 0.2, &[0.0]),
+    ],
+    owner: Owner::Indenter,
+};

@@ -1,0 +1,19 @@
+//! A second term of the strain energy.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// A second term of the Hyperfoam energy (thesis Eq. 1 with N = 2).
+pub const EFFECT: Effect = Effect {
+    code: "second-term",
+    form: "superposed",
+    stage: Stage::Material,
+    assumption: "one term of the strain energy is enough",
+    signature: "deep d/R, every rate, cycle and branch",
+    twins: &["poisson", "thickness"],
+    separated_by: "a small ball",
+    quantities: &[
+        Quantity::amplitude("mu2_ratio", 0.0, (-0.3, 5.0), 0.3, &[0.1, 0.6]),
+        Quantity::shape("alpha2", (2.0, 24.0), 20.0, &[3.0, 22.0]),
+    ],
+    owner: Owner::All,
+};

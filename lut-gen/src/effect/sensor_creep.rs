@@ -1,0 +1,60 @@
+//! A force sensor that creeps, or has a loop of its own.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// A part of the reading follows the force late.
+pub const CREEP: Effect = Effect {
+    code: "sensor-creep",
+    form: "creep",
+    stage: Stage::Sensor,
+    assumption: "the reading follows the force at once",
+    signature: "the same on every material",
+    twins: &["relaxation"],
+    separated_by: "a hold on a stiff block",
+    quantities: &[
+        Quantity::amplitude("amplitude", 0.0, (-0.3, 1.0), 0.03, &[0.03]),
+        Quantity::shape("tau_s", (0.01, 500.0), 1.5, &[0.05, 0.3, 1.5, 8.0, 40.0]),
+    ],
+    owner: Owner::All,
+};
+
+/// The reading stays behind by a share of the largest force when its direction turns.
+pub const HYSTERESIS: Effect = Effect {
+    code: "sensor-creep",
+    form: "hysteresis",
+    stage: Stage::Sensor,
+    assumption: "loading and unloading read the same",
+    signature: "a loop that no rate changes",
+    twins: &["friction"],
+    separated_by: "a loop on a stiff block",
+    quantities: &[
+        Quantity::amplitude("width", 0.0, (0.0, 0.5), 0.03, &[0.03]),
+    ],
+    owner: Owner::All,
+};
+
+/// Adds `a` times what a low-pass filter of that time makes of the force, exact where the force moves straight.
+pub fn creep(time_s: &[f64], force_n: &mut [f64], (amplitude, tau_s): (f64, f64)) {
+    let (mut late, mut before) = (0.0, 0.0);
+    for i in 0..force_n.len() {
+        let dt = if i == 0 { 0.0 } else { (time_s[i] - time_s[i - 1]).max(0.0) };
+        let now = force_n[i];
+        let x = dt / tau_s;
+        let kept = (-x).exp();
+        let share = if x < 1e-9 { 1.0 } else { -(-x).exp_m1() / x };
+        // response of a first-order filter to a straight piece
+        late = late * kept + before * (share - kept) + now * (1.0 - share);
+        before = now;
+        force_n[i] = now + amplitude * late;
+    }
+}
+
+/// A play operator: the reading follows the force through a gap of `width` times the largest force.
+pub fn hysteresis(force_n: &mut [f64], width: f64) {
+    let gap = 0.5 * width * force_n.iter().copied().fold(0.0, f64::max);
+    let mut seat = 0.0;
+    for force in force_n.iter_mut() {
+        seat = f64::clamp(seat, *force - gap, *force + gap);
+        *force = 2.0 * *force - seat;
+    }
+}

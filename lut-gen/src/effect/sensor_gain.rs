@@ -1,0 +1,18 @@
+//! A force sensor of another gain.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// The reading is the force times a constant.
+pub const EFFECT: Effect = Effect {
+    code: "sensor-gain",
+    form: "constant",
+    stage: Stage::Sensor,
+    assumption: "the gain of the force sensor is right",
+    signature: "none: it is mu",
+    twins: &[],
+    separated_by: "a mass, or a reference spring",
+    quantities: &[
+        Quantity::amplitude("gain", 1.0, (0.5, 2.0), 1.05, &[1.0]),
+    ],
+    owner: Owner::All,
+};

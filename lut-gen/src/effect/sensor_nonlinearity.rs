@@ -1,0 +1,18 @@
+//! A force sensor that is not linear.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// The reading has a quadratic part.
+pub const EFFECT: Effect = Effect {
+    code: "sensor-nonlinearity",
+    form: "quadratic",
+    stage: Stage::Sensor,
+    assumption: "the reading is linear in the force",
+    signature: "a function of the force alone",
+    twins: &["second-term"],
+    separated_by: "materials of several stiffnesses at one force; masses",
+    quantities: &[
+        Quantity::amplitude("quadratic_per_N", 0.0, (-5.0, 5.0), 0.02, &[0.0]),
+    ],
+    owner: Owner::All,
+};

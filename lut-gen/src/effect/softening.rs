@@ -1,0 +1,27 @@
+//! Softening with cycles: Mullins' effect.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// Ogden and Roxburgh (1999, doi:10.1098/rspa.1999.0431) on the whole indentation.
+pub const EFFECT: Effect = Effect {
+    code: "softening",
+    form: "ogden-roxburgh",
+    stage: Stage::Material,
+    assumption: "the specimen does not remember earlier presses",
+    signature: "cycle number, unloading, a fresh against a used spot",
+    twins: &["drift"],
+    separated_by: "rest and repeat; a fresh spot; random order",
+    quantities: &[
+        Quantity::amplitude("loss", 0.0, (0.0, 0.95), 0.1, &[0.2]),
+        Quantity::shape("scale", (0.01, 100.0), 0.3, &[0.1, 0.5, 2.0]),
+    ],
+    owner: Owner::All,
+};
+
+/// Force while the largest depth of the spot is not exceeded: `F_e (1 - loss erf((1 - w) / scale))`, `w` the energy
+/// stored at the depth as a share of that at the largest depth. The law is that of a material point; here the point is the whole
+/// contact, and `scale` is what `(m + beta W_max) / W_max` is on the average of the points.
+#[must_use]
+pub fn factor(loss: f64, scale: f64, energy_share: f64) -> f64 {
+    if energy_share >= 1.0 { 1.0 } else { 1.0 - loss * libm::erf((1.0 - energy_share) / scale) }
+}

@@ -1,0 +1,33 @@
+//! A wrong height of the specimen, or a base that slides where it was thought bonded.
+
+use super::{Effect, Owner, Quantity, Stage};
+
+/// The height under the ball is not the declared one.
+pub const HEIGHT: Effect = Effect {
+    code: "thickness",
+    form: "height",
+    stage: Stage::Specimen,
+    assumption: "the specimen is as high as declared",
+    signature: "grows with sqrt(R d) / h",
+    twins: &["compliance", "radius", "second-term"],
+    separated_by: "a specimen of twice the height; a third ball",
+    quantities: &[
+        Quantity::amplitude("height_error_mm", 0.0, (-10.0, 30.0), 2.0, &[-2.0, 3.0]),
+    ],
+    owner: Owner::Specimen,
+};
+
+/// The base gives way sideways: 1 is a base that slides freely.
+pub const SLIDING: Effect = Effect {
+    code: "thickness",
+    form: "sliding-base",
+    stage: Stage::Specimen,
+    assumption: "the base is bonded",
+    signature: "grows with sqrt(R d) / h",
+    twins: &["compliance", "radius", "second-term"],
+    separated_by: "a specimen of twice the height; glue",
+    quantities: &[
+        Quantity::amplitude("sliding", 0.0, (0.0, 1.0), 1.0, &[0.5]),
+    ],
+    owner: Owner::Specimen,
+};
