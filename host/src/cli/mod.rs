@@ -8,6 +8,7 @@ pub mod identify;
 pub mod log;
 pub mod lut;
 pub mod progress;
+pub mod simulate;
 pub mod study;
 pub mod sweep;
 
@@ -37,6 +38,8 @@ enum Command {
     Flash(flash::Arguments),
     /// Find a material's parameters in indentation recordings
     Identify(identify::Arguments),
+    /// Write an experiment folder from a model with hidden effects and realistic noise
+    Simulate(simulate::Arguments),
     /// Repeat a study of the thesis on your recordings or on a simulated foam, with pictures
     Study(study::Arguments),
     /// Compute a look-up table by finite elements, sweep more parameters, or explain a table
@@ -57,6 +60,7 @@ pub fn main() -> ExitCode {
         Command::Board(arguments) => board::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
