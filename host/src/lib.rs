@@ -11,6 +11,7 @@ pub mod log;
 pub mod plant;
 pub mod report;
 pub mod session;
+pub mod simulate;
 pub mod simulated_board;
 pub mod study;
 pub mod sweep;

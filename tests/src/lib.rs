@@ -1,10 +1,11 @@
 //! Shared ground of the cross-crate tests: where golden files lie, one sample of every message,
-//! force curves of other codes, simulated palpations, and the documents that commands rewrite.
+//! force curves of other codes, simulated palpations, experiments with hidden effects, and the documents that commands rewrite.
 
 pub mod bench;
 pub mod bounding;
 pub mod document;
 pub mod golden;
+pub mod hidden;
 pub mod palpations;
 pub mod processor;
 pub mod recovery;

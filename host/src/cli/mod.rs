@@ -9,6 +9,7 @@ pub mod identify;
 pub mod log;
 pub mod lut;
 pub mod progress;
+pub mod simulate;
 pub mod study;
 pub mod sweep;
 
@@ -40,6 +41,8 @@ enum Command {
     Identify(identify::Arguments),
     /// Find what the simulation of an experiment gets wrong, and name the cause
     Diagnose(diagnose::Arguments),
+    /// Write an experiment folder from a model with hidden effects and realistic noise
+    Simulate(simulate::Arguments),
     /// Repeat a study of the thesis on your recordings or on a simulated foam, with pictures
     Study(study::Arguments),
     /// Compute a look-up table by finite elements, sweep more parameters, or explain a table
@@ -61,6 +64,7 @@ pub fn main() -> ExitCode {
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),

@@ -1,0 +1,130 @@
+//! `palpate simulate`.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use miette::{IntoDiagnostic, WrapErr, miette};
+use serde_json::{Value, json};
+
+use crate::report::number;
+use crate::simulate::effect::Setting;
+use crate::simulate::{self, Effect, SimulatedExperiment, Solver};
+
+use super::progress::Progress;
+
+/// An experiment folder from a model with hidden effects.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Specification (TOML); print one with --example
+    #[arg(required_unless_present = "example")]
+    spec: Option<PathBuf>,
+    /// Folder for experiment.toml and one CSV a run
+    #[arg(long, value_name = "FOLDER", required_unless_present = "example")]
+    out: Option<PathBuf>,
+    /// Write what is true into a file, which must not lie in the folder
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+    /// Seed instead of the specification's
+    #[arg(long, value_name = "NUMBER")]
+    seed: Option<u64>,
+    /// Print a commented specification and end
+    #[arg(long)]
+    example: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Reads, simulates, writes.
+///
+/// # Errors
+/// Bad input, a failing solve, a folder that cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    if arguments.example {
+        print!("{}", simulate::EXAMPLE);
+        return Ok(());
+    }
+    let (Some(file), Some(folder)) = (&arguments.spec, &arguments.out) else {
+        return Err(miette!("a specification and --out FOLDER are needed"));
+    };
+    if let Some(truth) = &arguments.truth
+        && std::path::absolute(truth).into_diagnostic()?.starts_with(std::path::absolute(folder).into_diagnostic()?)
+    {
+        return Err(miette!(
+            "--truth {} lies in the folder {}; expected a place outside of it",
+            truth.display(),
+            folder.display()
+        ));
+    }
+    let started = Instant::now();
+    let mut spec = simulate::read(file)?;
+    spec.seed = arguments.seed.unwrap_or(spec.seed);
+    let progress = Progress::new();
+    let solver = Solver::new();
+    let made = simulate::simulate(&spec, &solver, &|what, done, total| progress.set(what, done, total));
+    progress.end();
+    let made = made.into_diagnostic()?;
+    made.write(folder).into_diagnostic()?;
+    if let Some(truth) = &arguments.truth {
+        std::fs::write(truth, made.truth_toml())
+            .into_diagnostic()
+            .wrap_err_with(|| format!("cannot write {}", truth.display()))?;
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    if arguments.json {
+        println!("{}", summary(&made, folder.display().to_string(), seconds));
+    } else {
+        print(&made, &folder.display().to_string(), seconds);
+    }
+    Ok(())
+}
+
+/// What was made, for scripts.
+fn summary(made: &SimulatedExperiment, folder: String, seconds: f64) -> Value {
+    let effects: Vec<Value> = made.truth.effects.iter().map(effect).collect();
+    json!({
+        "folder": folder,
+        "name": made.name,
+        "seed": made.truth.seed,
+        "runs": made.runs.len(),
+        "samples": made.runs.iter().map(|run| run.time_s.len()).sum::<usize>(),
+        "peak_N": peak_n(made),
+        "effects": effects,
+        "fe_solves": made.solves,
+        "seconds": seconds,
+    })
+}
+
+fn effect(effect: &Effect) -> Value {
+    let value = |setting: Setting| match setting {
+        Setting::Number(number) => json!(number),
+        Setting::Word(word) => json!(word),
+    };
+    let parameters: serde_json::Map<String, Value> =
+        effect.parameters().into_iter().map(|(key, setting)| (key, value(setting))).collect();
+    json!({ "code": effect.code(), "parameters": parameters })
+}
+
+fn peak_n(made: &SimulatedExperiment) -> f64 {
+    made.runs.iter().flat_map(|run| &run.force_n).copied().fold(0.0, f64::max)
+}
+
+fn print(made: &SimulatedExperiment, folder: &str, seconds: f64) {
+    let samples: usize = made.runs.iter().map(|run| run.time_s.len()).sum();
+    println!("experiment       {}, seed {}", made.name, made.truth.seed);
+    println!("runs             {} with {samples} samples; largest force {} N", made.runs.len(), number(peak_n(made)));
+    for effect in &made.truth.effects {
+        let shown = |(key, setting): (String, Setting)| match setting {
+            Setting::Number(value) => format!("{key} {}", number(value)),
+            Setting::Word(word) => format!("{key} {word}"),
+        };
+        let parameters: Vec<String> = effect.parameters().into_iter().map(shown).collect();
+        println!("effect           {}: {}", effect.code(), parameters.join(", "));
+    }
+    if made.truth.effects.is_empty() {
+        println!("effect           none: the truth is what the folder declares");
+    }
+    println!("solves           {} in {seconds:.1} s", made.solves);
+    println!("folder           {folder}");
+}

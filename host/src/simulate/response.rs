@@ -1,0 +1,172 @@
+//! The force of a true specimen at a true depth: a smooth elastic curve, and what history makes of it.
+//!
+//! The elastic curve `E(d)` is one solve. With relaxation, softening, friction or adhesion the whole motion is solved, and the
+//! force `F` at its equilibria is kept as the ratio `F / E` (with adhesion, whose force changes sign, as the difference `F - E`):
+//! that is smooth, and it carries the history over to the slightly different depths of another spot.
+
+use std::sync::Arc;
+
+use lut_gen::model::Record;
+
+use super::effect::{Effect, outside};
+use super::interpolation::Smooth;
+use super::solver::Curve;
+
+/// Depths below this part of the largest say nothing about `F / E`, both being small.
+const SHALLOW: f64 = 0.004;
+
+/// The elastic force of one spot.
+#[derive(Debug, Clone)]
+pub(super) struct Elastic {
+    /// Curves for a shear modulus of 1 MPa, and their weights.
+    pub parts: Vec<(f64, Arc<Curve>)>,
+    /// Factor on the force: the shear modulus.
+    pub scale: f64,
+    /// Factor (N/mm^1.5) of Hertz's contact on a rigid block.
+    pub hertz: f64,
+    /// Radius of the ball, mm.
+    pub radius_mm: f64,
+    /// Cosine of a slope under the specimen.
+    pub cosine: f64,
+    /// Responses outside the catalogue.
+    pub effects: Arc<Vec<Effect>>,
+}
+
+impl Elastic {
+    /// Force (N) and about its slope (N/mm) at a depth (mm).
+    pub fn at(&self, depth_mm: f64) -> (f64, f64) {
+        let normal = depth_mm * self.cosine;
+        if normal <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let root = normal.sqrt();
+        let (mut force, mut slope) = (self.hertz * normal * root, 1.5 * self.hertz * root);
+        for (weight, curve) in &self.parts {
+            let (f, s) = curve.profile.force_and_slope(normal);
+            force += self.scale * weight * f;
+            slope += self.scale * weight * s;
+        }
+        let (factor, addend) = outside::reshaped(&self.effects, normal, self.radius_mm);
+        let along = self.cosine * self.cosine;
+        (self.cosine * (factor * force + addend), along * (factor * slope + 3.0 * addend / normal))
+    }
+}
+
+/// What history makes of the elastic force.
+#[derive(Debug, Clone)]
+pub(super) enum History {
+    /// Nothing.
+    None,
+    /// No time in it: functions of depth on the way down, and of the way since the peak on the way back, by cycle.
+    Branches { down: Vec<Smooth>, back: Vec<Smooth>, added: bool },
+    /// Functions of the time in the run, by cycle.
+    Timed { cycles: Vec<Smooth>, added: bool },
+}
+
+/// Runs within one record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Timing {
+    /// Start of the first run on the record's clock, s.
+    pub start_s: f64,
+    /// From start to start, s.
+    pub period_s: f64,
+    /// Runs.
+    pub cycles: usize,
+}
+
+/// Where a ball is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Moment {
+    pub time_s: f64,
+    pub depth_mm: f64,
+    /// Largest depth of the run so far, mm.
+    pub peak_mm: f64,
+    /// On the way back.
+    pub back: bool,
+    /// From 1.
+    pub cycle: usize,
+}
+
+impl History {
+    /// From the record of two (or four) ways: down, back, and once more. `elastic` in the record's units.
+    pub fn branches(record: &Record, elastic: &dyn Fn(f64) -> f64, added: bool) -> Self {
+        let peak = record.depth_mm.iter().copied().fold(0.0, f64::max);
+        let ways = record.stations.iter().map(|s| s.segment).max().map_or(0, |last| last + 1);
+        let (mut down, mut back) = (Vec::new(), Vec::new());
+        let mut top = if added { 0.0 } else { 1.0 };
+        for way in 0..ways {
+            let mut points: Vec<(f64, f64)> = share(record, &record.force_n, elastic, added, peak)
+                .filter(|(i, _)| record.stations[*i].segment == way)
+                .map(|(i, value)| (record.depth_mm[i], value))
+                .collect();
+            if way % 2 == 0 {
+                top = points.last().map_or(top, |p| p.1);
+                down.push(Smooth::through(points, top));
+            } else {
+                for point in &mut points {
+                    point.0 = peak - point.0;
+                }
+                let whole = std::iter::once((0.0, top)).chain(points.into_iter().filter(|p| p.0 > 1e-9 * peak));
+                back.push(Smooth::through(whole, top));
+            }
+        }
+        Self::Branches { down, back, added }
+    }
+
+    /// From the record of several runs. The record removes the penalty's softness by a derivative along depth, which is not
+    /// possible where the ball creeps while the material relaxes: here that of the elastic `curve` serves.
+    pub fn timed(record: &Record, curve: &Curve, elastic: &dyn Fn(f64) -> f64, added: bool, timing: Timing) -> Self {
+        let Timing { start_s, period_s, cycles } = timing;
+        let peak = record.depth_mm.iter().copied().fold(0.0, f64::max);
+        let hard: Vec<f64> = record.stations.iter().map(|s| curve.hard_n(s.depth_mm, s.force_n)).collect();
+        let all: Vec<(f64, f64)> = share(record, &hard, elastic, added, peak)
+            .map(|(i, value)| (record.stations[i].time_s - start_s, value))
+            .collect();
+        // touch itself: nothing has relaxed yet
+        let begin = (-start_s, if added { 0.0 } else { 1.0 });
+        let cycle = |n: usize| {
+            let from = n as f64 * period_s;
+            let inside = all.iter().filter(|(t, _)| *t > from + begin.0 && *t < from + period_s + begin.0);
+            let first = (n == 0).then_some(begin);
+            Smooth::through(first.into_iter().chain(inside.map(|(t, v)| (t - from, *v))), begin.1)
+        };
+        Self::Timed { cycles: (0..cycles).map(cycle).collect(), added }
+    }
+
+    /// Force (N) at a moment, and about its slope (N/mm).
+    pub fn force_n(&self, elastic: &Elastic, at: &Moment) -> (f64, f64) {
+        let (force, slope) = elastic.at(at.depth_mm);
+        let nth = |all: &[Smooth], x: f64, otherwise: f64| {
+            let cycle = at.cycle.saturating_sub(1).min(all.len().saturating_sub(1));
+            all.get(cycle).map_or(otherwise, |one| one.at(x))
+        };
+        let (value, added) = match self {
+            Self::None => return (force, slope),
+            Self::Branches { down, added, .. } if !at.back => {
+                (nth(down, at.depth_mm, f64::from(u8::from(!added))), *added)
+            }
+            Self::Branches { back, added, .. } => {
+                (nth(back, at.peak_mm - at.depth_mm, f64::from(u8::from(!added))), *added)
+            }
+            Self::Timed { cycles, added } => (nth(cycles, at.time_s, f64::from(u8::from(!added))), *added),
+        };
+        if added { (force + elastic.scale * value, slope) } else { (force * value, slope * value.max(0.0)) }
+    }
+}
+
+/// `F / E` or `F - E` at the stations where it means something.
+fn share<'a>(
+    record: &'a Record,
+    force_n: &'a [f64],
+    elastic: &'a dyn Fn(f64) -> f64,
+    added: bool,
+    peak: f64,
+) -> impl Iterator<Item = (usize, f64)> + 'a {
+    force_n.iter().zip(&record.depth_mm).enumerate().filter_map(move |(i, (&force, &depth))| {
+        let expected = elastic(depth);
+        if added {
+            return Some((i, force - expected));
+        }
+        (depth > SHALLOW * peak && expected > 0.0).then(|| (i, force / expected))
+    })
+}

@@ -1,0 +1,220 @@
+use super::*;
+use lut_gen::contact::Ball;
+use lut_gen::law::Hyperfoam;
+use lut_gen::model::{Indentation, Resolution, Specimen};
+
+/// Forces of the first run without noise.
+fn forces(spec: &Spec) -> Vec<f64> {
+    made(spec).runs.swap_remove(0).exact_n
+}
+
+/// Times of the press of [`press`]: half way down, the end of the way down, that of the hold, half way back.
+const DOWN: usize = 12;
+const PEAK: usize = 25;
+const HELD: usize = 220;
+const BACK: usize = 238;
+
+/// Effect less clean at the four times, as parts of the clean peak.
+fn changes(effect: Effect) -> [f64; 4] {
+    let clean = forces(&press());
+    let changed = forces(&press().with(effect));
+    [DOWN, PEAK, HELD, BACK].map(|k| (changed[k] - clean[k]) / clean[PEAK])
+}
+
+#[test]
+fn a_clean_ramp_is_the_finite_elements_of_another_mesh() {
+    let mut spec = press();
+    spec.refinement = FINER;
+    let run = &made(&spec).runs[0];
+    let coarse = Indentation {
+        law: Hyperfoam::one_term(0.1, 8.0).unwrap(),
+        specimen: Specimen::of_height(12.7),
+        ball: Ball { radius_mm: 4.0 },
+        depth_mm: 2.0,
+        resolution: Resolution::Standard,
+    };
+    let depths: Vec<f64> = run.depth_mm[1..=PEAK].to_vec();
+    let forces = coarse.solve_at(&depths).unwrap().force_n;
+    let worst = forces.iter().zip(&run.exact_n[1..=PEAK]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    println!("finer over standard mesh: {:.3} % of the peak", 100.0 * worst / run.exact_n[PEAK]);
+    assert!(worst < 0.003 * run.exact_n[PEAK]);
+    // what is elastic comes back as it went down, and knows no hold
+    assert!((run.exact_n[PEAK] - run.exact_n[HELD]).abs() < 1e-9);
+    assert_eq!(run.depth_mm[DOWN], run.depth_mm[BACK]);
+    assert!((run.exact_n[DOWN] - run.exact_n[BACK]).abs() < 1e-6 * run.exact_n[PEAK]);
+}
+
+/// In a hold a material of one Prony term decays exactly by its own exponential from wherever the ramp has brought it, and ends
+/// at `1 - g` of the elastic force: the decay is within 1 % of what relaxes (interpolation between the solver's steps), the end
+/// within 1 % (the deviator turns, at finite strain, a little against the pressure).
+#[test]
+fn relaxation_decays_in_the_hold_by_its_own_law() {
+    let spec = press().with(Effect::Relaxation(vec![(0.3, 0.6)]));
+    let clean = forces(&press());
+    let force = forces(&spec);
+    let end = force[HELD];
+    assert!((end / clean[PEAK] - 0.7).abs() < 0.007, "{}", end / clean[PEAK]);
+    for k in [30, 40, 60, 90] {
+        let expected = (-(k as f64 - 25.0) / 50.0 / 0.6).exp();
+        let found = (force[k] - end) / (force[PEAK] - end);
+        assert!((found - expected).abs() < 0.01, "{k}: {found} {expected}");
+    }
+    assert!(force[PEAK] < clean[PEAK] && force[BACK] < 0.7 * clean[BACK] + 1e-3);
+}
+
+#[test]
+fn material_and_specimen_effects_have_their_signs() {
+    let [_, nu, ..] = changes(Effect::Poisson { nu: 0.2 });
+    assert!(nu > 0.01, "{nu}");
+    let [_, second, ..] = changes(Effect::SecondTerm { mu2_ratio: 0.3, alpha2: 20.0 });
+    assert!(second > 0.1, "{second}");
+    let [_, thicker, ..] = changes(Effect::Thickness { height_error_mm: 2.0 });
+    assert!(thicker < -0.01, "{thicker}");
+    let [_, sliding, ..] = changes(Effect::SlidingBase);
+    assert!(sliding < 0.0, "{sliding}");
+    let [_, radius, ..] = changes(Effect::Radius { indenter: "r4".to_owned(), error_mm: 0.4 });
+    assert!(radius > 0.02, "{radius}");
+    let [down, _, _, back] = changes(Effect::Softening { r: 2.0, m_mpa: 0.001, beta: 0.1 });
+    assert!(down.abs() < 2e-3 && back < -0.02, "{down} {back}");
+}
+
+#[test]
+fn contact_effects_have_their_signs() {
+    let [down, peak, _, back] = changes(Effect::Friction { coefficient: 0.5 });
+    assert!(down >= -1e-3 && peak > 0.002 && back < peak, "{down} {peak} {back}");
+    let [down, peak, _, _] = changes(Effect::Adhesion { work_n_per_mm: 2e-3, range_mm: 0.05 });
+    assert!(down < -0.001 && peak < 0.0, "{down} {peak}");
+}
+
+#[test]
+fn machine_effects_have_their_signs() {
+    let late = forces(&press().with(Effect::ContactOffset { offset_mm: 0.1 }));
+    assert!(late[0] > 0.0 && late[PEAK] > forces(&press())[PEAK]);
+    let [down, peak, held, back] = changes(Effect::Compliance { mm_per_n: 0.05 });
+    assert!(down < 0.0 && peak < down && (peak - held).abs() < 1e-9 && back < 0.0, "{down} {peak} {back}");
+    let [down, peak, held, back] = changes(Effect::Lag { lag_s: 0.04 });
+    assert!(down < -0.01 && peak < -0.02 && held.abs() < 1e-6 && back > 0.01, "{down} {peak} {held} {back}");
+    let [_, peak, held, _] = changes(Effect::RateLimit { rate_mm_s: 3.0 });
+    assert!(peak < -0.05 && held.abs() < 1e-6, "{peak} {held}");
+}
+
+/// The ball's depth is the recorded one less compliance times force: the clean curve there gives the force again.
+#[test]
+fn compliance_is_the_fixed_point_of_depth_and_force() {
+    let soft = made(&press().with(Effect::Compliance { mm_per_n: 0.2 }));
+    let clean = made(&press());
+    let (run, whole) = (&soft.runs[0], &clean.runs[0]);
+    for k in [5, 10, 20, PEAK] {
+        let depth = run.depth_mm[k] - 0.2 * run.exact_n[k];
+        let after = whole.depth_mm[..=PEAK].partition_point(|d| *d < depth);
+        let part = (depth - whole.depth_mm[after - 1]) / (whole.depth_mm[after] - whole.depth_mm[after - 1]);
+        let expected = whole.exact_n[after - 1] + part * (whole.exact_n[after] - whole.exact_n[after - 1]);
+        // linear between samples 0.08 mm apart
+        assert!((run.exact_n[k] - expected).abs() < 0.003 * whole.exact_n[PEAK], "{k}: {} {expected}", run.exact_n[k]);
+    }
+}
+
+#[test]
+fn sensor_and_clock_effects_have_their_signs() {
+    let clean = forces(&press());
+    let [_, gain, ..] = changes(Effect::SensorGain { gain: 1.1 });
+    assert!((gain - 0.1).abs() < 1e-9);
+    let [_, square, ..] = changes(Effect::SensorNonlinearity { quadratic_per_n: 0.1 });
+    assert!((square - 0.1 * clean[PEAK]).abs() < 1e-9, "{square}");
+    let [_, peak, held, _] = changes(Effect::SensorCreep { amplitude: 0.1, tau_s: 1.0 });
+    assert!(peak > 0.0 && held > peak && (held - 0.1).abs() < 0.005, "{peak} {held}");
+    let [down, _, _, back] = changes(Effect::SensorHysteresis { width: 0.04 });
+    assert!(down < -0.015 && back > 0.015, "{down} {back}");
+    let mut spec = press().with(Effect::Drift { n_per_h: 3.6, thermal_n: 0.0, thermal_s: 600.0 });
+    spec.runs[0].replicates = 2;
+    let both = made(&spec).runs;
+    let later = both[1].start_s - both[0].start_s;
+    assert!((both[1].exact_n[PEAK] - both[0].exact_n[PEAK] - 0.001 * later).abs() < 1e-9);
+}
+
+#[test]
+fn numerics_change_little_and_a_coarse_table_more() {
+    let [_, mesh, ..] = changes(Effect::Numerics { mesh: Some(0.5), alpha_step: None });
+    assert!(mesh != 0.0 && mesh.abs() < 0.03, "{mesh}");
+    let [_, table, ..] = changes(Effect::Numerics { mesh: None, alpha_step: Some(6.0) });
+    assert!(table.abs() > 1e-3, "{table}");
+}
+
+#[test]
+fn effects_outside_the_catalogue_do_what_they_say() {
+    let clean = forces(&press());
+    let [_, peak, held, _] = changes(Effect::PowerLaw { amplitude: 0.4, t0_s: 0.1, beta: 0.3 });
+    assert!(peak < -0.01 && held < peak, "{peak} {held}");
+    let [_, skin, ..] = changes(Effect::StiffSkin { stiffness_n_per_mm2: 0.05 });
+    assert!((skin - 0.05 * 8.0 / 4.0 / clean[PEAK]).abs() < 1e-9, "{skin}");
+    let [_, other, ..] = changes(Effect::Anisotropic { depth_power: 0.2, radius_power: 0.0 });
+    assert!((other - (2.0_f64.powf(0.2) - 1.0)).abs() < 1e-9, "{other}");
+    let hum = changes(Effect::Hum { amplitude_n: 0.05, frequency_hz: 49.3 });
+    assert!(hum.iter().any(|h| h.abs() > 0.01) && hum.iter().all(|h| h.abs() <= 0.05 / clean[PEAK] + 1e-9));
+    let [down, _, held, _] = changes(Effect::StickSlip { amplitude_n: 0.05, period_mm: 0.3 });
+    assert!(down != 0.0 && held == 0.0, "{down} {held}");
+    let [down, peak, ..] = changes(Effect::Placebo { variable: Variable::Depth, amplitude: 0.05 });
+    assert!(down != 0.0 && down.abs() < 0.25 && peak.abs() < 0.25);
+    let mut spec = press().with(Effect::PlasticSet { share: 0.05 });
+    spec.runs[0].cycles = 2;
+    let set = made(&spec).runs;
+    assert!((set[0].exact_n[PEAK] - clean[PEAK]).abs() < 1e-9 && set[1].exact_n[PEAK] < 0.97 * clean[PEAK]);
+    let mut tilted = press().with(Effect::Tilt { angle_deg: 8.0, distance_mm: 10.0 });
+    tilted.runs[0].replicates = 2;
+    let spots = made(&tilted).runs;
+    assert!(
+        spots[0].exact_n[PEAK] > 1.01 * spots[1].exact_n[PEAK],
+        "{} {}",
+        spots[0].exact_n[PEAK],
+        spots[1].exact_n[PEAK]
+    );
+}
+
+/// The second cycle of a foam that relaxes slowly begins where the first one left it; of one that softens it is as the way back was.
+#[test]
+fn cycles_remember() {
+    let mut spec = press().with(Effect::Softening { r: 2.0, m_mpa: 0.001, beta: 0.1 });
+    (spec.runs[0].cycles, spec.runs[0].rest_s) = (2, 5.0);
+    let soft = made(&spec).runs;
+    let worst =
+        (0..PEAK).map(|k| (soft[1].exact_n[k] - soft[0].exact_n[k]) / soft[0].exact_n[PEAK]).fold(0.0, f64::min);
+    assert!(worst < -0.02, "{worst}");
+    let mut spec = press().with(Effect::Relaxation(vec![(0.3, 10.0)]));
+    (spec.runs[0].cycles, spec.runs[0].rest_s) = (2, 5.0);
+    let slow = made(&spec).runs;
+    assert!(slow[1].exact_n[PEAK] < 0.98 * slow[0].exact_n[PEAK]);
+    assert!(slow[0].exact_n[HELD] < slow[0].exact_n[PEAK] && slow[1].exact_n[HELD] < slow[1].exact_n[PEAK]);
+}
+
+/// A rigid block answers by Hertz, and what yields is the machine.
+#[test]
+fn a_rigid_block_shows_the_machine() {
+    let mut spec = Spec::new("block", 1).ball("r4", 4.0).with(Effect::Compliance { mm_per_n: 0.05 });
+    spec.specimens.push(TrueSpecimen {
+        law: TrueLaw::Rigid { reduced_modulus_mpa: 3000.0 },
+        ..Spec::new("", 0).foam("block", 1.0, 2.0, 20.0).specimens.swap_remove(0)
+    });
+    spec.runs.push(RunTemplate { load_n: 2.0, hold_s: 1.0, ..RunTemplate::ramp("block", "r4", 1.0, 0.05) });
+    let run = &made(&spec).runs[0];
+    let (depth, force) = (run.depth_mm.last().unwrap(), run.exact_n.last().unwrap());
+    let hertz = (2.0 / (4.0 / 3.0 * 3000.0 * 2.0_f64)).powf(2.0 / 3.0);
+    assert!((force - 2.0).abs() < 1e-6 && (depth - 0.1 - hertz).abs() < 1e-6, "{depth} {force}");
+}
+
+#[test]
+fn two_effects_act_together() {
+    let creep = Effect::SensorCreep { amplitude: 0.1, tau_s: 1.0 };
+    let both = forces(&press().with(Effect::Relaxation(vec![(0.3, 0.6)])).with(creep.clone()));
+    let one = forces(&press().with(Effect::Relaxation(vec![(0.3, 0.6)])));
+    let clean = forces(&press());
+    assert!(both[HELD] > one[HELD] && both[HELD] < clean[HELD]);
+    let lagging = forces(&press().with(Effect::Relaxation(vec![(0.3, 0.6)])).with(Effect::Lag { lag_s: 0.04 }));
+    assert!(
+        lagging[PEAK] < one[PEAK] && (lagging[HELD] - one[HELD]).abs() < 0.005 * one[HELD],
+        "{} {} {} {}",
+        lagging[PEAK],
+        one[PEAK],
+        lagging[HELD],
+        one[HELD]
+    );
+}
