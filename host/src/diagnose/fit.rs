@@ -72,7 +72,7 @@ const MOST_STEPS: usize = 14;
 /// A fit has ended when a step changes the sum of squares by less than this.
 const SETTLED: f64 = 0.02;
 /// Exponents that the force models cover.
-const ALPHA: (f64, f64) = (2.0, 24.0);
+const ALPHA: (f64, f64) = (1.8, 26.0);
 
 impl Coordinate {
     /// Lowest and highest value.

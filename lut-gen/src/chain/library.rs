@@ -66,7 +66,7 @@ const RUBBED_ALPHA: [f64; 2] = [5.0, 15.0];
 const RELAXING: (f64, f64, f64) = (0.3, 0.33, 1.0);
 
 /// Exponents of a library: those of soft foams (thesis Tables 1 and 3 lie between 4 and 15).
-const ALPHA: (f64, f64, usize) = (2.0, 24.0, 8);
+const ALPHA: (f64, f64, usize) = (1.8, 26.0, 9);
 /// Heights, as factors on the declared one.
 const HEIGHTS: (f64, f64, usize) = (0.6, 2.0, 3);
 /// Poisson's ratios.

@@ -13,7 +13,7 @@ pub const EFFECT: Effect = Effect {
     separated_by: "a small ball",
     quantities: &[
         Quantity::amplitude("mu2_ratio", 0.0, (-0.3, 5.0), 0.3, &[0.1, 0.6]),
-        Quantity::shape("alpha2", (2.0, 24.0), 20.0, &[3.0, 22.0]),
+        Quantity::shape("alpha2", (1.8, 26.0), 20.0, &[3.0, 22.0]),
     ],
     owner: Owner::All,
 };
