@@ -84,6 +84,10 @@ pub struct Series {
     pub pressed_before_mm: f64,
     /// The data.
     pub nodes: Vec<Node>,
+    /// Time (s, as in the nodes) and recorded depth (mm) of the nodes and of the corners of the motion between them.
+    pub path: Vec<(f64, f64)>,
+    /// Place of every node in the path.
+    pub at: Vec<usize>,
 }
 
 /// The used runs of one material, and what varies between them.
@@ -175,7 +179,8 @@ impl Design {
         let (Some(specimen), Some(indenter)) = (run.specimen, run.indenter) else { return };
         let ball_mm = experiment.indenters[indenter].radius_mm.known().unwrap_or(0.0);
         let contact_mm = if self.zero_is_contact { raw.contact_mm } else { self.zero_mm };
-        let nodes = nodes(&run.recording, &raw.motion, raw.contact_mm, self.zero_mm);
+        let (nodes, corners) = nodes(&run.recording, &raw.motion, raw.contact_mm, self.zero_mm);
+        let (path, at) = path(&nodes, corners);
         let deepest = nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max) - (raw.contact_mm - contact_mm).min(0.0);
         let geometry = self.geometry(experiment, specimen, ball_mm, deepest);
         let rate = self
@@ -206,6 +211,8 @@ impl Design {
             hold_out: run.hold_out,
             pressed_before_mm,
             nodes,
+            path,
+            at,
         });
     }
 
@@ -273,8 +280,8 @@ impl Design {
         self.series
             .iter()
             .map(|s| Passage {
-                time_s: s.nodes.iter().map(|n| n.time_s).collect(),
-                depth_mm: s.nodes.iter().map(|n| n.depth_mm).collect(),
+                time_s: s.path.iter().map(|p| p.0).collect(),
+                depth_mm: s.path.iter().map(|p| p.1).collect(),
                 start_s: s.start_s.unwrap_or(0.0),
                 geometry: s.geometry,
                 specimen: s.specimen,
@@ -338,7 +345,12 @@ fn raw_runs(experiment: &Experiment, material: &str, messages: &mut Vec<String>)
 }
 
 /// Windows of equal numbers of samples on the ways down and back, and of growing length in a hold.
-fn nodes(recording: &Recording, motion: &Motion, contact_mm: f64, zero_mm: f64) -> Vec<Node> {
+fn nodes(
+    recording: &Recording,
+    motion: &Motion,
+    contact_mm: f64,
+    zero_mm: f64,
+) -> (Vec<Node>, Vec<(f64, f64)>) {
     let depth = &recording.depth_mm;
     let loading = motion.loading.clone();
     let last = loading.end.saturating_sub(1);
@@ -356,7 +368,56 @@ fn nodes(recording: &Recording, motion: &Motion, contact_mm: f64, zero_mm: f64) 
         let end = back.clone().find(|i| depth[*i] < above).unwrap_or(back.end);
         even(&mut windows, back.start..end, WINDOWS.2, Branch::Unloading);
     }
-    windows.iter().map(|(window, branch)| node(recording, window, *branch, start_s, held_from_s, zero_mm)).collect()
+    let nodes = windows.iter().map(|(window, branch)| node(recording, window, *branch, start_s, held_from_s, zero_mm));
+    let placed = |(time_s, depth_mm): (f64, f64)| (time_s - start_s, depth_mm - zero_mm);
+    let mut corners = vec![placed((recording.time_s[begin], depth[begin]))];
+    let turns = [Some(last), motion.hold.as_ref().map(|hold| hold.end.saturating_sub(1))];
+    corners.extend(turns.into_iter().flatten().filter_map(|at| corner(recording, at)).map(placed));
+    (nodes.collect(), corners)
+}
+
+/// Samples to either side of a corner that its two straight pieces are taken from.
+const BESIDE: usize = 4;
+
+/// Where the motion turns near a sample: two straight pieces, before and after it, meet there, between two samples.
+fn corner(recording: &Recording, at: usize) -> Option<(f64, f64)> {
+    let point = |i: usize| (recording.time_s[i], recording.depth_mm[i]);
+    let (before, after) = (at.checked_sub(BESIDE)?, at + BESIDE);
+    if after >= recording.len() {
+        return Some(point(at));
+    }
+    let line = |a: usize, b: usize| {
+        let ((t, d), (t2, d2)) = (point(a), point(b));
+        (t2 > t).then(|| (t, d, (d2 - d) / (t2 - t)))
+    };
+    let (t0, d0, v0) = line(before, at - 1)?;
+    let (t1, d1, v1) = line(at + 1, after)?;
+    if (v0 - v1).abs() < 1e-9 {
+        return Some(point(at));
+    }
+    let time_s = (d1 - d0 + v0 * t0 - v1 * t1) / (v0 - v1);
+    let within = (recording.time_s[at - 1]..=recording.time_s[at + 1]).contains(&time_s);
+    Some(if within { (time_s, d0 + v0 * (time_s - t0)) } else { point(at) })
+}
+
+/// Nodes and corners in order of time, and where the nodes are among them.
+fn path(nodes: &[Node], corners: Vec<(f64, f64)>) -> (Vec<(f64, f64)>, Vec<usize>) {
+    let mut all: Vec<(f64, f64, Option<usize>)> =
+        nodes.iter().enumerate().map(|(i, n)| (n.time_s, n.depth_mm, Some(i))).collect();
+    for (time_s, depth_mm) in corners {
+        // a window of one sample may be the corner itself
+        if nodes.iter().all(|n| (n.time_s - time_s).abs() > 1e-6) {
+            all.push((time_s, depth_mm, None));
+        }
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut at = vec![0; nodes.len()];
+    for (place, (_, _, node)) in all.iter().enumerate() {
+        if let Some(node) = node {
+            at[*node] = place;
+        }
+    }
+    (all.into_iter().map(|(t, d, _)| (t, d)).collect(), at)
 }
 
 fn even(windows: &mut Vec<(Range<usize>, Branch)>, samples: Range<usize>, most: usize, branch: Branch) {

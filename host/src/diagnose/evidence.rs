@@ -14,6 +14,8 @@ use super::whiten::Whitening;
 pub const TWINS: usize = 1000;
 /// Share of clean twins whose largest statistic lies above a threshold; two statistics are looked at.
 const LEVEL: f64 = 0.005;
+/// Share of the worst reading from which on a variable is told.
+const SHADOW: f64 = 0.4;
 /// Seed of the twins: the same data give the same verdict.
 const SEED: u64 = 0x7061_6c70;
 
@@ -76,26 +78,44 @@ pub fn rest_of(columns: &DMatrix<f64>, basis: &DMatrix<f64>) -> DMatrix<f64> {
     columns - basis * basis.tr_mul(columns)
 }
 
-impl Gauge {
-    /// Of margins, after the parameters of a fit.
+/// Directions with what they measure in clean twins before any parameter is taken off.
+#[derive(Debug)]
+pub struct Panel {
+    raw: DMatrix<f64>,
+    of_twins: DMatrix<f64>,
+}
+
+impl Panel {
+    /// Of margins.
     #[must_use]
-    pub fn new(margins: &[Margin], parameters: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
+    pub fn new(margins: &[Margin], twins: &DMatrix<f64>) -> Self {
         let raw: Vec<DVector<f64>> = margins.iter().map(|m| m.direction.clone()).collect();
-        let raw = if raw.is_empty() { DMatrix::zeros(twins.nrows(), 0) } else { DMatrix::from_columns(&raw) };
-        Self::of(&raw, parameters, twins)
+        Self::of(if raw.is_empty() { DMatrix::zeros(twins.nrows(), 0) } else { DMatrix::from_columns(&raw) }, twins)
     }
 
-    /// Of any directions.
+    /// Of any directions, one a column.
     #[must_use]
-    pub fn of(raw: &DMatrix<f64>, parameters: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
+    pub fn of(raw: DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
+        let of_twins = raw.tr_mul(twins);
+        Self { raw, of_twins }
+    }
+}
+
+impl Gauge {
+    /// Of a panel, after the parameters whose columns are given.
+    #[must_use]
+    pub fn new(panel: &Panel, parameters: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
         let explained = basis(parameters);
-        let mut directions = rest_of(raw, &explained);
-        for (mut column, whole) in directions.column_iter_mut().zip(raw.column_iter()) {
-            let (own, before) = (column.norm(), whole.norm());
+        let shares = explained.tr_mul(&panel.raw);
+        let mut directions = &panel.raw - &explained * &shares;
+        let mut values = &panel.of_twins - shares.tr_mul(&explained.tr_mul(twins));
+        for (j, whole) in panel.raw.column_iter().enumerate() {
+            let (own, before) = (directions.column(j).norm(), whole.norm());
             // a direction that the parameters take up whole says nothing
-            if own > 1e-3 * before { column /= own } else { column.fill(0.0) }
+            let scale = if own > 1e-3 * before { 1.0 / own } else { 0.0 };
+            directions.column_mut(j).scale_mut(scale);
+            values.row_mut(j).scale_mut(scale);
         }
-        let values = directions.tr_mul(twins);
         let count = twins.ncols().max(1) as f64;
         let scatter: Vec<f64> = values.row_iter().map(|row| (row.norm_squared() / count).sqrt()).collect();
         let mut largest: Vec<f64> = values
@@ -141,8 +161,8 @@ pub struct Adequacy {
 impl Adequacy {
     /// Of a fit. `twins` are clean twins of the data set.
     #[must_use]
-    pub fn of(fit: &Fit, margins: &[Margin], form_error: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
-        let mut gauge = Gauge::new(margins, &fit.jacobian, twins);
+    pub fn of(fit: &Fit, margins: &[Margin], panel: &Panel, form_error: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
+        let mut gauge = Gauge::new(panel, &fit.jacobian, twins);
         gauge.widen(form_error);
         let readings = gauge.read(&fit.residual);
         let mut worst: Vec<(Variable, f64)> = Vec::new();
@@ -153,6 +173,9 @@ impl Adequacy {
             }
         }
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
+        // what is far from the worst is its shadow in other variables
+        let largest = worst.first().map_or(0.0, |(_, size)| *size);
+        worst.retain(|(_, size)| *size >= SHADOW * largest);
         Self { readings, threshold: gauge.threshold, shows_in: worst.into_iter().map(|(v, _)| v).collect() }
     }
 

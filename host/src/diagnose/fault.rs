@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::experiment::motion::{self, Event};
-use crate::experiment::{Experiment, Test};
+use crate::experiment::motion::{self, Event, Motion};
+use crate::experiment::{Experiment, Run, Test};
 
 /// A fault of the data.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,20 +60,36 @@ impl fmt::Display for Fault {
 
 /// A force whose range is below this many times its noise shows nothing.
 const DEAD_SIGMA: f64 = 6.0;
+/// A force whose range is below this share of that of the other runs shows nothing either.
+const DEAD_SHARE: f64 = 0.02;
 
 /// Faults of the runs of one material.
 #[must_use]
 pub fn of(experiment: &Experiment, material: &str) -> Vec<Fault> {
+    let own = |run: &&Run| {
+        run.test == Test::Indentation && run.specimen.is_some_and(|at| experiment.specimens[at].material == material)
+    };
+    let moved: Vec<(&Run, Motion)> = experiment
+        .runs
+        .iter()
+        .filter(own)
+        .filter_map(|run| motion::of(&run.recording).map(|motion| (run, motion)))
+        .collect();
+    let force = |(run, motion): &(&Run, Motion)| run.recording.force_n[motion.loading.clone()].to_vec();
+    let mut ranges: Vec<f64> = moved.iter().map(|one| range(&force(one))).collect();
+    ranges.sort_by(f64::total_cmp);
+    let usual = ranges.get(ranges.len() / 2).copied().unwrap_or(0.0);
     let mut faults = Vec::new();
-    for run in &experiment.runs {
-        let own = run.specimen.is_some_and(|at| experiment.specimens[at].material == material);
-        if run.test != Test::Indentation || !own {
-            continue;
-        }
-        let Some(motion) = motion::of(&run.recording) else { continue };
-        let force = &run.recording.force_n[motion.loading.clone()];
-        let (low, high) = force.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(*f), b.max(*f)));
-        if force.len() > 5 && high - low <= DEAD_SIGMA * motion::noise_of(force) {
+    for one in &moved {
+        let (run, motion) = one;
+        let force = force(one);
+        let alone = range(&force) <= DEAD_SIGMA * motion::noise_of(&force) && usual <= range(&force) / DEAD_SHARE;
+        let flat = range(&force) <= DEAD_SHARE * usual;
+        // steep short curves bend from sample to sample as noise does: only a curve that does not end higher is dead
+        let ends = force.len() / 4;
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len().max(1) as f64;
+        let rises = ends > 0 && mean(&force[force.len() - ends..]) - mean(&force[..ends]) > 0.3 * range(&force);
+        if force.len() > 5 && (flat || alone && !rises) {
             faults.push(Fault::DeadSensor { run: run.file.clone() });
         }
         for event in &motion.events {
@@ -85,4 +101,9 @@ pub fn of(experiment: &Experiment, material: &str) -> Vec<Fault> {
         }
     }
     faults
+}
+
+fn range(values: &[f64]) -> f64 {
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(*f), b.max(*f)));
+    (high - low).max(0.0)
 }

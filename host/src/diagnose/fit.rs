@@ -31,7 +31,7 @@ pub enum Coordinate {
 }
 
 /// Data, model and noise: what is fitted.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Problem<'a> {
     /// The data.
     pub design: &'a Design,
@@ -64,7 +64,7 @@ pub struct Fit {
     pub residual: DVector<f64>,
     /// Derivative of the whitened prediction by every parameter.
     pub jacobian: DMatrix<f64>,
-    /// True when a quantity of an effect lies at a bound that is not its null value.
+    /// True when a quantity of an effect lies at a bound that is not its null value, or the exponent at one.
     pub at_bound: bool,
 }
 
@@ -164,6 +164,13 @@ pub fn model(coordinates: &[Coordinate], candidates: &[Candidate], x: &DVector<f
     model
 }
 
+/// Forces (N) at the nodes of every run.
+#[must_use]
+pub fn predicted(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f64]) -> Vec<Vec<f64>> {
+    let paths = chain.predict(model, contacts_mm);
+    design.series.iter().zip(paths).map(|(s, force_n)| s.at.iter().map(|at| force_n[*at]).collect()).collect()
+}
+
 impl Problem<'_> {
     /// Measured less predicted, whitened; entries that are not used are 0.
     #[must_use]
@@ -176,7 +183,7 @@ impl Problem<'_> {
     /// Measured less predicted, N, moved back to contact 0 to first order.
     #[must_use]
     pub fn plain(&self, model: &Model) -> DVector<f64> {
-        let predicted = self.chain.predict(model, &self.contacts_mm);
+        let predicted = predicted(self.design, self.chain, model, &self.contacts_mm);
         let mut residual = DVector::zeros(self.whitening.len());
         for (s, (series, curve)) in self.design.series.iter().zip(&predicted).enumerate() {
             let first = self.whitening.first(s);
@@ -226,6 +233,7 @@ impl Problem<'_> {
                 let null = c.of(q.null);
                 (near(*low) && (low - null).abs() > 1e-9) || (near(*high) && (high - null).abs() > 1e-9)
             }
+            Coordinate::LnAlpha => (x - low).min(high - x) < 1e-3 * (high - low),
             _ => false,
         });
         let model = model(&coordinates, candidates, &x);
@@ -254,12 +262,12 @@ impl Problem<'_> {
 
     /// Prediction and slope of every run at a model.
     #[must_use]
-    pub fn curves(chain: &Chain, model: &Model, contacts_mm: &[f64]) -> Vec<Curve> {
+    pub fn curves(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f64]) -> Vec<Curve> {
         const STEP_MM: f64 = 1e-3;
         let moved = |by: f64| -> Vec<f64> { contacts_mm.iter().map(|c| c + by).collect() };
-        let here = chain.predict(model, contacts_mm);
-        let deeper = chain.predict(model, &moved(-STEP_MM));
-        let shallower = chain.predict(model, &moved(STEP_MM));
+        let here = predicted(design, chain, model, contacts_mm);
+        let deeper = predicted(design, chain, model, &moved(-STEP_MM));
+        let shallower = predicted(design, chain, model, &moved(STEP_MM));
         here.into_iter()
             .zip(deeper.into_iter().zip(shallower))
             .map(|(force_n, (a, b))| {

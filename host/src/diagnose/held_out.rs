@@ -15,6 +15,10 @@ pub struct HeldOut {
     pub rmse_before_n: f64,
     /// With the effects, N.
     pub rmse_after_n: f64,
+    /// Sum of the squares of whitened errors with the base.
+    pub square_before: f64,
+    /// The same with the effects.
+    pub square_after: f64,
     /// Their names.
     pub conditions: Vec<String>,
 }
@@ -29,7 +33,7 @@ pub fn of(experiment: &Experiment, prepared: &Prepared<'_>, search: &Search<'_>,
     if !marked && groups.len() < 2 {
         return None;
     }
-    let each: Vec<(f64, f64, usize)> = groups
+    let each: Vec<Each> = groups
         .par_iter()
         .map(|group| {
             let problem = Problem {
@@ -48,30 +52,54 @@ pub fn of(experiment: &Experiment, prepared: &Prepared<'_>, search: &Search<'_>,
                 Some(group) => s.group == *group && !s.hold_out,
                 None => s.hold_out,
             };
-            let (before, count) = miss(&prepared.problem, &base, &predicted);
-            let after = best.map_or(before, |fit| miss(&prepared.problem, &fit, &predicted).0);
-            (before, after, count)
+            let before = miss(&prepared.problem, &base, &predicted);
+            let after = best.map_or(before, |fit| miss(&prepared.problem, &fit, &predicted));
+            Each { before, after }
         })
         .collect();
-    let count: usize = each.iter().map(|e| e.2).sum();
-    let rmse = |of: fn(&(f64, f64, usize)) -> f64| (each.iter().map(of).sum::<f64>() / count.max(1) as f64).sqrt();
+    let sum = |of: fn(&Each) -> f64| each.iter().map(of).sum::<f64>();
+    let count = sum(|e| e.before.count).max(1.0);
     let conditions = groups.iter().map(|group| match group {
         Some(group) => design.group_name(experiment, *group),
         None => "runs marked hold_out".to_owned(),
     });
-    Some(HeldOut { rmse_before_n: rmse(|e| e.0), rmse_after_n: rmse(|e| e.1), conditions: conditions.collect() })
+    Some(HeldOut {
+        rmse_before_n: (sum(|e| e.before.square_n2) / count).sqrt(),
+        rmse_after_n: (sum(|e| e.after.square_n2) / count).sqrt(),
+        square_before: sum(|e| e.before.whitened),
+        square_after: sum(|e| e.after.whitened),
+        conditions: conditions.collect(),
+    })
 }
 
-/// Sum of squares, N^2, over predicted runs, and its number of nodes.
-fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Series) -> bool) -> (f64, usize) {
-    let contacts: Vec<f64> = problem.contacts_mm.clone();
-    let curves = problem.chain.predict(&fit.model, &contacts);
-    let (mut sum, mut count) = (0.0, 0);
-    for (series, curve) in problem.design.series.iter().zip(&curves).filter(|(s, _)| predicted(s)) {
-        for (node, force_n) in series.nodes.iter().zip(curve) {
-            sum += (node.force_n - force_n).powi(2);
-            count += 1;
+/// One group of conditions with base and effects.
+struct Each {
+    before: Miss,
+    after: Miss,
+}
+
+/// Sums of squares over predicted runs.
+#[derive(Clone, Copy)]
+struct Miss {
+    square_n2: f64,
+    whitened: f64,
+    count: f64,
+}
+
+fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Series) -> bool) -> Miss {
+    let forces = super::fit::predicted(problem.design, problem.chain, &fit.model, &problem.contacts_mm);
+    let whole = Problem { used: used_of(problem, predicted), ..problem.clone() };
+    let whitened = whole.residual(&fit.model).norm_squared();
+    let mut miss = Miss { square_n2: 0.0, whitened, count: 0.0 };
+    for (series, force) in problem.design.series.iter().zip(&forces).filter(|(s, _)| predicted(s)) {
+        for (node, force_n) in series.nodes.iter().zip(force) {
+            miss.square_n2 += (node.force_n - force_n).powi(2);
+            miss.count += 1.0;
         }
     }
-    (sum, count)
+    miss
+}
+
+fn used_of(problem: &Problem<'_>, predicted: &dyn Fn(&super::design::Series) -> bool) -> Vec<bool> {
+    problem.design.series.iter().flat_map(|s| vec![predicted(s); s.nodes.len()]).collect()
 }

@@ -27,7 +27,7 @@ use crate::experiment::Experiment;
 use crate::identify;
 
 use design::Design;
-use evidence::{Adequacy, Spaces};
+use evidence::{Adequacy, Panel, Spaces};
 use fault::Fault;
 use fit::{Fit, Problem};
 use held_out::HeldOut;
@@ -226,14 +226,15 @@ impl Diagnosis {
                 "nothing repeats: the noise is the stated one, and the scatter between spots is assumed (0.05 mm of contact, 1 % of gain)".to_owned(),
             );
         }
-        let curves = Problem::curves(&chain, &base.model, &problem.contacts_mm);
+        let curves = Problem::curves(&design, &chain, &base.model, &problem.contacts_mm);
         let margins = margin::margins(problem, &curves);
         let twins = evidence::twins(&problem.whitening, noise, &problem.used, evidence::TWINS);
         let candidates = search::candidates(&design);
         let signatures: Vec<DMatrix<f64>> = candidates.iter().map(|c| search::signature(problem, base, c)).collect();
         let spaces = Spaces::new(&signatures, &base.jacobian, &twins);
         let none = DMatrix::zeros(problem.whitening.len(), 0);
-        let adequacy = Adequacy::of(base, &margins, &none, &twins);
+        let panel = Panel::new(&margins, &twins);
+        let adequacy = Adequacy::of(base, &margins, &panel, &none, &twins);
         self.blind_to = verdict::blind_spots(&candidates, &signatures, base, &twins);
         let catalogue = (0..candidates.len()).map(|at| spaces.read(at, &base.residual)).fold(f64::MIN, f64::max);
         let visible = !adequacy.passes() || catalogue > spaces.threshold;
@@ -241,6 +242,7 @@ impl Diagnosis {
         let search = Search {
             problem,
             margins: &margins,
+            panel: &panel,
             twins: &twins,
             candidates,
             base: base.clone(),
@@ -254,7 +256,7 @@ impl Diagnosis {
             held = verdict::explanations(&search, &singles, progress);
         }
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &prepared, &search, &held)).flatten();
-        verdict::conclude(self, visible, &held, held_out.as_ref());
+        verdict::conclude(self, (visible, !adequacy.passes()), &held, held_out.as_ref());
         let (base, noise) = (base.clone(), *noise);
         drop(search);
         self.evidence =
@@ -320,7 +322,7 @@ impl<'a> Prepared<'a> {
             let residual = problem.plain(&fitted.model);
             let spots = problem.whitening.contacts_mm(&residual, noise.jitter.contact_mm);
             contacts_mm = design.series.iter().map(|s| spots[s.spot]).collect();
-            curves = Problem::curves(chain, &fitted.model, &contacts_mm);
+            curves = Problem::curves(design, chain, &fitted.model, &contacts_mm);
             let at_zero: Vec<Curve> = curves
                 .iter()
                 .zip(&contacts_mm)

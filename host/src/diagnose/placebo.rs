@@ -6,7 +6,7 @@ use rand_pcg::Pcg64;
 
 use super::design::Series;
 use super::evidence::{basis, rest_of};
-use super::fit::{Fit, Problem};
+use super::fit::{Fit, Problem, predicted};
 
 /// Placebo effects that a real one must beat.
 const PLACEBOS: usize = 40;
@@ -17,7 +17,7 @@ const SEED: u64 = 0x706c_6163;
 pub fn largest_gain(problem: &Problem<'_>, before: &Fit, parameters: usize) -> f64 {
     let mut chance = Pcg64::seed_from_u64(SEED);
     let explained = basis(&before.jacobian);
-    let base = problem.chain.predict(&before.model, &problem.contacts_mm);
+    let base = predicted(problem.design, problem.chain, &before.model, &problem.contacts_mm);
     let gains = (0..PLACEBOS).map(|_| {
         let columns: Vec<DVector<f64>> =
             (0..parameters.max(1)).map(|_| placebo(problem, &base, &mut chance)).collect();

@@ -6,10 +6,11 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::design::{Branch, Design};
-use super::evidence::{Adequacy, Spaces};
+use super::evidence::{Adequacy, Panel, Spaces};
 use super::fit::{self, Candidate, Fit, Problem, coordinates};
 use super::margin::Margin;
 use super::placebo;
+use super::whiten::kernel;
 
 /// Likelihood ratio of 100 as a difference of sums of squares.
 pub const RATIO_100: f64 = 9.21;
@@ -22,6 +23,8 @@ const FORM_ERROR: f64 = 0.02;
 const EXTENDED: usize = 5;
 /// Partners that each is tried with, by how much of its residual they could explain.
 const PARTNERS: usize = 7;
+/// Fits of several effects that are looked at closely, the best first.
+const JUDGED: usize = 12;
 
 /// A fit with what was found out about it.
 #[derive(Debug, Clone)]
@@ -69,6 +72,8 @@ pub struct Search<'a> {
     pub problem: &'a Problem<'a>,
     /// Margins.
     pub margins: &'a [Margin],
+    /// What they measure in clean twins.
+    pub panel: &'a Panel,
     /// Clean twins.
     pub twins: &'a DMatrix<f64>,
     /// Candidates that this design could have.
@@ -173,16 +178,25 @@ impl Search<'_> {
         best.unwrap_or_else(|| from.clone())
     }
 
-    /// What was found out about a fit, compared with the one it extends.
+    /// What was found out about a fit, compared with the one it extends by a candidate whose space is given.
     #[must_use]
-    pub fn judged(&self, fit: Fit, before: &Fit, reading: f64) -> Explanation {
-        let form = form_error(self.problem, &fit);
-        let adequacy = Adequacy::of(&fit, self.margins, &form, self.twins);
+    pub fn judged(&self, fit: Fit, before: &Fit, space: (&Spaces, usize)) -> Explanation {
+        let adequacy = Adequacy::of(&fit, self.margins, self.panel, &form_error(self.problem, &fit), self.twins);
+        // what the effects before it may be wrong by is no evidence for one more
+        let form = form_error(self.problem, before);
+        let kernel = kernel(&form);
+        let discounted = |residual: &DVector<f64>| (residual - &form * (&kernel * form.tr_mul(residual))).norm_squared();
+        let gain = discounted(&before.residual) - discounted(&fit.residual);
         let added = fit.coordinates.len() - before.coordinates.len();
         let placebo = placebo::largest_gain(self.problem, before, added);
-        let gain = before.square - fit.square;
-        let predicts = left_out(self.problem.design, &fit, self.problem) < left_out(self.problem.design, before, self.problem);
-        Explanation { beats_noise: reading > self.spaces.threshold, predicts, beats_placebo: gain > placebo, adequacy, fit }
+        let design = self.problem.design;
+        Explanation {
+            beats_noise: space.0.of_gain(space.1, gain) > self.spaces.threshold,
+            predicts: left_out(design, &fit, self.problem) < left_out(design, before, self.problem),
+            beats_placebo: before.square - fit.square > placebo,
+            adequacy,
+            fit,
+        }
     }
 
     /// Explanations by one effect, the best first.
@@ -190,44 +204,44 @@ impl Search<'_> {
     pub fn singles(&self) -> Vec<Explanation> {
         let each = self.candidates.par_iter().enumerate().map(|(at, candidate)| {
             let fit = self.extended(&self.base, candidate);
-            let reading = self.spaces.of_gain(at, self.base.square - fit.square);
-            self.judged(fit, &self.base, reading)
+            self.judged(fit, &self.base, (&self.spaces, at))
         });
         sorted(each.collect())
     }
 
-    /// Explanations by one effect more than those given, the best first.
+    /// Explanations by one effect more than those given, the best first; those far behind the best are not judged.
     #[must_use]
     pub fn one_more(&self, than: &[Explanation]) -> Vec<Explanation> {
-        let mut tasks: Vec<(usize, Candidate, f64)> = Vec::new();
+        let few = self.twins.columns(0, self.twins.ncols().min(200)).into_owned();
+        let mut tasks: Vec<(usize, Candidate)> = Vec::new();
         for (at, explanation) in than.iter().enumerate().take(EXTENDED) {
             let fit = &explanation.fit;
             let others: Vec<Candidate> = self.candidates.iter().filter(|c| other(c, fit)).copied().collect();
-            let signatures: Vec<DMatrix<f64>> =
-                others.par_iter().map(|c| signature(self.problem, fit, c)).collect();
-            let spaces = Spaces::new(&signatures, &fit.jacobian, &self.twins.columns(0, self.twins.ncols().min(200)).into_owned());
+            let signatures: Vec<DMatrix<f64>> = others.par_iter().map(|c| signature(self.problem, fit, c)).collect();
+            let spaces = Spaces::new(&signatures, &fit.jacobian, &few);
             let mut promise: Vec<(f64, Candidate)> =
                 others.iter().enumerate().map(|(i, c)| (spaces.read(i, &fit.residual), *c)).collect();
             promise.sort_by(|a, b| b.0.total_cmp(&a.0));
-            tasks.extend(promise.into_iter().take(PARTNERS).map(|(_, c)| (at, c, spaces.threshold)));
+            tasks.extend(promise.into_iter().take(PARTNERS).map(|(_, c)| (at, c)));
         }
-        let each = tasks.par_iter().map(|(at, candidate, threshold)| {
-            let before = &than[*at].fit;
-            let fit = self.extended(before, candidate);
-            let space = Spaces::new(&[signature(self.problem, before, candidate)], &before.jacobian, self.twins);
-            let reading = space.of_gain(0, before.square - fit.square) - threshold + self.spaces.threshold;
-            self.judged(fit, before, reading)
-        });
-        let mut list: Vec<Explanation> = sorted(each.collect());
+        let mut fits: Vec<(usize, Candidate, Fit)> =
+            tasks.into_par_iter().map(|(at, c)| (at, c, self.extended(&than[at].fit, &c))).collect();
+        fits.sort_by(|a, b| score(&a.2).total_cmp(&score(&b.2)));
         let mut seen: Vec<Vec<(&str, &str, usize)>> = Vec::new();
-        list.retain(|e| {
-            let mut key: Vec<_> = e.fit.candidates.iter().map(|c| (c.effect.code, c.effect.form, c.owner)).collect();
+        fits.retain(|(_, _, fit)| {
+            let mut key: Vec<_> = fit.candidates.iter().map(|c| (c.effect.code, c.effect.form, c.owner)).collect();
             key.sort_unstable();
             let new = !seen.contains(&key);
             seen.push(key);
             new
         });
-        list
+        fits.truncate(JUDGED);
+        let each = fits.into_par_iter().map(|(at, candidate, fit)| {
+            let before = &than[at].fit;
+            let space = Spaces::new(&[signature(self.problem, before, &candidate)], &before.jacobian, self.twins);
+            self.judged(fit, before, (&space, 0))
+        });
+        sorted(each.collect())
     }
 }
 

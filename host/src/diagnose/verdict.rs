@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::Diagnosis;
-use super::evidence::Gauge;
+use super::evidence::{Gauge, Panel};
 use super::fit::{Candidate, Fit};
 use super::held_out::HeldOut;
 use super::search::{Explanation, RATIO_100, Search};
@@ -79,7 +79,7 @@ pub(super) fn blind_spots(
         }
         let own = candidates.iter().zip(signatures).filter(|(c, _)| c.effect.code == effect.code);
         let mut forms = own.map(|(_, signature)| {
-            let gauge = Gauge::of(signature, &base.jacobian, &few);
+            let gauge = Gauge::new(&Panel::of(signature.clone(), &few), &base.jacobian, &few);
             let seen = signature.column_iter().enumerate().map(|(j, column)| gauge.read(&column.into_owned())[j].abs());
             // one direction alone needs 2.8 to pass at the level of one in two hundred
             seen.fold(0.0, f64::max) > 2.8 + POWER
@@ -118,50 +118,50 @@ fn alike(list: &[Explanation]) -> Vec<Explanation> {
     held
 }
 
-/// Fills in verdict and findings.
-pub(super) fn conclude(diagnosis: &mut Diagnosis, visible: bool, held: &[Explanation], held_out: Option<&HeldOut>) {
-    if !visible {
-        diagnosis.verdict = Verdict::Clean;
-        return;
-    }
-    let gains = held_out.is_none_or(|h| h.rmse_after_n < h.rmse_before_n);
-    let Some(best) = held.first().filter(|_| gains) else {
-        diagnosis.verdict = Verdict::Unknown;
+/// Fills in verdict and findings. `in_margins` tells whether a discrepancy shows in any variable, `visible` whether it shows at all.
+pub(super) fn conclude(
+    diagnosis: &mut Diagnosis,
+    (visible, in_margins): (bool, bool),
+    held: &[Explanation],
+    held_out: Option<&HeldOut>,
+) {
+    let gains = held_out.is_none_or(|h| h.square_after < h.square_before);
+    let best = held.first().filter(|_| visible && gains);
+    let Some(best) = best else {
+        // what shows in no variable and has no name is within what one clean experiment of two hundred shows
+        diagnosis.verdict = if in_margins { Verdict::Unknown } else { Verdict::Clean };
         return;
     };
     for (at, candidate) in best.fit.candidates.iter().enumerate() {
-        let others: Vec<&'static str> = best
-            .fit
-            .candidates
-            .iter()
-            .enumerate()
-            .filter(|(i, _)| *i != at)
-            .map(|(_, c)| c.effect.code)
-            .collect();
-        let mut ambiguous_with: Vec<&'static str> = Vec::new();
-        for rival in held {
-            let mut codes: Vec<&'static str> = rival.fit.candidates.iter().map(|c| c.effect.code).collect();
-            // what the rival has in place of this effect
-            for other in &others {
-                if let Some(found) = codes.iter().position(|c| c == other) {
-                    codes.remove(found);
-                }
-            }
-            for code in codes {
-                if code != candidate.effect.code && !ambiguous_with.contains(&code) {
-                    ambiguous_with.push(code);
-                }
-            }
-        }
         let parameters = best.fit.quantities(at, Z95).into_iter().map(|(q, value, i)| (q.name, value, i)).collect();
         diagnosis.findings.push(Finding {
             code: candidate.effect.code,
             form: candidate.effect.form,
             owner: candidate.owner,
             parameters,
-            ambiguous_with,
+            ambiguous_with: others(best, at, held),
         });
     }
     let single = diagnosis.findings.iter().all(|f| f.ambiguous_with.is_empty());
     diagnosis.verdict = if single { Verdict::Named } else { Verdict::Ambiguous };
+}
+
+/// Codes that rivals of the best explanation have in place of one of its effects.
+fn others(best: &Explanation, at: usize, held: &[Explanation]) -> Vec<&'static str> {
+    let codes = |e: &Explanation| -> Vec<&'static str> { e.fit.candidates.iter().map(|c| c.effect.code).collect() };
+    let own = codes(best);
+    let mut found: Vec<&'static str> = Vec::new();
+    for rival in held.iter().skip(1) {
+        let its = codes(rival);
+        if its.contains(&own[at]) {
+            continue;
+        }
+        // an effect that both have is not what they differ by
+        for code in its.into_iter().filter(|code| !own.contains(code)) {
+            if !found.contains(&code) {
+                found.push(code);
+            }
+        }
+    }
+    found
 }

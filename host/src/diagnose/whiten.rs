@@ -38,7 +38,10 @@ struct Spot {
 const SIMULATED: f64 = 0.001;
 
 /// `K` of `(I + Z Z')^(-1/2) = I - Z K Z'`.
-fn kernel(z: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn kernel(z: &DMatrix<f64>) -> DMatrix<f64> {
+    if z.ncols() == 0 {
+        return DMatrix::zeros(0, 0);
+    }
     let eigen = (z.transpose() * z).symmetric_eigen();
     // (1 - 1/sqrt(1 + x)) / x, its limit 1/2 for x -> 0
     let part = |x: f64| if x < 1e-9 { 0.5 } else { (1.0 - 1.0 / (1.0 + x).sqrt()) / x };

@@ -12,7 +12,7 @@ pub const HEIGHT: Effect = Effect {
     twins: &["compliance", "radius", "second-term"],
     separated_by: "a specimen of twice the height; a third ball",
     quantities: &[
-        Quantity::amplitude("height_error_mm", 0.0, (-10.0, 30.0), 2.0, &[-2.0, 3.0]),
+        Quantity::amplitude("height_error_mm", 0.0, (-4.0, 5.0), 1.5, &[-1.5, 2.0]),
     ],
     owner: Owner::Specimen,
 };
