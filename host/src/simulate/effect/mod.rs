@@ -1,6 +1,6 @@
 //! Departures of the truth from the declared model, each by the code that a diagnosis would name.
 //!
-//! Applied in physical order: specimen, material and contact decide the finite-element case ([`super::body`]); then
+//! Applied in physical order: specimen, material and contact decide the finite-element case (`simulate::body`); then
 //! the machine, the specimen's response outside the catalogue, the sensor and the session clock. The order in which
 //! a specification lists them does not matter.
 
