@@ -29,6 +29,7 @@ mod folder;
 mod interpolation;
 mod motion;
 mod noise;
+mod plan;
 mod recorded;
 mod response;
 mod session;

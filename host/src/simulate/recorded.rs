@@ -11,7 +11,6 @@ use super::effect::sensor::Sensor;
 use super::effect::{Effect, outside};
 use super::folder::SimulatedRun;
 use super::noise::{Correlated, Wander};
-use super::response::Moment;
 use super::session::{Visit, visits};
 use super::spec::Spec;
 
@@ -77,7 +76,9 @@ fn pressed(spec: &Spec, condition: &Condition, visit: &Visit, step_s: f64) -> Ve
             // the set of a cycle appears in proportion to the way back
             let way = if back { ((highest - driven_mm) / highest.max(1e-9)).clamp(0.0, 1.0) } else { 0.0 };
             let depth_mm = driven_mm - before_mm - (after_mm - before_mm) * way;
-            let moment = Moment { time_s: step_s * k as f64, depth_mm, peak_mm, back, cycle };
+            let mut moment = condition.moment(step_s * k as f64, depth_mm, peak_mm, cycle);
+            moment.back = back;
+            moment.nominal_mm = condition.nominal_mm.get(k).copied().unwrap_or(depth_mm);
             let (depth_mm, force_n) = condition.pressed(&condition.history, &elastic, moment);
             peak_mm = peak_mm.max(depth_mm);
             run.push(force_n * visit.gain);

@@ -57,7 +57,8 @@ impl Elastic {
 pub(super) enum History {
     /// Nothing.
     None,
-    /// No time in it: functions of depth on the way down, and of the way since the peak on the way back, by cycle.
+    /// No time in it: functions of depth on the way down, and of the part of the largest depth that is behind on the way back,
+    /// by cycle.
     Branches { down: Vec<Smooth>, back: Vec<Smooth>, added: bool },
     /// Functions of the time in the run, by cycle.
     Timed { cycles: Vec<Smooth>, added: bool },
@@ -74,17 +75,50 @@ pub(super) struct Timing {
     pub cycles: usize,
 }
 
+/// What the recorded depth does at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Phase {
+    /// Down, until a time (s) of the run.
+    Down { end_s: f64 },
+    /// Standing.
+    Hold,
+    /// Back, since a time (s) of the run.
+    Back { start_s: f64 },
+}
+
 /// Where a ball is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Moment {
     pub time_s: f64,
     pub depth_mm: f64,
+    /// Depth that the nominal spot has at this time, mm.
+    pub nominal_mm: f64,
+    /// Rate of the recorded depth, mm/s.
+    pub rate_mm_s: f64,
+    /// What the recorded depth does.
+    pub phase: Phase,
     /// Largest depth of the run so far, mm.
     pub peak_mm: f64,
     /// On the way back.
     pub back: bool,
     /// From 1.
     pub cycle: usize,
+}
+
+impl Moment {
+    /// Time (s) at which the nominal spot was in the state in which this one is now. On the way down it is as long after touch; on
+    /// the way back, as far back in parts of the largest depth.
+    fn same_state_s(&self) -> f64 {
+        let ahead_s = (self.depth_mm - self.nominal_mm) / self.rate_mm_s;
+        match self.phase {
+            Phase::Down { end_s } => (self.time_s + ahead_s).min(end_s),
+            Phase::Hold => self.time_s,
+            Phase::Back { start_s } => {
+                let behind = (1.0 - self.depth_mm / self.peak_mm.max(1e-9)).clamp(0.0, 1.0);
+                (self.time_s - behind * ahead_s).max(start_s)
+            }
+        }
+    }
 }
 
 impl History {
@@ -104,9 +138,9 @@ impl History {
                 down.push(Smooth::through(points, top));
             } else {
                 for point in &mut points {
-                    point.0 = peak - point.0;
+                    point.0 = 1.0 - point.0 / peak;
                 }
-                let whole = std::iter::once((0.0, top)).chain(points.into_iter().filter(|p| p.0 > 1e-9 * peak));
+                let whole = std::iter::once((0.0, top)).chain(points.into_iter().filter(|p| p.0 > 1e-9));
                 back.push(Smooth::through(whole, top));
             }
         }
@@ -146,9 +180,9 @@ impl History {
                 (nth(down, at.depth_mm, f64::from(u8::from(!added))), *added)
             }
             Self::Branches { back, added, .. } => {
-                (nth(back, at.peak_mm - at.depth_mm, f64::from(u8::from(!added))), *added)
+                (nth(back, 1.0 - at.depth_mm / at.peak_mm.max(1e-9), f64::from(u8::from(!added))), *added)
             }
-            Self::Timed { cycles, added } => (nth(cycles, at.time_s, f64::from(u8::from(!added))), *added),
+            Self::Timed { cycles, added } => (nth(cycles, at.same_state_s(), f64::from(u8::from(!added))), *added),
         };
         if added { (force + elastic.scale * value, slope) } else { (force * value, slope * value.max(0.0)) }
     }

@@ -26,6 +26,22 @@ pub enum What {
     Pair([&'static str; 2], usize),
 }
 
+impl What {
+    /// Everything that can be hidden, once: clean, every effect at every level, every pair at the lower of its levels, every placebo.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let levels = |make: fn(&'static str, usize) -> Self, codes: &'static [&'static str]| {
+            codes.iter().flat_map(move |code| (0..LEVELS).map(move |level| make(code, level)))
+        };
+        std::iter::once(Self::Clean)
+            .chain(levels(Self::Catalogue, &CATALOGUE))
+            .chain(levels(Self::Outside, &OUTSIDE))
+            .chain(PAIRS.iter().map(|pair| Self::Pair(*pair, 3)))
+            .chain(Variable::ALL.iter().map(|(_, variable)| Self::Placebo(*variable)))
+            .collect()
+    }
+}
+
 /// How the noise compares with what a diagnosis assumes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoiseKind {
@@ -162,22 +178,13 @@ mod tests {
     #[test]
     fn every_level_of_every_effect_is_a_specification() {
         for design in Design::ALL {
-            let whats = CATALOGUE.iter().map(|code| What::Catalogue(code, 0));
-            let whats: Vec<What> = whats.chain(OUTSIDE.iter().map(|code| What::Outside(code, 0))).collect();
-            for what in whats {
-                for level in 0..LEVELS {
-                    let what = match what {
-                        What::Outside(code, _) => What::Outside(code, level),
-                        What::Catalogue(code, _) => What::Catalogue(code, level),
-                        ref other => other.clone(),
-                    };
-                    let case = Case::new(design, 5 + level as u64).hiding(what);
-                    let text: String = case.truth().effects.iter().map(Effect::to_toml).collect();
-                    let head = "[indenter.r4]\nradius_mm = 4\n[indenter.r6]\nradius_mm = 6\n[indenter.r9]\nradius_mm = 9\n\
-                                [[run]]\ntest = \"air\"\nhold_s = 1\n";
-                    let read = palpate::simulate::parse(std::path::Path::new("x.toml"), &format!("{head}{text}"));
-                    assert_eq!(read.unwrap_or_else(|e| panic!("{e}\n{text}")).effects, case.truth().effects);
-                }
+            for (seed, what) in What::all().into_iter().enumerate() {
+                let case = Case::new(design, seed as u64).hiding(what);
+                let text: String = case.truth().effects.iter().map(Effect::to_toml).collect();
+                let head = "[indenter.r4]\nradius_mm = 4\n[indenter.r6]\nradius_mm = 6\n[indenter.r9]\nradius_mm = 9\n\
+                            [[run]]\ntest = \"air\"\nhold_s = 1\n";
+                let read = palpate::simulate::parse(std::path::Path::new("x.toml"), &format!("{head}{text}"));
+                assert_eq!(read.unwrap_or_else(|e| panic!("{e}\n{text}")).effects, case.truth().effects);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Departures of the truth from the declared model, each by the code that a diagnosis would name.
 //!
-//! Applied in physical order: specimen, material and contact decide the finite-element case ([`super::body`]); then
+//! Applied in physical order: specimen, material and contact decide the finite-element case (`simulate::body`); then
 //! the machine, the specimen's response outside the catalogue, the sensor and the session clock. The order in which
 //! a specification lists them does not matter.
 
@@ -9,8 +9,10 @@ pub(super) mod machine;
 pub(super) mod outside;
 pub(super) mod placebo;
 pub(super) mod sensor;
+mod settings;
 
 pub(crate) use description::effect as parse;
+pub use settings::Setting;
 
 /// What a placebo varies with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -210,15 +212,6 @@ pub enum Effect {
     },
 }
 
-/// A parameter as written in a file.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Setting {
-    /// A number.
-    Number(f64),
-    /// A word.
-    Word(String),
-}
-
 impl Effect {
     /// The code a diagnosis would give; what lies outside its catalogue begins with `outside-`.
     #[must_use]
@@ -249,80 +242,5 @@ impl Effect {
             Self::StickSlip { .. } => "outside-stick-slip",
             Self::Placebo { .. } => "placebo",
         }
-    }
-
-    /// Parameters by the keys of a specification.
-    #[must_use]
-    pub fn parameters(&self) -> Vec<(String, Setting)> {
-        let n = |list: &[(&str, f64)]| list.iter().map(|(k, v)| ((*k).to_owned(), Setting::Number(*v))).collect();
-        let word = |key: &str, word: &str| (key.to_owned(), Setting::Word(word.to_owned()));
-        match self {
-            Self::Relaxation(terms) => terms
-                .iter()
-                .enumerate()
-                .flat_map(|(i, (g, tau))| {
-                    [(format!("g{}", i + 1), Setting::Number(*g)), (format!("tau{}_s", i + 1), Setting::Number(*tau))]
-                })
-                .collect(),
-            Self::Poisson { nu } => n(&[("nu", *nu)]),
-            Self::SecondTerm { mu2_ratio, alpha2 } => n(&[("mu2_ratio", *mu2_ratio), ("alpha2", *alpha2)]),
-            Self::Softening { r, m_mpa, beta } => n(&[("r", *r), ("m_MPa", *m_mpa), ("beta", *beta)]),
-            Self::Thickness { height_error_mm } => n(&[("height_error_mm", *height_error_mm)]),
-            Self::SlidingBase => vec![word("base", "sliding")],
-            Self::Friction { coefficient } => n(&[("coefficient", *coefficient)]),
-            Self::Adhesion { work_n_per_mm, range_mm } => {
-                n(&[("work_N_per_mm", *work_n_per_mm), ("range_mm", *range_mm)])
-            }
-            Self::ContactOffset { offset_mm } => n(&[("offset_mm", *offset_mm)]),
-            Self::Compliance { mm_per_n } => n(&[("mm_per_N", *mm_per_n)]),
-            Self::Radius { indenter, error_mm } => {
-                vec![word("indenter", indenter), ("error_mm".to_owned(), Setting::Number(*error_mm))]
-            }
-            Self::Lag { lag_s } => n(&[("lag_s", *lag_s)]),
-            Self::RateLimit { rate_mm_s } => n(&[("rate_limit_mm_s", *rate_mm_s)]),
-            Self::SensorGain { gain } => n(&[("gain", *gain)]),
-            Self::SensorNonlinearity { quadratic_per_n } => n(&[("quadratic_per_N", *quadratic_per_n)]),
-            Self::SensorCreep { amplitude, tau_s } => n(&[("amplitude", *amplitude), ("tau_s", *tau_s)]),
-            Self::SensorHysteresis { width } => n(&[("width", *width)]),
-            Self::Drift { n_per_h, thermal_n, thermal_s } => {
-                n(&[("N_per_h", *n_per_h), ("thermal_N", *thermal_n), ("thermal_s", *thermal_s)])
-            }
-            Self::Numerics { mesh, alpha_step } => {
-                let given = [("mesh", *mesh), ("alpha_step", *alpha_step)];
-                n(&given.iter().filter_map(|(k, v)| v.map(|v| (*k, v))).collect::<Vec<_>>())
-            }
-            Self::PowerLaw { amplitude, t0_s, beta } => {
-                n(&[("amplitude", *amplitude), ("t0_s", *t0_s), ("beta", *beta)])
-            }
-            Self::PlasticSet { share } => n(&[("share", *share)]),
-            Self::StiffSkin { stiffness_n_per_mm2 } => n(&[("stiffness_N_per_mm2", *stiffness_n_per_mm2)]),
-            Self::Anisotropic { depth_power, radius_power } => {
-                n(&[("depth_power", *depth_power), ("radius_power", *radius_power)])
-            }
-            Self::Tilt { angle_deg, distance_mm } => n(&[("angle_deg", *angle_deg), ("distance_mm", *distance_mm)]),
-            Self::Hum { amplitude_n, frequency_hz } => {
-                n(&[("amplitude_N", *amplitude_n), ("frequency_hz", *frequency_hz)])
-            }
-            Self::StickSlip { amplitude_n, period_mm } => {
-                n(&[("amplitude_N", *amplitude_n), ("period_mm", *period_mm)])
-            }
-            Self::Placebo { variable, amplitude } => {
-                let name = Variable::ALL.iter().find(|(_, v)| v == variable).map_or("depth", |(name, _)| *name);
-                vec![word("variable", name), ("amplitude".to_owned(), Setting::Number(*amplitude))]
-            }
-        }
-    }
-
-    /// The effect as an `[[effect]]` of a specification.
-    #[must_use]
-    pub fn to_toml(&self) -> String {
-        let mut text = format!("[[effect]]\ncode = \"{}\"\n", self.code());
-        for (key, setting) in self.parameters() {
-            match setting {
-                Setting::Number(value) => text.push_str(&format!("{key} = {value:?}\n")),
-                Setting::Word(word) => text.push_str(&format!("{key} = \"{word}\"\n")),
-            }
-        }
-        text
     }
 }

@@ -17,6 +17,20 @@ fn the_example_is_a_specification() {
 }
 
 #[test]
+fn the_documentation_shows_a_specification_and_names_every_effect() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/simulate.md");
+    let text = std::fs::read_to_string(docs).unwrap();
+    let example = text.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let spec = spec(example).unwrap();
+    assert_eq!((spec.runs.len(), spec.effects.len(), spec.noise.contact_jitter_mm), (2, 1, 0.02));
+    let error = self::spec(&format!("{WHOLE}[[effect]]\ncode = \"?\"\n")).unwrap_err();
+    let codes: Vec<&str> =
+        error.split("one of ").nth(1).unwrap().split(", ").map(|code| code.trim_matches('"')).collect();
+    assert_eq!(codes.len(), 24);
+    assert!(codes.iter().all(|code| text.contains(&format!("| `{code}` |"))), "{codes:?}");
+}
+
+#[test]
 fn what_is_left_out_has_defaults() {
     let spec = spec(WHOLE).unwrap();
     assert_eq!((spec.name.as_str(), spec.seed, spec.sample_hz, spec.refinement), ("spec", 1, 50.0, FINER));
