@@ -25,6 +25,9 @@ fn main() {
                 match &code {
                     Some(code) if code == "clean" => case.hiding(What::Clean),
                     Some(code) if code == "matched" => case.hiding(What::Clean).in_noise(NoiseKind::Matched),
+                    Some(code) if code == "pairs" => {
+                        case.hiding(What::Pair(tests::hidden::PAIRS[seed as usize % 10], 3 + (seed as usize / 10) % 2))
+                    }
                     Some(code) => match tests::hidden::CATALOGUE.iter().find(|c| *c == code) {
                         Some(found) => case.hiding(What::Catalogue(found, (seed % 5) as usize)),
                         None => {

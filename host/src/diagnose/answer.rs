@@ -27,6 +27,11 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
     let evidence = diagnosis.evidence.as_deref();
     let held_out = evidence.and_then(|e| e.held_out.as_ref());
     let extended = evidence.and_then(|e| e.held.first()).filter(|_| named(diagnosis.verdict));
+    let proposals: Vec<Value> = diagnosis
+        .proposals
+        .iter()
+        .map(|p| json!({ "what": p.what, "decides": p.decides, "distance": p.distance }))
+        .collect();
     let faults: Vec<Value> =
         diagnosis.faults.iter().map(|f| json!({ "code": f.code(), "what": f.to_string() })).collect();
     json!({
@@ -36,6 +41,9 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "ambiguous_with": ambiguous,
         "shows_in": diagnosis.shows_in,
         "blind_to": diagnosis.blind_to,
+        "cannot_exclude": diagnosis.cancelling,
+        "next_experiment": diagnosis.proposals.first().map(|p| json!({ "what": p.what, "decides": p.decides })),
+        "proposals": proposals,
         "faults": faults,
         "reason": diagnosis.refusal.as_ref().map(ToString::to_string),
         "held_out": held_out.map(|h| json!({

@@ -22,6 +22,8 @@ const LEAST_SAMPLES: usize = 12;
 const SAME_RATE: f64 = 0.05;
 /// Largest depth over ball radius that the force models are asked for: beyond, a ball is a shank.
 const DEEPEST: f64 = 1.2;
+/// How far past the contact the recorded zero may lie, mm: depths that the force models must cover.
+const LATE_MM: f64 = 0.25;
 /// Recorded zeros within this distance (mm) of the contact were meant to be the contact.
 const MEANT_MM: f64 = 0.4;
 
@@ -178,10 +180,9 @@ impl Design {
         let run = &experiment.runs[raw.run];
         let (Some(specimen), Some(indenter)) = (run.specimen, run.indenter) else { return };
         let ball_mm = experiment.indenters[indenter].radius_mm.known().unwrap_or(0.0);
-        let contact_mm = if self.zero_is_contact { raw.contact_mm } else { self.zero_mm };
         let (nodes, corners) = nodes(&run.recording, &raw.motion, raw.contact_mm, self.zero_mm);
         let (path, at) = path(&nodes, corners);
-        let deepest = nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max) - (raw.contact_mm - contact_mm).min(0.0);
+        let deepest = nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max) + LATE_MM;
         let geometry = self.geometry(experiment, specimen, ball_mm, deepest);
         let rate = self
             .rates_mm_per_s
@@ -228,7 +229,7 @@ impl Design {
             },
         };
         // a margin for what contact and compliance add, in steps so that like experiments share their models
-        let wanted = (1.12 * deepest_mm).min(DEEPEST * ball_mm).min(0.8 * height_mm);
+        let wanted = (1.06 * deepest_mm).min(DEEPEST * ball_mm).min(0.8 * height_mm);
         let depth_mm = (wanted / 0.25).ceil() * 0.25;
         let known = self.geometries.iter_mut().enumerate();
         for (at, geometry) in known {

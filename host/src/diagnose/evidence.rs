@@ -37,7 +37,7 @@ pub fn twins(whitening: &Whitening, noise: &Noise, used: &[bool], count: usize) 
     let factor = |freedom: f64, chance: &mut Pcg64| {
         ChiSquared::new(freedom).map_or(1.0, |chi| (freedom / chi.sample(chance).max(0.05 * freedom)).sqrt())
     };
-    let mut out = DMatrix::zeros(whitening.len(), count);
+    let mut out = DMatrix::zeros(whitening.residuals(), count);
     for j in 0..count {
         let sensor = factor(noise.sensor_freedom, &mut chance);
         let jitter = [(); 3].map(|()| factor(noise.freedom, &mut chance));

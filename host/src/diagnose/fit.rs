@@ -68,7 +68,7 @@ pub struct Fit {
     pub at_bound: bool,
 }
 
-const MOST_STEPS: usize = 14;
+const MOST_STEPS: usize = 30;
 /// A fit has ended when a step changes the sum of squares by less than this.
 const SETTLED: f64 = 0.02;
 /// Exponents that the force models cover.
@@ -90,7 +90,7 @@ impl Coordinate {
     }
 
     /// Step of a difference quotient.
-    fn step(&self) -> f64 {
+    pub(super) fn step(&self) -> f64 {
         match self {
             Coordinate::LnMu | Coordinate::LnAlpha => 1e-3,
             Coordinate::Zero => 1e-3,
@@ -172,6 +172,12 @@ pub fn predicted(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f
 }
 
 impl Problem<'_> {
+    /// Largest force of all runs, N.
+    #[must_use]
+    pub fn largest_n(&self) -> f64 {
+        self.design.series.iter().flat_map(|s| &s.nodes).map(|n| n.force_n).fold(0.0, f64::max)
+    }
+
     /// Measured less predicted, whitened; entries that are not used are 0.
     #[must_use]
     pub fn residual(&self, model: &Model) -> DVector<f64> {
@@ -184,7 +190,7 @@ impl Problem<'_> {
     #[must_use]
     pub fn plain(&self, model: &Model) -> DVector<f64> {
         let predicted = predicted(self.design, self.chain, model, &self.contacts_mm);
-        let mut residual = DVector::zeros(self.whitening.len());
+        let mut residual = DVector::zeros(self.whitening.residuals());
         for (s, (series, curve)) in self.design.series.iter().zip(&predicted).enumerate() {
             let first = self.whitening.first(s);
             for (k, (node, force_n)) in series.nodes.iter().zip(curve).enumerate() {
@@ -248,7 +254,7 @@ impl Problem<'_> {
         x: &DVector<f64>,
         residual: &DVector<f64>,
     ) -> DMatrix<f64> {
-        let mut out = DMatrix::zeros(self.whitening.len(), coordinates.len());
+        let mut out = DMatrix::zeros(self.whitening.residuals(), coordinates.len());
         for (j, coordinate) in coordinates.iter().enumerate() {
             let (_, high) = coordinate.bounds();
             let step = if x[j] + coordinate.step() > high { -coordinate.step() } else { coordinate.step() };

@@ -126,7 +126,7 @@ impl Builder<'_, '_> {
 
     fn weigh(&mut self, variable: Variable, label: String, weight: impl Fn(&Series, &Node, f64) -> f64) {
         let problem = self.problem;
-        let mut direction = DVector::zeros(problem.whitening.len());
+        let mut direction = DVector::zeros(problem.whitening.residuals());
         let mut entries = Vec::new();
         for (s, (series, curve)) in problem.design.series.iter().zip(self.curves).enumerate() {
             for (k, (node, force_n)) in series.nodes.iter().zip(&curve.force_n).enumerate() {

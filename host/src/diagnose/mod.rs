@@ -12,8 +12,12 @@ pub mod fit;
 pub mod held_out;
 pub mod margin;
 pub mod noise;
+pub mod model_file;
 mod placebo;
+pub mod plan;
 pub mod search;
+#[cfg(test)]
+mod tests;
 mod verdict;
 pub mod whiten;
 
@@ -32,6 +36,7 @@ use fault::Fault;
 use fit::{Fit, Problem};
 use held_out::HeldOut;
 use margin::Margin;
+use plan::Proposal;
 use noise::{Curve, Jitter, Noise, SensorNoise, Source};
 use search::{Explanation, Search};
 use whiten::Whitening;
@@ -112,6 +117,10 @@ pub struct Diagnosis {
     pub shows_in: Vec<&'static str>,
     /// Effects that a plausible amount of would not be seen in this design.
     pub blind_to: Vec<&'static str>,
+    /// Runs that would decide between the names, or show what cannot be seen, the best first.
+    pub proposals: Vec<Proposal>,
+    /// Pairs of effects that this design could not see if they were of equal size.
+    pub cancelling: Vec<&'static str>,
     /// The data's own faults.
     pub faults: Vec<Fault>,
     /// Why it was refused, if so.
@@ -194,6 +203,8 @@ impl Diagnosis {
             findings: Vec::new(),
             shows_in: Vec::new(),
             blind_to: Vec::new(),
+            proposals: Vec::new(),
+            cancelling: Vec::new(),
             messages: faults.iter().map(ToString::to_string).collect(),
             faults,
             refusal: None,
@@ -232,7 +243,7 @@ impl Diagnosis {
         let candidates = search::candidates(&design);
         let signatures: Vec<DMatrix<f64>> = candidates.iter().map(|c| search::signature(problem, base, c)).collect();
         let spaces = Spaces::new(&signatures, &base.jacobian, &twins);
-        let none = DMatrix::zeros(problem.whitening.len(), 0);
+        let none = DMatrix::zeros(problem.whitening.residuals(), 0);
         let panel = Panel::new(&margins, &twins);
         let adequacy = Adequacy::of(base, &margins, &panel, &none, &twins);
         self.blind_to = verdict::blind_spots(&candidates, &signatures, base, &twins);
@@ -256,6 +267,8 @@ impl Diagnosis {
             held = verdict::explanations(&search, &singles, progress);
         }
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &prepared, &search, &held)).flatten();
+        self.cancelling = verdict::cancelling(experiment);
+        self.proposals = plan::proposals(experiment, &prepared, &search, &held, &self.blind_to);
         verdict::conclude(self, (visible, !adequacy.passes()), &held, held_out.as_ref());
         let (base, noise) = (base.clone(), *noise);
         drop(search);
@@ -310,7 +323,7 @@ impl<'a> Prepared<'a> {
         let mut base: Option<Fit> = None;
         for round in 0..=ROUNDS {
             let whitening = Whitening::new(design, &curves, &noise)?;
-            let back_n = back(design, &curves, &contacts_mm, whitening.len());
+            let back_n = back(design, &curves, &contacts_mm, whitening.residuals());
             let problem = Problem { design, chain, contacts_mm: contacts_mm.clone(), back_n, whitening, used: used.clone() };
             let fitted = match &base {
                 None => search::base_fit(&problem, 0.05 * largest.max(1e-6)),

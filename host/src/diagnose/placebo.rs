@@ -40,7 +40,7 @@ fn placebo(problem: &Problem<'_>, base: &[Vec<f64>], chance: &mut Pcg64) -> DVec
         4 => s.run,
         _ => 0,
     };
-    let mut column = DVector::zeros(problem.whitening.len());
+    let mut column = DVector::zeros(problem.whitening.residuals());
     for (s, series) in problem.design.series.iter().enumerate() {
         let deepest = series.nodes.iter().map(|n| n.depth_mm).fold(f64::MIN_POSITIVE, f64::max);
         for (k, node) in series.nodes.iter().enumerate() {

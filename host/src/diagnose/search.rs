@@ -19,10 +19,14 @@ const CHARGE: f64 = 3.0;
 /// Relative error of an effect as the catalogue writes it down, along smooth shapes: the chain against finite elements of the
 /// whole path is within that (tests/chain.rs), and nature is not closer to either.
 const FORM_ERROR: f64 = 0.02;
+/// The same on the way back, where the edge of the contact lifts and histories matter most.
+const FORM_ERROR_BACK: f64 = 0.04;
 /// Singles and pairs that are extended when one, or two, effects are not enough.
-const EXTENDED: usize = 5;
+const EXTENDED: usize = 3;
 /// Partners that each is tried with, by how much of its residual they could explain.
-const PARTNERS: usize = 7;
+const PARTNERS: usize = 8;
+/// Starts of a candidate's parameters that are followed, the most promising first.
+const DESCENTS: usize = 2;
 /// Fits of several effects that are looked at closely, the best first.
 const JUDGED: usize = 12;
 
@@ -129,7 +133,7 @@ pub fn candidates(design: &Design) -> Vec<Candidate> {
 #[must_use]
 pub fn signature(problem: &Problem<'_>, at: &Fit, candidate: &Candidate) -> DMatrix<f64> {
     let here = problem.residual(&at.model);
-    let columns: Vec<DVector<f64>> = shapes(candidate)
+    let columns: Vec<DVector<f64>> = shapes(problem.largest_n(), candidate)
         .into_iter()
         .map(|values| {
             let mut model = at.model.clone();
@@ -141,9 +145,9 @@ pub fn signature(problem: &Problem<'_>, at: &Fit, candidate: &Candidate) -> DMat
 }
 
 /// Plausible amplitudes with every start of the shape parameters.
-fn shapes(candidate: &Candidate) -> Vec<Vec<f64>> {
+fn shapes(largest_n: f64, candidate: &Candidate) -> Vec<Vec<f64>> {
     starts(candidate, |q| match q.spread {
-        Spread::Even => vec![q.plausible],
+        Spread::Even => vec![q.scaled(q.plausible, largest_n)],
         Spread::Logarithmic => q.starts.to_vec(),
     })
 }
@@ -168,12 +172,19 @@ impl Search<'_> {
     pub fn extended(&self, from: &Fit, candidate: &Candidate) -> Fit {
         let candidates: Vec<Candidate> = from.candidates.iter().copied().chain([*candidate]).collect();
         let list = coordinates(self.problem.design, &candidates);
-        let fits = starts(candidate, |q| q.starts.to_vec()).into_iter().map(|values| {
-            let known = from.x.len();
-            let x = DVector::from_fn(list.len(), |i, _| if i < known { from.x[i] } else { list[i].of(values[i - known]) });
-            self.problem.fit(&candidates, &x)
-        });
-        // the settings' order of a fit without candidates may carry the zero: coordinates come first, candidates after
+        let largest_n = self.problem.largest_n();
+        let known = from.x.len();
+        let mut points: Vec<(f64, DVector<f64>)> =
+            starts(candidate, |q| q.starts.iter().map(|v| q.scaled(*v, largest_n)).collect())
+                .into_iter()
+                .map(|values| {
+                    let place = |i: usize| if i < known { from.x[i] } else { list[i].of(values[i - known]) };
+                    let x = DVector::from_fn(list.len(), |i, _| place(i));
+                    (self.problem.residual(&fit::model(&list, &candidates, &x)).norm_squared(), x)
+                })
+                .collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let fits = points.into_iter().take(DESCENTS).map(|(_, x)| self.problem.fit(&candidates, &x));
         let best = fits.min_by(|a, b| a.square.total_cmp(&b.square));
         best.unwrap_or_else(|| from.clone())
     }
@@ -262,15 +273,20 @@ fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
     bare.settings.retain(|s| !fit.candidates.iter().any(|c| c.effect == s.effect && c.owner == s.owner));
     let added = problem.plain(&bare) - problem.plain(&fit.model);
     let mut columns = Vec::new();
-    for branch in [Branch::Loading, Branch::Hold, Branch::Unloading] {
-        for shape in 0..2 {
+    for (branch, share) in
+        [(Branch::Loading, FORM_ERROR), (Branch::Hold, FORM_ERROR), (Branch::Unloading, FORM_ERROR_BACK)]
+    {
+        for shape in 0..3 {
             let mut column = DVector::zeros(added.len());
             for (s, series) in problem.design.series.iter().enumerate() {
                 let deepest = series.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
                 for (k, node) in series.nodes.iter().enumerate().filter(|(_, n)| n.branch == branch) {
                     let at = problem.whitening.first(s) + k;
-                    let x = if shape == 0 { 1.0 } else { 2.0 * (node.depth_mm / deepest) - 1.0 };
-                    column[at] = FORM_ERROR * added[at] * x;
+                    let x = match branch {
+                        Branch::Hold => k as f64 / series.nodes.len() as f64,
+                        _ => 2.0 * (node.depth_mm / deepest) - 1.0,
+                    };
+                    column[at] = share * added[at] * [1.0, x, 1.5 * x * x - 0.5][shape];
                 }
             }
             if column.norm() > 0.0 {

@@ -2,6 +2,8 @@
 
 use nalgebra::DMatrix;
 
+use crate::experiment::{BaseLaw, Experiment};
+
 use super::Diagnosis;
 use super::evidence::{Gauge, Panel};
 use super::fit::{Candidate, Fit};
@@ -61,6 +63,8 @@ pub(super) const Z95: f64 = 1.96;
 const POWER: f64 = 1.28;
 /// Twins that blind spots are found with.
 const FEW_TWINS: usize = 200;
+/// What one more effect must improve a score by when an explanation already holds: a likelihood ratio of 10,000.
+const NEEDED: f64 = 2.0 * RATIO_100;
 /// Most effects at once.
 const MOST: usize = 3;
 
@@ -91,6 +95,20 @@ pub(super) fn blind_spots(
     blind
 }
 
+/// Effects that hide each other when they are of equal size and opposite sign, whatever is pressed into.
+pub(super) fn cancelling(experiment: &Experiment) -> Vec<&'static str> {
+    let stiff = |run: &crate::experiment::Run| {
+        run.specimen.is_some_and(|at| experiment.specimens[at].base_law == BaseLaw::Rigid)
+    };
+    if experiment.runs.iter().any(stiff) {
+        return Vec::new();
+    }
+    vec![
+        "relaxation of the specimen and creep of the sensor with equal size and time cancel: without a hold on a stiff block this design cannot exclude it",
+        "the gain of the sensor is part of mu: without a known mass this design cannot exclude it",
+    ]
+}
+
 /// Explanations that hold and that none is a hundred times likelier than, with as few effects as will do.
 pub(super) fn explanations(
     search: &Search<'_>,
@@ -98,16 +116,24 @@ pub(super) fn explanations(
     progress: &super::Progress<'_>,
 ) -> Vec<Explanation> {
     let mut level: Vec<Explanation> = singles.to_vec();
-    for effects in 1..=MOST {
-        let held = alike(&level);
-        if !held.is_empty() || effects == MOST {
-            return held;
-        }
+    let mut held = alike(&level);
+    for effects in 1..MOST {
         progress("effects together", effects, MOST);
-        let best: Vec<Explanation> = level.into_iter().filter(|e| e.beats_noise && !e.fit.at_bound).collect();
-        level = search.one_more(&best);
+        if let Some(best) = held.first() {
+            // a name that holds may hide another effect: what is added must be needed
+            let more = alike(&search.one_more(&held[..1]));
+            let needed = more.first().is_some_and(|more| more.score() < best.score() - NEEDED);
+            if !needed {
+                return held;
+            }
+            held = more;
+        } else {
+            let best: Vec<Explanation> = level.into_iter().filter(|e| e.beats_noise).collect();
+            level = search.one_more(&best);
+            held = alike(&level);
+        }
     }
-    Vec::new()
+    held
 }
 
 fn alike(list: &[Explanation]) -> Vec<Explanation> {

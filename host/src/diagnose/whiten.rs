@@ -113,7 +113,7 @@ impl Whitening {
 
     /// Number of residuals.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn residuals(&self) -> usize {
         self.len
     }
 

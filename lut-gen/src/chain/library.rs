@@ -91,8 +91,11 @@ enum Part {
 impl Library {
     /// Solves what a diagnosis of these geometries may need; `progress(done, total)` counts parts.
     ///
+    /// A part that is not the force over exponent and height may fail (a thin, nearly incompressible, deeply pressed foam): its effect then
+    /// changes nothing in that geometry.
+    ///
     /// # Errors
-    /// The first failing part, in the order of the geometries.
+    /// The first geometry whose forces fail.
     pub fn build(
         geometries: &[Geometry],
         need: Need,
@@ -114,8 +117,12 @@ impl Library {
             .collect();
         let mut families: Vec<Family> = Vec::new();
         let mut solves = 0;
-        for ((at, _), part) in plan.iter().zip(built) {
-            match (part?, families.last_mut()) {
+        for ((at, which), part) in plan.iter().zip(built) {
+            let part = match part {
+                Err(_) if *which > 0 => continue,
+                other => other?,
+            };
+            match (part, families.last_mut()) {
                 (Part::Height(height), _) => {
                     solves += height.solves();
                     let geometry = geometries[*at];

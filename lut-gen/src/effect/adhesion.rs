@@ -12,7 +12,7 @@ pub const EFFECT: Effect = Effect {
     twins: &["contact-offset", "friction"],
     separated_by: "the pull-off branch; powder",
     quantities: &[
-        Quantity::amplitude("work_N_per_mm", 0.0, (0.0, 0.5), 2e-3, &[1e-3]),
+        Quantity::amplitude("work_N_per_mm", 0.0, (0.0, 0.5), 5e-4, &[5e-4]).per_force(1),
     ],
     owner: Owner::All,
 };

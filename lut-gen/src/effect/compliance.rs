@@ -12,7 +12,7 @@ pub const EFFECT: Effect = Effect {
     twins: &["thickness"],
     separated_by: "a press on a stiff block",
     quantities: &[
-        Quantity::amplitude("mm_per_N", 0.0, (0.0, 2.0), 0.05, &[0.0]),
+        Quantity::amplitude("mm_per_N", 0.0, (0.0, 20.0), 0.05, &[0.02, 0.3]).per_force(-1),
     ],
     owner: Owner::All,
 };

@@ -81,6 +81,8 @@ pub struct Quantity {
     pub starts: &'static [f64],
     /// How it is searched.
     pub spread: Spread,
+    /// Power of a force in its unit: `plausible` and `starts` are given for a largest force of 1 N, see [`Quantity::scaled`].
+    pub force_power: i32,
 }
 
 /// What an effect belongs to, so that each of several has its own.
@@ -156,7 +158,20 @@ impl Quantity {
         plausible: f64,
         starts: &'static [f64],
     ) -> Self {
-        Self { name, null, low: bounds.0, high: bounds.1, plausible, starts, spread: Spread::Even }
+        Self { name, null, low: bounds.0, high: bounds.1, plausible, starts, spread: Spread::Even, force_power: 0 }
+    }
+
+    /// The same with a unit that holds a power of a force.
+    pub(crate) const fn per_force(mut self, power: i32) -> Self {
+        self.force_power = power;
+        self
+    }
+
+    /// A plausible or start value at an experiment's largest force (N), within the bounds.
+    #[must_use]
+    pub fn scaled(&self, value: f64, largest_n: f64) -> f64 {
+        let scaled = self.null + (value - self.null) * largest_n.max(1e-9).powi(self.force_power);
+        scaled.clamp(self.low, self.high)
     }
 
     /// A shape parameter searched in its logarithm.
@@ -166,7 +181,16 @@ impl Quantity {
         plausible: f64,
         starts: &'static [f64],
     ) -> Self {
-        Self { name, null: plausible, low: bounds.0, high: bounds.1, plausible, starts, spread: Spread::Logarithmic }
+        Self {
+            name,
+            null: plausible,
+            low: bounds.0,
+            high: bounds.1,
+            plausible,
+            starts,
+            spread: Spread::Logarithmic,
+            force_power: 0,
+        }
     }
 }
 

@@ -12,7 +12,7 @@ pub const EFFECT: Effect = Effect {
     twins: &["second-term"],
     separated_by: "materials of several stiffnesses at one force; masses",
     quantities: &[
-        Quantity::amplitude("quadratic_per_N", 0.0, (-5.0, 5.0), 0.02, &[0.0]),
+        Quantity::amplitude("quadratic_per_N", 0.0, (-20.0, 20.0), 0.02, &[-0.05, 0.05]).per_force(-1),
     ],
     owner: Owner::All,
 };

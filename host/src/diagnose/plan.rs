@@ -1,0 +1,411 @@
+//! Which run to make next: the feasible one that puts the rivals farthest apart, all their parameters free.
+
+use lut_gen::chain::{Chain, Passage, Setting};
+use lut_gen::effect::{Spread, radius};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::experiment::Experiment;
+
+use super::design::{Branch, Design, Node, Series};
+use super::fit::{Fit, Problem};
+use super::search::{Explanation, Search};
+use super::whiten::Whitening;
+use super::{Prepared, fit};
+
+/// A run that could be made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proposal {
+    /// What to do, in words.
+    pub what: String,
+    /// Codes it would decide between, or show.
+    pub decides: Vec<&'static str>,
+    /// Distance between the rivals that it leaves closest, in standard deviations of everything that is not known; for blind spots the
+    /// reading that a plausible amount of the best seen one would make.
+    pub distance: f64,
+    /// The motion.
+    pub motion: Plan,
+}
+
+/// Motion and condition of a run that could be made; each is made on two fresh spots.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plan {
+    /// Index of the specimen whose material, base and declared height are meant.
+    pub specimen: usize,
+    /// Height, as a factor on that of the specimen.
+    pub height: f64,
+    /// Index of the ball that is used, or scaled.
+    pub indenter: usize,
+    /// Radius, as a factor on that of the ball.
+    pub radius: f64,
+    /// Rate of loading and unloading, mm/s.
+    pub rate_mm_per_s: f64,
+    /// Largest depth, mm.
+    pub depth_mm: f64,
+    /// Hold at the deepest point, s.
+    pub hold_s: f64,
+    /// Whether the way back is recorded.
+    pub unload: bool,
+    /// Presses on one spot.
+    pub cycles: usize,
+}
+
+/// Spots that a planned run is made on.
+const SPOTS: usize = 2;
+/// Samples a second that a planned run is recorded with.
+const SAMPLE_HZ: f64 = 50.0;
+/// Nodes of loading, hold and way back.
+const NODES: (usize, usize, usize) = (30, 12, 20);
+/// Proposals that are told.
+const TOLD: usize = 5;
+/// Rivals that are told apart.
+const RIVALS: usize = 5;
+/// Distance from which on rivals count as decided: a likelihood ratio of 100 is 3.03 standard deviations.
+const DECIDED: f64 = 3.03;
+
+/// Runs that laboratories can make with what they have: other rates, a hold, a way back, cycles, another ball, another height.
+fn feasible(design: &Design) -> Vec<Plan> {
+    let mut list = Vec::new();
+    let deepest = |s: &Series| s.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
+    let mut seen: Vec<(usize, usize)> = Vec::new();
+    let slowest = design.rates_mm_per_s.first().copied().unwrap_or(1.0);
+    let fastest = design.rates_mm_per_s.last().copied().unwrap_or(1.0);
+    for series in &design.series {
+        if seen.contains(&(series.specimen, series.indenter)) {
+            continue;
+        }
+        seen.push((series.specimen, series.indenter));
+        let usual = Plan {
+            specimen: series.specimen,
+            height: 1.0,
+            indenter: series.indenter,
+            radius: 1.0,
+            rate_mm_per_s: design.rates_mm_per_s[series.rate],
+            depth_mm: deepest(series),
+            hold_s: 0.0,
+            unload: false,
+            cycles: 1,
+        };
+        for rate_mm_per_s in [0.25 * slowest, slowest, (slowest * fastest).sqrt(), fastest, 4.0 * fastest] {
+            let plan = Plan { rate_mm_per_s, ..usual };
+            list.push(plan);
+            list.push(Plan { hold_s: 10.0, unload: true, ..plan });
+        }
+        list.push(Plan { hold_s: 60.0, ..usual });
+        list.push(Plan { unload: true, ..usual });
+        list.push(Plan { unload: true, cycles: 3, ..usual });
+        list.push(Plan { height: 2.0, ..usual });
+        list.push(Plan { height: 2.0, hold_s: 10.0, unload: true, ..usual });
+        for radius in [0.7, 1.5] {
+            let depth_mm = usual.depth_mm * f64::min(radius, 1.0);
+            list.push(Plan { radius, depth_mm, ..usual });
+            list.push(Plan { radius, depth_mm, hold_s: 10.0, unload: true, ..usual });
+        }
+    }
+    list
+}
+
+impl Plan {
+    /// In words.
+    #[must_use]
+    pub fn words(&self, experiment: &Experiment) -> String {
+        let ball = &experiment.indenters[self.indenter];
+        let specimen = &experiment.specimens[self.specimen];
+        let ball = match ball.radius_mm.known() {
+            Some(mm) if self.radius != 1.0 => format!("another ball of {:.1} mm", self.radius * mm),
+            Some(_) | None => format!("ball {}", ball.name),
+        };
+        let block = match specimen.height_mm.known() {
+            Some(mm) if self.height != 1.0 => format!("a specimen of {:.1} mm instead of {}", self.height * mm, specimen.name),
+            Some(_) | None => format!("specimen {}", specimen.name),
+        };
+        let mut text = format!("press {ball} into {block} to {:.2} mm at {} mm/s", self.depth_mm, significant(self.rate_mm_per_s));
+        if self.hold_s > 0.0 {
+            text.push_str(&format!(", hold for {} s", self.hold_s));
+        }
+        if self.unload {
+            text.push_str(", record the way back");
+        }
+        if self.cycles > 1 {
+            text.push_str(&format!(", {} times on each spot", self.cycles));
+        }
+        text.push_str(", on two fresh spots");
+        text
+    }
+
+    /// The runs as a design of their own, with forces to be filled in.
+    fn design(&self, like: &Design, geometry: usize) -> Design {
+        let mut series = Vec::new();
+        for spot in 0..SPOTS {
+            for cycle in 1..=self.cycles {
+                let nodes = self.nodes();
+                let path: Vec<(f64, f64)> = nodes.iter().map(|n| (n.time_s, n.depth_mm)).collect();
+                series.push(Series {
+                    run: 0,
+                    specimen: self.specimen,
+                    indenter: self.indenter,
+                    geometry,
+                    rate: 0,
+                    cycle: i64::try_from(cycle).unwrap_or(1),
+                    start_s: None,
+                    spot,
+                    condition: cycle - 1,
+                    group: 0,
+                    hold_out: false,
+                    pressed_before_mm: if cycle > 1 { self.depth_mm } else { 0.0 },
+                    at: (0..nodes.len()).collect(),
+                    path,
+                    nodes,
+                });
+            }
+        }
+        Design {
+            material: like.material.clone(),
+            series,
+            geometries: like.geometries.clone(),
+            rates_mm_per_s: vec![self.rate_mm_per_s],
+            spots: SPOTS,
+            conditions: self.cycles,
+            groups: 1,
+            zero_is_contact: like.zero_is_contact,
+            zero_mm: 0.0,
+            messages: Vec::new(),
+        }
+    }
+
+    fn nodes(&self) -> Vec<Node> {
+        let ramp_s = self.depth_mm / self.rate_mm_per_s;
+        let mut nodes = Vec::new();
+        let mut add = |from_s: f64, to_s: f64, branch: Branch| {
+            let time_s = 0.5 * (from_s + to_s);
+            let back_s = ramp_s + self.hold_s;
+            let depth_mm = match branch {
+                Branch::Loading => time_s * self.rate_mm_per_s,
+                Branch::Hold => self.depth_mm,
+                Branch::Unloading => self.depth_mm - (time_s - back_s) * self.rate_mm_per_s,
+            };
+            let length_s = to_s - from_s;
+            let samples = ((length_s * SAMPLE_HZ) as usize).max(1);
+            let held_s = if branch == Branch::Hold { time_s - ramp_s } else { 0.0 };
+            nodes.push(Node { time_s, length_s, samples, depth_mm, force_n: 0.0, branch, held_s });
+        };
+        let part = |k: usize, of: usize, length: f64| length * k as f64 / of as f64;
+        for k in 0..NODES.0 {
+            add(part(k, NODES.0, ramp_s), part(k + 1, NODES.0, ramp_s), Branch::Loading);
+        }
+        if self.hold_s > 0.0 {
+            let place = |k: usize| {
+                let share = (100.0_f64.ln() * (k as f64 / NODES.1 as f64 - 1.0)).exp();
+                ramp_s + if k == 0 { 0.0 } else { share * self.hold_s }
+            };
+            for k in 0..NODES.1 {
+                add(place(k), place(k + 1), Branch::Hold);
+            }
+        }
+        if self.unload {
+            let from = ramp_s + self.hold_s;
+            for k in 0..NODES.2 {
+                add(from + part(k, NODES.2, ramp_s), from + part(k + 1, NODES.2, ramp_s), Branch::Unloading);
+            }
+        }
+        nodes
+    }
+}
+
+fn significant(x: f64) -> f64 {
+    let digits = 10_f64.powf(1.0 - x.abs().max(1e-12).log10().floor());
+    (x * digits).round() / digits
+}
+
+/// What a fit predicts of planned runs, and by how much each of its parameters moves that.
+struct Forecast {
+    force: DVector<f64>,
+    slopes: DMatrix<f64>,
+}
+
+/// Planned runs with what whitens them.
+struct Bench<'a> {
+    plan: Plan,
+    design: Design,
+    chain: Chain,
+    whitening: Whitening,
+    /// Declared height that the planned one differs from, mm.
+    prepared: &'a Prepared<'a>,
+}
+
+impl<'a> Bench<'a> {
+    fn new(prepared: &'a Prepared<'a>, plan: Plan) -> Option<Self> {
+        let like = prepared.problem.design;
+        let geometry =
+            like.series.iter().find(|s| s.specimen == plan.specimen && s.indenter == plan.indenter).map(|s| s.geometry)?;
+        let design = plan.design(like, geometry);
+        let passages: Vec<Passage> = design.passages();
+        let chain = Chain { library: prepared.problem.chain.library.clone(), passages };
+        let mut bench =
+            Self { plan, design, chain, whitening: prepared.problem.whitening.clone(), prepared };
+        let model = bench.placed(&prepared.base.model);
+        let curves = Problem::curves(&bench.design, &bench.chain, &model, &bench.contacts());
+        bench.whitening = Whitening::new(&bench.design, &curves, &prepared.noise)?;
+        Some(bench)
+    }
+
+    fn contacts(&self) -> Vec<f64> {
+        vec![0.0; self.design.series.len()]
+    }
+
+    /// A model with the planned height and radius in it: what is declared moves, and errors of the old ones go.
+    fn placed(&self, model: &lut_gen::chain::Model) -> lut_gen::chain::Model {
+        let mut placed = model.clone();
+        let geometry = &self.prepared.problem.design.geometries[self.design.series[0].geometry];
+        if self.plan.radius != 1.0 {
+            // a new ball has its own radius
+            placed.settings.retain(|s| s.effect.code != radius::EFFECT.code || s.owner != self.plan.indenter);
+            let values = vec![(self.plan.radius - 1.0) * geometry.ball_mm];
+            placed.settings.push(Setting { effect: &radius::EFFECT, owner: self.plan.indenter, values });
+        }
+        if self.plan.height != 1.0 {
+            let effect = &lut_gen::effect::thickness::HEIGHT;
+            placed.settings.retain(|s| s.effect != effect || s.owner != self.plan.specimen);
+            let values = vec![(self.plan.height - 1.0) * geometry.specimen.height_mm];
+            placed.settings.push(Setting { effect, owner: self.plan.specimen, values });
+        }
+        placed
+    }
+
+    fn forces(&self, model: &lut_gen::chain::Model) -> DVector<f64> {
+        let each = fit::predicted(&self.design, &self.chain, &self.placed(model), &self.contacts());
+        let mut forces = DVector::from_iterator(each.iter().map(Vec::len).sum(), each.into_iter().flatten());
+        self.whitening.apply(&mut forces);
+        forces
+    }
+
+    fn forecast(&self, fit: &Fit) -> Forecast {
+        let force = self.forces(&fit.model);
+        let mut slopes = DMatrix::zeros(force.len(), fit.x.len());
+        for j in 0..fit.x.len() {
+            let (_, high) = fit.coordinates[j].bounds();
+            let step = if fit.x[j] + fit.coordinates[j].step() > high { -1.0 } else { 1.0 } * fit.coordinates[j].step();
+            let mut x = fit.x.clone();
+            x[j] += step;
+            let there = self.forces(&fit::model(&fit.coordinates, &fit.candidates, &x));
+            slopes.set_column(j, &((there - &force) / step));
+        }
+        Forecast { force, slopes }
+    }
+}
+
+/// Distance of a forecast from another one whose parameters are known as far as its fit knows them.
+fn distance(from: &Forecast, to: &Forecast, fit: &Fit) -> f64 {
+    let difference = &from.force - &to.force;
+    let Some(covariance) = fit.covariance() else { return 0.0 };
+    // (I + J C J')^-1 by Woodbury
+    let Some(information) = covariance.try_inverse() else { return 0.0 };
+    let inner = information + to.slopes.tr_mul(&to.slopes);
+    let right = to.slopes.tr_mul(&difference);
+    let taken = inner.cholesky().map_or(0.0, |c| c.solve(&right).dot(&right));
+    (difference.norm_squared() - taken).max(0.0).sqrt()
+}
+
+/// Proposals, the best first: between rivals where there are several, else those that show what the design is blind to.
+#[must_use]
+pub fn proposals(
+    experiment: &Experiment,
+    prepared: &Prepared<'_>,
+    search: &Search<'_>,
+    held: &[Explanation],
+    blind: &[&'static str],
+) -> Vec<Proposal> {
+    let rivals = distinct(held);
+    let plans = feasible(prepared.problem.design);
+    let mut list: Vec<Proposal> = plans
+        .into_par_iter()
+        .filter_map(|plan| {
+            let bench = Bench::new(prepared, plan)?;
+            let (distance, decides) =
+                if rivals.len() > 1 { between(&bench, &rivals) } else { shown(&bench, search, blind) };
+            Some(Proposal { what: plan.words(experiment), decides, distance, motion: plan })
+        })
+        .collect();
+    list.sort_by(|a, b| b.decides.len().cmp(&a.decides.len()).then(b.distance.total_cmp(&a.distance)));
+    list.retain(|p| !p.decides.is_empty());
+    list.truncate(TOLD);
+    list
+}
+
+/// The best explanation of every set of codes.
+fn distinct(held: &[Explanation]) -> Vec<&Fit> {
+    let mut seen: Vec<Vec<&str>> = Vec::new();
+    let mut out = Vec::new();
+    for explanation in held {
+        let mut codes: Vec<&str> = explanation.fit.candidates.iter().map(|c| c.effect.code).collect();
+        codes.sort_unstable();
+        if !seen.contains(&codes) {
+            seen.push(codes);
+            out.push(&explanation.fit);
+        }
+    }
+    out.truncate(RIVALS);
+    out
+}
+
+/// Least distance between two rivals, and the codes of those that lie far enough apart.
+fn between(bench: &Bench<'_>, rivals: &[&Fit]) -> (f64, Vec<&'static str>) {
+    let forecasts: Vec<Forecast> = rivals.iter().map(|fit| bench.forecast(fit)).collect();
+    let mut least = f64::INFINITY;
+    let mut decided: Vec<&'static str> = Vec::new();
+    for i in 0..rivals.len() {
+        for j in 0..i {
+            let there = distance(&forecasts[i], &forecasts[j], rivals[j]);
+            let back = distance(&forecasts[j], &forecasts[i], rivals[i]);
+            let apart = there.min(back);
+            least = least.min(apart);
+            if apart > DECIDED {
+                let codes = |fit: &Fit| fit.candidates.iter().map(|c| c.effect.code).collect::<Vec<_>>();
+                let (a, b) = (codes(rivals[i]), codes(rivals[j]));
+                let own = a.iter().filter(|c| !b.contains(c)).chain(b.iter().filter(|c| !a.contains(c))).copied();
+                for code in own {
+                    if !decided.contains(&code) {
+                        decided.push(code);
+                    }
+                }
+            }
+        }
+    }
+    (least, decided)
+}
+
+/// Blind spots of which a plausible amount would show with the planned run, and how clearly the best of them.
+fn shown(bench: &Bench<'_>, search: &Search<'_>, blind: &[&'static str]) -> (f64, Vec<&'static str>) {
+    /// A direction needs 2.8 to pass alone at one in two hundred; 1.3 more to do so in nine cases of ten.
+    const SEEN: f64 = 4.1;
+    let base = bench.forecast(&search.base);
+    let largest_n = search.problem.largest_n();
+    let mut best = 0.0;
+    let mut codes = Vec::new();
+    for (candidate, old) in search.candidates.iter().zip(&search.signatures) {
+        let code = candidate.effect.code;
+        if !blind.contains(&code) || codes.contains(&code) {
+            continue;
+        }
+        let values = candidate
+            .effect
+            .quantities
+            .iter()
+            .map(|q| if q.spread == Spread::Even { q.scaled(q.plausible, largest_n) } else { q.starts[q.starts.len() / 2] })
+            .collect();
+        let mut model = search.base.model.clone();
+        model.settings.push(Setting { effect: candidate.effect, owner: candidate.owner, values });
+        let new = bench.forces(&model) - &base.force;
+        // old and new data together, the base fitted to both
+        let middle = old.column(old.ncols() / 2);
+        let information = search.base.jacobian.tr_mul(&search.base.jacobian) + base.slopes.tr_mul(&base.slopes);
+        let right = search.base.jacobian.tr_mul(&middle) + base.slopes.tr_mul(&new);
+        let taken = information.cholesky().map_or(0.0, |c| c.solve(&right).dot(&right));
+        let reading = (middle.norm_squared() + new.norm_squared() - taken).max(0.0).sqrt();
+        best = f64::max(best, reading);
+        if reading > SEEN {
+            codes.push(code);
+        }
+    }
+    (best, codes)
+}

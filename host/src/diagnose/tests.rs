@@ -1,0 +1,185 @@
+//! The statistics on presses whose law, jitter and noise are known in closed form: no finite elements.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::path::PathBuf;
+
+use nalgebra::DVector;
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+use super::design::{Branch, Design};
+use super::evidence::{self, Gauge, Panel};
+use super::noise::{self, Curve, Source};
+use super::whiten::Whitening;
+use super::*;
+use crate::experiment::{Base, BaseLaw, Indenter, Length, Recording, Run, Sensor, Specimen};
+
+const SIGMA_N: f64 = 0.01;
+const TAU_S: f64 = 0.1;
+const CONTACT_MM: f64 = 0.02;
+const GAIN: f64 = 0.01;
+const SAMPLE_S: f64 = 0.02;
+const DEPTH_MM: f64 = 3.0;
+const RATES: [f64; 2] = [0.5, 2.0];
+const SPOTS: usize = 4;
+
+fn hertz_n(depth_mm: f64) -> f64 {
+    0.4 * depth_mm.max(0.0).powf(1.5)
+}
+
+fn normal(chance: &mut Pcg64) -> f64 {
+    StandardNormal.sample(chance)
+}
+
+/// A ramp at a rate with AR(1) noise, its contact and gain off by jitter.
+fn press(rate: f64, chance: &mut Pcg64) -> Recording {
+    let contact = CONTACT_MM * normal(chance);
+    let gain = 1.0 + GAIN * normal(chance);
+    let kept = (-SAMPLE_S / TAU_S).exp();
+    let mut late = normal(chance);
+    let count = (DEPTH_MM / rate / SAMPLE_S) as usize;
+    let time_s: Vec<f64> = (0..=count).map(|i| i as f64 * SAMPLE_S).collect();
+    let depth_mm: Vec<f64> = time_s.iter().map(|t| rate * t).collect();
+    let force_n = depth_mm
+        .iter()
+        .map(|d| {
+            late = kept * late + (1.0 - kept * kept).sqrt() * normal(chance);
+            gain * hertz_n(d - contact) + SIGMA_N * late
+        })
+        .collect();
+    Recording::from_samples(time_s, depth_mm, force_n)
+}
+
+fn experiment(seed: u64) -> Experiment {
+    let mut chance = Pcg64::seed_from_u64(seed);
+    let mut runs = Vec::new();
+    for rate in RATES {
+        for spot in 0..SPOTS {
+            runs.push(Run::indentation(format!("v{rate}-{spot}"), 0, 0, press(rate, &mut chance)));
+        }
+    }
+    Experiment {
+        name: "hertz".to_owned(),
+        folder: PathBuf::new(),
+        specimens: vec![Specimen {
+            name: "foam".to_owned(),
+            material: "foam".to_owned(),
+            base_law: BaseLaw::Hyperfoam,
+            terms: 1,
+            height_mm: Length::Known(12.7),
+            radius_mm: Length::Known(25.0),
+            base: Base::Bonded,
+        }],
+        indenters: vec![Indenter { name: "r4".to_owned(), radius_mm: Length::Known(4.0) }],
+        sensor: Sensor::default(),
+        runs,
+    }
+}
+
+fn curves(design: &Design) -> Vec<Curve> {
+    let curve = |s: &design::Series| Curve {
+        force_n: s.nodes.iter().map(|n| hertz_n(n.depth_mm)).collect(),
+        slope_n_per_mm: s.nodes.iter().map(|n| 0.6 * n.depth_mm.max(0.0).sqrt()).collect(),
+    };
+    design.series.iter().map(curve).collect()
+}
+
+#[test]
+fn a_design_is_read_from_the_data() {
+    let design = Design::of(&experiment(1), "foam").unwrap();
+    assert_eq!((design.series.len(), design.spots, design.conditions, design.groups), (8, 8, 2, 2));
+    assert_eq!(design.rates_mm_per_s.len(), 2);
+    assert!(design.zero_is_contact && design.geometries.len() == 1);
+    assert!(design.series.iter().all(|s| s.nodes.len() == 36 && s.nodes.iter().all(|n| n.branch == Branch::Loading)));
+}
+
+/// Means over 30 experiments of 8 spots, whose standard errors are 7 % of a jitter (6 degrees of freedom each), 2 % of the noise.
+#[test]
+fn noise_and_jitter_are_found_from_replicates() {
+    let (mut sigma, mut contact, mut gain) = (0.0, 0.0, 0.0);
+    let count = 30;
+    for seed in 0..count {
+        let design = Design::of(&experiment(seed), "foam").unwrap();
+        let found = noise::estimate(&design, &curves(&design), None).unwrap();
+        assert_eq!(found.source, Source::Replicates);
+        sigma += found.sensor.sigma_n / count as f64;
+        contact += found.jitter.contact_mm.powi(2) / count as f64;
+        gain += found.jitter.gain.powi(2) / count as f64;
+        assert!((0.02..=0.4).contains(&found.sensor.correlation_s), "{found:?}");
+    }
+    // the level over the grid of correlation times scatters by as much as its neighbours differ: a fifth
+    assert!((sigma / SIGMA_N - 1.0).abs() < 0.2, "{sigma}");
+    assert!((contact.sqrt() / CONTACT_MM - 1.0).abs() < 0.25, "{contact}");
+    assert!((gain.sqrt() / GAIN - 1.0).abs() < 0.25, "{gain}");
+}
+
+/// Whitened with what was put in, residuals have unit variance: 40 experiments of 288 give 1.3 % of standard error; windows of
+/// discrete samples differ a little from the continuous process.
+#[test]
+fn whitened_residuals_have_unit_variance() {
+    let (mut sum, mut neighbours, mut count) = (0.0, 0.0, 0.0);
+    for seed in 100..140 {
+        let design = Design::of(&experiment(seed), "foam").unwrap();
+        let curves = curves(&design);
+        let sensor = SensorNoise { sigma_n: SIGMA_N, white: 0.0, correlation_s: TAU_S, relative: 0.0 };
+        let jitter = Jitter { contact_mm: CONTACT_MM, gain: GAIN, zero_n: 0.0 };
+        let noise = Noise { source: Source::Stated, sensor, jitter, freedom: 1e6, sensor_freedom: 1e6 };
+        let whitening = Whitening::new(&design, &curves, &noise).unwrap();
+        let measured = design.series.iter().flat_map(|s| s.nodes.iter().map(|n| n.force_n));
+        let model = curves.iter().flat_map(|c| c.force_n.iter().copied());
+        let mut residual =
+            DVector::from_vec(measured.zip(model).map(|(a, b)| a - b).collect::<Vec<f64>>());
+        whitening.apply(&mut residual);
+        sum += residual.norm_squared();
+        neighbours += residual.as_slice().windows(2).map(|w| w[0] * w[1]).sum::<f64>();
+        count += residual.len() as f64;
+    }
+    assert!((sum / count - 1.0).abs() < 0.06, "{}", sum / count);
+    assert!((neighbours / count).abs() < 0.06, "{}", neighbours / count);
+}
+
+/// The threshold is the level of 1 in 200 among a thousand twins; among other thousands it is exceeded about as often, within
+/// four standard errors of both.
+#[test]
+fn the_threshold_is_exceeded_as_often_as_it_says() {
+    let design = Design::of(&experiment(7), "foam").unwrap();
+    let curves = curves(&design);
+    let noise = noise::estimate(&design, &curves, None).unwrap();
+    let whitening = Whitening::new(&design, &curves, &noise).unwrap();
+    let used = vec![true; whitening.residuals()];
+    let twins = evidence::twins(&whitening, &noise, &used, 5000);
+    let (known, fresh) = (twins.columns(0, 1000).into_owned(), twins.columns(1000, 4000).into_owned());
+    let patterns = nalgebra::DMatrix::from_fn(whitening.residuals(), 20, |i, j| f64::from(u8::from(i % 20 == j)));
+    let gauge = Gauge::new(&Panel::of(patterns, &known), &nalgebra::DMatrix::zeros(whitening.residuals(), 0), &known);
+    let above = fresh
+        .column_iter()
+        .filter(|c| gauge.read(&c.into_owned()).iter().any(|r| r.abs() > gauge.threshold))
+        .count();
+    assert!(above < 4000 / 200 + 45, "{above}");
+}
+
+#[test]
+fn without_replicates_and_stated_noise_it_is_refused_with_the_reason() {
+    let mut experiment = experiment(3);
+    experiment.runs.retain(|run| run.file.ends_with("-0"));
+    let found = diagnose(&experiment, &Models::default(), &|_, _, _| {}).unwrap().remove(0);
+    assert_eq!(found.verdict, Verdict::Refused);
+    let reason = found.refusal.unwrap().to_string();
+    assert!(reason.contains("no two runs repeat a condition") && reason.contains("[sensor] noise_N"), "{reason}");
+    assert!(found.findings.is_empty());
+}
+
+#[test]
+fn a_dead_sensor_is_said_to_be_dead() {
+    let mut experiment = experiment(4);
+    let mut chance = Pcg64::seed_from_u64(9);
+    experiment.runs[2].recording.force_n.iter_mut().for_each(|f| *f = 1e-3 * normal(&mut chance));
+    let found = diagnose(&experiment, &Models::default(), &|_, _, _| {}).unwrap().remove(0);
+    assert_eq!((found.verdict, found.faults[0].code()), (Verdict::Refused, "dead-sensor"));
+    let reason = found.refusal.unwrap().to_string();
+    assert_eq!(
+        reason,
+        "v0.5-2: the force sensor shows nothing while the ball goes down: a dead sensor, or no contact"
+    );
+}
