@@ -22,7 +22,7 @@ const FORM_ERROR: f64 = 0.02;
 /// The same on the way back, where the edge of the contact lifts and histories matter most.
 const FORM_ERROR_BACK: f64 = 0.04;
 /// Singles and pairs that are extended when one, or two, effects are not enough.
-const EXTENDED: usize = 3;
+const EXTENDED: usize = 2;
 /// Partners that each is tried with, by how much of its residual they could explain.
 const PARTNERS: usize = 8;
 /// Starts of a candidate's parameters that are followed, the most promising first.
@@ -266,36 +266,44 @@ fn sorted(mut list: Vec<Explanation>) -> Vec<Explanation> {
     list
 }
 
-/// What the effects of a fit add to the prediction may be wrong by a small share of itself, differently in each branch and
-/// along the depth.
+/// What the effects of a fit add to the prediction may be wrong by a small share of itself, differently in each group of
+/// conditions and each branch, and smoothly along it.
 fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
     let mut bare = fit.model.clone();
     bare.settings.retain(|s| !fit.candidates.iter().any(|c| c.effect == s.effect && c.owner == s.owner));
     let added = problem.plain(&bare) - problem.plain(&fit.model);
     let mut columns = Vec::new();
-    for (branch, share) in
-        [(Branch::Loading, FORM_ERROR), (Branch::Hold, FORM_ERROR), (Branch::Unloading, FORM_ERROR_BACK)]
-    {
-        for shape in 0..3 {
-            let mut column = DVector::zeros(added.len());
-            for (s, series) in problem.design.series.iter().enumerate() {
-                let deepest = series.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
-                for (k, node) in series.nodes.iter().enumerate().filter(|(_, n)| n.branch == branch) {
-                    let at = problem.whitening.first(s) + k;
-                    let x = match branch {
-                        Branch::Hold => k as f64 / series.nodes.len() as f64,
-                        _ => 2.0 * (node.depth_mm / deepest) - 1.0,
-                    };
-                    column[at] = share * added[at] * [1.0, x, 1.5 * x * x - 0.5][shape];
+    for group in 0..problem.design.groups {
+        for (branch, share) in
+            [(Branch::Loading, FORM_ERROR), (Branch::Hold, FORM_ERROR), (Branch::Unloading, FORM_ERROR_BACK)]
+        {
+            for shape in 0..3 {
+                let mut column = shaped(problem, &added, (group, branch), shape) * share;
+                if column.norm() > 0.0 {
+                    problem.whitening.apply(&mut column);
+                    columns.push(column);
                 }
-            }
-            if column.norm() > 0.0 {
-                problem.whitening.apply(&mut column);
-                columns.push(column);
             }
         }
     }
     if columns.is_empty() { DMatrix::zeros(added.len(), 0) } else { DMatrix::from_columns(&columns) }
+}
+
+/// A vector times a polynomial along one branch of one group, 0 elsewhere.
+fn shaped(problem: &Problem<'_>, values: &DVector<f64>, (group, branch): (usize, Branch), shape: usize) -> DVector<f64> {
+    let mut column = DVector::zeros(values.len());
+    for (s, series) in problem.design.series.iter().enumerate().filter(|(_, s)| s.group == group) {
+        let deepest = series.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
+        for (k, node) in series.nodes.iter().enumerate().filter(|(_, n)| n.branch == branch) {
+            let at = problem.whitening.first(s) + k;
+            let x = match branch {
+                Branch::Hold => k as f64 / series.nodes.len() as f64,
+                Branch::Loading | Branch::Unloading => 2.0 * (node.depth_mm / deepest) - 1.0,
+            };
+            column[at] = values[at] * [1.0, x, 1.5 * x * x - 0.5][shape];
+        }
+    }
+    column
 }
 
 /// Sum of squares of every group of conditions as the others predict it, to first order about the fit.

@@ -12,7 +12,7 @@ pub const FILTER: Effect = Effect {
     twins: &["contact-offset", "relaxation"],
     separated_by: "a reversal; another rate",
     quantities: &[
-        Quantity::amplitude("lag_s", 0.0, (-0.2, 1.0), 0.03, &[0.01]),
+        Quantity::amplitude("lag_s", 0.0, (0.0, 1.0), 0.03, &[0.01]),
     ],
     owner: Owner::All,
 };
@@ -32,26 +32,24 @@ pub const RATE_LIMIT: Effect = Effect {
     owner: Owner::All,
 };
 
-/// Depth of the ball behind a filter, exact where the recorded depth moves straight. A negative time makes the ball lead: the
-/// recorded depth is then the one that lags.
+/// Depth of the ball behind a filter, exact where the recorded depth moves straight.
 #[must_use]
 pub fn filtered(time_s: &[f64], recorded_mm: &[f64], lag_s: f64) -> Vec<f64> {
     let mut out = recorded_mm.to_vec();
-    let tau = lag_s.abs();
-    if tau == 0.0 || out.is_empty() {
+    if lag_s <= 0.0 {
         return out;
     }
     let mut behind = 0.0;
     for i in 1..out.len() {
         let dt = time_s[i] - time_s[i - 1];
         if dt <= 0.0 {
-            out[i] = recorded_mm[i] - behind * lag_s.signum();
+            out[i] = recorded_mm[i] - behind;
             continue;
         }
-        let kept = (-dt / tau).exp();
+        let kept = (-dt / lag_s).exp();
         let rate = (recorded_mm[i] - recorded_mm[i - 1]) / dt;
-        behind = behind * kept + rate * tau * (1.0 - kept);
-        out[i] = recorded_mm[i] - behind * lag_s.signum();
+        behind = behind * kept + rate * lag_s * (1.0 - kept);
+        out[i] = recorded_mm[i] - behind;
     }
     out
 }
