@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use miette::{IntoDiagnostic, WrapErr};
 
-use crate::diagnose::{self, Diagnosis, Models, Verdict};
+use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models, Verdict};
 use crate::experiment;
-use crate::report::number;
+use crate::report::{self, number};
 
 use super::progress::Progress;
 
@@ -18,12 +19,15 @@ pub struct Arguments {
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
+    /// Folder of the HTML report with figures [default: out/diagnose; with --json none]
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
 }
 
 /// Reads, diagnoses, tells.
 ///
 /// # Errors
-/// Bad input, or a force model that fails.
+/// Bad input, a force model that fails, or a report that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let experiment = experiment::read(&arguments.experiment)?;
     let progress = Progress::new();
@@ -31,18 +35,33 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let found = diagnose::diagnose(&experiment, &models, &|what: &str, done, total| progress.set(what, done, total));
     progress.end();
     let found = found.map_err(|cause| miette::miette!("{cause}"))?;
+    let mut written = None;
+    // People get the figures without asking; scripts say where they want them.
+    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/diagnose")));
+    if let Some(folder) = &folder {
+        let file = folder.join("report.html");
+        report::diagnosis::page(&experiment, &found)
+            .write(&file)
+            .into_diagnostic()
+            .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
+        written = Some(file.display().to_string());
+    }
     if arguments.json {
-        match found.first() {
-            Some(first) if found.len() == 1 => println!("{}", diagnose::answer::json(first, None)),
-            _ => {
-                let all: Vec<_> = found.iter().map(|one| diagnose::answer::json(one, None)).collect();
-                println!("{}", serde_json::json!({ "materials": all }));
-            }
+        let told = |one| diagnose::answer::json(one, written.as_deref());
+        match found.as_slice() {
+            [only] => println!("{}", told(only)),
+            all => println!("{}", serde_json::json!({ "materials": all.iter().map(told).collect::<Vec<_>>() })),
         }
         return Ok(());
     }
+    if found.is_empty() {
+        println!("verdict          nothing to diagnose: the experiment holds no run that indents a soft specimen");
+    }
     for one in &found {
         print(one);
+    }
+    if let Some(file) = written {
+        println!("report           {file}");
     }
     Ok(())
 }
@@ -50,33 +69,54 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 fn print(found: &Diagnosis) {
     println!("material         {}", found.material);
     println!("verdict          {}", found.verdict.word());
-    if let Some(reason) = &found.refusal {
-        println!("because          {reason}");
+    println!("                 {}", report::diagnosis::sentence(found));
+    for fault in &found.faults {
+        println!("fault            {fault} ({})", fault.code());
     }
     for finding in &found.findings {
-        let twins = if finding.ambiguous_with.is_empty() {
-            String::new()
-        } else {
-            format!("  or {}", finding.ambiguous_with.join(", "))
-        };
-        println!("effect           {}{twins}", finding.code);
-        for (name, value, (low, high)) in &finding.parameters {
-            println!("  {name:16} {:10}  95 %: {} to {}", number(*value), number(*low), number(*high));
-        }
+        print_finding(finding);
     }
     if !found.shows_in.is_empty() {
         println!("shows in         {}", found.shows_in.join(", "));
     }
-    println!("blind to         {}", found.blind_to.join(", "));
     let Some(evidence) = &found.evidence else { return };
-    if let Some(held_out) = &evidence.held_out
-        && found.verdict != Verdict::Unknown
-    {
-        println!(
-            "held out         {} N before, {} N after",
-            number(held_out.rmse_before_n),
-            number(held_out.rmse_after_n)
-        );
+    if matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
+        print_gain(evidence);
+    }
+    if !found.blind_to.is_empty() {
+        println!("blind to         {}", found.blind_to.join(", "));
     }
     println!("solves           {} in {:.1} s", evidence.solves, found.seconds);
 }
+
+fn print_finding(finding: &Finding) {
+    let twins = match finding.ambiguous_with.as_slice() {
+        [] => String::new(),
+        others => format!(", or {}", others.join(", or ")),
+    };
+    println!("effect           {} ({}){twins}", finding.code, finding.form);
+    for (name, value, (low, high)) in &finding.parameters {
+        println!("  {name:14} {:>10}  95 %: {} to {}", number(*value), number(*low), number(*high));
+    }
+    let separating = lut_gen::effect::find(finding.code, Some(finding.form)).map(|effect| effect.separated_by);
+    if let Some(run) = separating.filter(|_| !finding.ambiguous_with.is_empty()) {
+        println!("  decided by     {run}");
+    }
+}
+
+/// Parameters and held-out errors, before and after.
+fn print_gain(evidence: &Evidence) {
+    let Some(best) = evidence.held.first() else { return };
+    let (before, after) = (evidence.base.base(Z95), best.fit.base(Z95));
+    for (name, (was, is)) in ["mu_MPa", "alpha"].iter().zip(before.iter().zip(&after)) {
+        let (low, high) = is.1;
+        println!("{name:16} {:>10} -> {}  95 %: {} to {}", number(was.0), number(is.0), number(low), number(high));
+    }
+    if let Some(held_out) = &evidence.held_out {
+        let (was, is) = (held_out.rmse_before_n, held_out.rmse_after_n);
+        println!("held out, N      {:>10} -> {}  rms", number(was), number(is));
+    }
+}
+
+/// Half width of a 95 % interval, in standard errors.
+const Z95: f64 = 1.96;

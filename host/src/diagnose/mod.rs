@@ -142,6 +142,12 @@ pub struct Evidence {
     pub noise: Noise,
     /// The base.
     pub base: Fit,
+    /// Contact point of every run, mm, as the base fit sees it.
+    pub contacts_mm: Vec<f64>,
+    /// What the base predicts there for every run.
+    pub base_curves: Vec<Curve>,
+    /// The same with the likeliest explanation that holds, if any does.
+    pub extended_curves: Option<Vec<Curve>>,
     /// What the base leaves.
     pub adequacy: Adequacy,
     /// Margins, as the readings of an [`Adequacy`] refer to them.
@@ -270,10 +276,23 @@ impl Diagnosis {
         self.cancelling = verdict::cancelling(experiment);
         self.proposals = plan::proposals(experiment, &prepared, &search, &held, &self.blind_to);
         verdict::conclude(self, (visible, !adequacy.passes()), &held, held_out.as_ref());
-        let (base, noise) = (base.clone(), *noise);
+        let extended_curves = held.first().map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
+        let (base, noise, contacts_mm) = (base.clone(), *noise, problem.contacts_mm.clone());
         drop(search);
-        self.evidence =
-            Some(Box::new(Evidence { design: design.clone(), noise, base, adequacy, margins, singles, held, held_out, solves }));
+        self.evidence = Some(Box::new(Evidence {
+            design: design.clone(),
+            noise,
+            base,
+            contacts_mm,
+            base_curves: curves,
+            extended_curves,
+            adequacy,
+            margins,
+            singles,
+            held,
+            held_out,
+            solves,
+        }));
         Ok(())
     }
 }

@@ -241,7 +241,8 @@ pub(super) fn frame(svg: &mut String, x: &Scale, y: &Scale, x_label: &str, y_lab
     );
 }
 
-fn draw(svg: &mut String, series: &Series, x: &Scale, y: &Scale) {
+/// One curve, without its label.
+pub(super) fn draw(svg: &mut String, series: &Series, x: &Scale, y: &Scale) {
     let colour = COLOURS[series.colour % COLOURS.len()];
     if matches!(series.stroke, Stroke::Circles | Stroke::Dots) {
         let look = match series.stroke {

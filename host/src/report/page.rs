@@ -6,9 +6,10 @@ use std::path::Path;
 use super::escaped;
 
 const STYLE: &str = "body{font:15px/1.5 Helvetica,Arial,sans-serif;color:#222;background:#fff;max-width:980px;margin:2em auto;padding:0 1.2em}\
-h1{font-size:1.6em;margin-bottom:.1em}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid #ccc}\
+h1{font-size:1.6em;margin-bottom:.1em}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid #ccc}h3{font-size:1em;margin:1.4em 0 .3em}\
 table{border-collapse:collapse;margin:.8em 0}th,td{padding:.25em .9em .25em 0;text-align:left;vertical-align:top;border-bottom:1px solid #e4e4e4}\
 th{font-weight:600}td.n{text-align:right;font-variant-numeric:tabular-nums}\
+.verdict{border:2px solid #15364f;padding:.6em 1em;font-size:1.15em}\
 .warn{border-left:4px solid #b4481e;padding:.3em .8em;background:#fbf3ef}\
 figure{margin:1em 0}svg{max-width:100%;height:auto}li{margin:.2em 0}@media print{body{margin:0;max-width:none}figure{break-inside:avoid}}";
 
@@ -39,6 +40,16 @@ impl Page {
     /// A paragraph that must not be overlooked.
     pub fn warning(&mut self, text: &str) {
         let _ = writeln!(self.body, "<p class=\"warn\">{}</p>", escaped(text));
+    }
+
+    /// The sentence that a reader should leave with, in a frame.
+    pub fn verdict(&mut self, text: &str) {
+        let _ = writeln!(self.body, "<p class=\"verdict\">{}</p>", escaped(text));
+    }
+
+    /// A heading inside a section.
+    pub fn heading(&mut self, text: &str) {
+        let _ = writeln!(self.body, "<h3>{}</h3>", escaped(text));
     }
 
     /// A bulleted list.

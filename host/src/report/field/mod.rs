@@ -12,7 +12,7 @@ use super::figure::Axis;
 use super::figure::open;
 use super::number;
 use super::scale::Scale;
-use ramp::ramp;
+pub(super) use ramp::ramp;
 use sheet::Sheet;
 
 /// Size of the picture in pixels.

@@ -1,0 +1,94 @@
+//! Every candidate with what it explains and which demands it meets.
+
+use crate::diagnose::{Evidence, Verdict};
+use crate::diagnose::search::{Explanation, RATIO_100};
+use crate::experiment::Experiment;
+use crate::report::{Page, number};
+
+use super::words;
+
+/// The section.
+pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evidence, verdict: Verdict) {
+    page.section("Every candidate");
+    if evidence.singles.is_empty() {
+        page.paragraph("No effect was tried: where nothing is visible, whatever fits best would only fit the noise.");
+        return;
+    }
+    let count = entries(evidence);
+    page.paragraph(&format!(
+        "Each effect of the catalogue was added to the base and everything was fitted again. The base leaves a sum of squares of {} where {count} is expected of noise; \
+         'explains' is the share of that excess that an effect removes. A name needs every demand; the order is that of the likelihood with a charge for each parameter. \
+         'behind' is the distance to the best: {} is a likelihood ratio of 100.",
+        number(evidence.base.square.round()),
+        number(RATIO_100),
+    ));
+    let best = evidence.singles.first().map_or(0.0, Explanation::score);
+    table(page, experiment, evidence, &evidence.singles, best);
+    let several = |e: &&Explanation| e.fit.candidates.len() > 1;
+    let together: Vec<Explanation> = evidence.held.iter().filter(several).cloned().collect();
+    if let Some(first) = together.first() {
+        page.paragraph("No single effect meets every demand. These do together, with none of them to spare:");
+        table(page, experiment, evidence, &together, first.score());
+    } else if verdict == Verdict::Unknown && evidence.held.is_empty() {
+        page.paragraph("Up to three effects at once were tried as well; none of those combinations meets every demand either.");
+    }
+}
+
+/// Residuals that count.
+fn entries(evidence: &Evidence) -> usize {
+    evidence.design.series.iter().filter(|s| !s.hold_out).map(|s| s.nodes.len()).sum()
+}
+
+/// Share of the base's excess over noise that a sum of squares has lost; none where there is no excess.
+fn explained(evidence: &Evidence, square: f64) -> Option<f64> {
+    let excess = evidence.base.square - entries(evidence) as f64;
+    (excess > 0.0).then(|| (evidence.base.square - square) / excess)
+}
+
+fn table(page: &mut Page, experiment: &Experiment, evidence: &Evidence, list: &[Explanation], best: f64) {
+    let head =
+        ["effect", "explains", "beats noise", "predicts left-out", "beats placebos", "in its bounds", "adequate residual", "behind", ""];
+    let rows: Vec<Vec<String>> = list
+        .iter()
+        .map(|e| {
+            let share = explained(evidence, e.fit.square).map_or_else(|| "-".to_owned(), |s| format!("{:.0} %", 100.0 * s));
+            vec![
+                words::candidates(experiment, &e.fit.candidates),
+                share,
+                mark(e.beats_noise),
+                mark(e.predicts),
+                mark(e.beats_placebo),
+                mark(!e.fit.at_bound),
+                mark(e.adequacy.passes()),
+                format!("{:.1}", e.score() - best),
+                told(e),
+            ]
+        })
+        .collect();
+    page.table(&head, &rows);
+}
+
+fn mark(met: bool) -> String {
+    if met { "\u{2713} yes" } else { "\u{2717} no" }.to_owned()
+}
+
+/// The outcome in words.
+fn told(explanation: &Explanation) -> String {
+    if explanation.holds() {
+        return "holds".to_owned();
+    }
+    if !explanation.beats_noise {
+        return "no more than chance".to_owned();
+    }
+    if explanation.fit.at_bound {
+        return "runs into a bound".to_owned();
+    }
+    if !explanation.predicts {
+        return "does not predict".to_owned();
+    }
+    if !explanation.beats_placebo {
+        return "a random curve does as well".to_owned();
+    }
+    let left: Vec<&str> = explanation.adequacy.shows_in.iter().map(|v| v.word()).collect();
+    format!("leaves {}", words::listed(&left, "and"))
+}

@@ -1,0 +1,188 @@
+//! What was measured against what the base predicts, with what noise alone would make.
+
+use crate::diagnose::Evidence;
+use crate::diagnose::design::{Branch, Series as Run};
+use crate::diagnose::noise::Curve;
+use crate::experiment::Experiment;
+use crate::report::Page;
+use crate::report::figure::{Series, Stroke};
+
+use super::panel::{Band, Grid, Key, Panel, Row};
+use super::words;
+
+/// Half width of a 95 % band of a normal distribution, in standard deviations.
+pub(super) const Z95: f64 = 1.96;
+/// Standard deviation of the simulated force's own error, relative, along each of three shapes; see [`crate::diagnose::whiten`].
+const SIMULATED: f64 = 0.001;
+/// Most plots beside each other.
+const COLUMNS: usize = 4;
+
+/// Forces and residuals of one run, all at the experiment's common contact point.
+pub(super) struct Shown {
+    pub depth_mm: Vec<f64>,
+    pub measured_n: Vec<f64>,
+    pub base_n: Vec<f64>,
+    pub extended_n: Option<Vec<f64>>,
+    /// Standard deviations: of the sensor alone, of everything.
+    pub sigma_n: Vec<(f64, f64)>,
+}
+
+impl Shown {
+    /// Of the run at a place in the design.
+    pub fn of(evidence: &Evidence, run: usize) -> Self {
+        let series = &evidence.design.series[run];
+        let base = &evidence.base_curves[run];
+        let contact_mm = evidence.contacts_mm[run];
+        // predictions are at the run's own contact; noise is about the common one, whose scatter is part of it
+        let moved = |curve: &Curve| -> Vec<f64> {
+            curve.force_n.iter().zip(&base.slope_n_per_mm).map(|(force, slope)| force + slope * contact_mm).collect()
+        };
+        Self {
+            depth_mm: series.nodes.iter().map(|n| n.depth_mm).collect(),
+            measured_n: series.nodes.iter().map(|n| n.force_n).collect(),
+            base_n: moved(base),
+            extended_n: evidence.extended_curves.as_ref().map(|all| moved(&all[run])),
+            sigma_n: sigma(evidence, series, base),
+        }
+    }
+
+    /// Measured less base, N.
+    pub fn residual_n(&self) -> Vec<f64> {
+        self.measured_n.iter().zip(&self.base_n).map(|(m, b)| m - b).collect()
+    }
+
+    /// Measured less extended, N.
+    pub fn residual_after_n(&self) -> Option<Vec<f64>> {
+        self.extended_n.as_ref().map(|after| self.measured_n.iter().zip(after).map(|(m, b)| m - b).collect())
+    }
+
+    fn over_depth(&self, values: &[f64]) -> Vec<(f64, f64)> {
+        self.depth_mm.iter().copied().zip(values.iter().copied()).collect()
+    }
+}
+
+/// Standard deviation of every node: of the sensor alone; with the scatter of contact, gain and zero and the simulation's own error.
+fn sigma(evidence: &Evidence, series: &Run, base: &Curve) -> Vec<(f64, f64)> {
+    let covariance = evidence.noise.sensor.covariance(&series.nodes, &base.force_n);
+    let jitter = evidence.noise.jitter;
+    let each = base.force_n.iter().zip(&base.slope_n_per_mm).enumerate();
+    each.map(|(k, (force, slope))| {
+        let sensor = covariance[(k, k)].max(0.0).sqrt();
+        let parts = [jitter.contact_mm * slope, jitter.gain * force, jitter.zero_n, SIMULATED * force];
+        (sensor, parts.iter().fold(sensor, |sum: f64, part| sum.hypot(*part)))
+    })
+    .collect()
+}
+
+/// What varies inside one figure: specimen, ball, cycle.
+type Place = (usize, usize, i64);
+
+/// The section.
+pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evidence) {
+    page.section("Measured against simulated");
+    let after = evidence.held.first().map(|best| words::candidates(experiment, &best.fit.candidates));
+    page.paragraph(&format!(
+        "One run of each condition ({} of {} runs used). Above: force. Below: what the simulation leaves, on the noise band of these data: \
+         inside the dark band 95 % of the sensor's noise, inside the light one 95 % of everything that repeats of one condition differ by \
+         (sensor, contact point, gain and zero of a spot). A curve that leaves the light band is a discrepancy that the noise does not explain.{}",
+        evidence.design.conditions,
+        evidence.design.series.len(),
+        after.as_ref().map_or_else(String::new, |name| format!(" Dashed: the simulation extended by {name}, fitted to the same data."))
+    ));
+    for place in places(evidence) {
+        let runs = runs(evidence, place);
+        for part in runs.chunks(COLUMNS) {
+            page.figure(&grid(experiment, evidence, place, part, after.as_deref()).svg(), "");
+        }
+    }
+}
+
+/// First and last cycle of every ball on every specimen.
+fn places(evidence: &Evidence) -> Vec<Place> {
+    let mut all: Vec<Place> = evidence.design.series.iter().map(|s| (s.specimen, s.indenter, s.cycle)).collect();
+    all.sort_unstable();
+    all.dedup();
+    let same = |a: &Place, b: &Place| a.0 == b.0 && a.1 == b.1;
+    let kept = all.iter().enumerate().filter(|(at, place)| {
+        let first = *at == 0 || !same(&all[at - 1], place);
+        first || all.get(at + 1).is_none_or(|next| !same(next, place))
+    });
+    kept.map(|(_, place)| *place).collect()
+}
+
+/// The first run of every condition of a place, by rate.
+fn runs(evidence: &Evidence, place: Place) -> Vec<usize> {
+    let series = &evidence.design.series;
+    let mut found: Vec<usize> = Vec::new();
+    for (at, s) in series.iter().enumerate() {
+        let here = (s.specimen, s.indenter, s.cycle) == place;
+        if here && !found.iter().any(|other| series[*other].condition == s.condition) {
+            found.push(at);
+        }
+    }
+    found.sort_by_key(|at| series[*at].rate);
+    found
+}
+
+fn grid(experiment: &Experiment, evidence: &Evidence, place: Place, runs: &[usize], after: Option<&str>) -> Grid {
+    let design = &evidence.design;
+    let (mut forces, mut residuals) = (Vec::new(), Vec::new());
+    for &run in runs {
+        let shown = Shown::of(evidence, run);
+        let series = &design.series[run];
+        let held = if series.hold_out { ", held out" } else { "" };
+        let rate = super::rate(design.rates_mm_per_s[series.rate]);
+        forces.push(force_panel(&shown, format!("{rate} mm/s{held}")));
+        residuals.push(residual_panel(&shown, series));
+    }
+    let (specimen, indenter, cycle) = place;
+    let mut title = experiment.indenters.get(indenter).map_or_else(String::new, |ball| ball.name.clone());
+    if experiment.specimens.len() > 1 {
+        title = format!("{title} on {}", experiment.specimens.get(specimen).map_or("", |its| its.name.as_str()));
+    }
+    if design.series.iter().any(|s| s.cycle != cycle) {
+        title = format!("{title}, press {cycle} on its spot");
+    }
+    let mut keys = vec![
+        Key::Curve("measured".to_owned(), Stroke::Circles, 5),
+        Key::Curve("base".to_owned(), Stroke::Solid, 0),
+    ];
+    if let Some(after) = after {
+        keys.push(Key::Curve(format!("with {after}"), Stroke::Dashed, 1));
+    }
+    keys.push(Key::Band("noise, 95 %".to_owned(), 0));
+    keys.push(Key::Band("sensor alone".to_owned(), 1));
+    let row = |label: &str, height_px, panels| Row { label: label.to_owned(), height_px, panels };
+    let rows = vec![row("force (N)", 150.0, forces), row("residual (N)", 130.0, residuals)];
+    Grid { title, across: "depth (mm)".to_owned(), rows, keys }
+}
+
+fn force_panel(shown: &Shown, title: String) -> Panel {
+    let mut series = vec![
+        Series::new("", shown.over_depth(&shown.measured_n), Stroke::Circles, 5),
+        Series::new("", shown.over_depth(&shown.base_n), Stroke::Solid, 0),
+    ];
+    if let Some(after) = &shown.extended_n {
+        series.push(Series::new("", shown.over_depth(after), Stroke::Dashed, 1));
+    }
+    Panel { title, bands: Vec::new(), series }
+}
+
+fn residual_panel(shown: &Shown, run: &Run) -> Panel {
+    let mut bands = Vec::new();
+    for shade in [0, 1] {
+        for branch in [Branch::Loading, Branch::Unloading] {
+            let nodes = run.nodes.iter().zip(&shown.sigma_n).filter(|(n, _)| n.branch == branch);
+            let points = nodes.map(|(n, (sensor, all))| {
+                let half = Z95 * if shade == 0 { *all } else { *sensor };
+                (n.depth_mm, -half, half)
+            });
+            bands.push(Band { points: points.collect(), shade });
+        }
+    }
+    let mut series = vec![Series::new("", shown.over_depth(&shown.residual_n()), Stroke::Solid, 0)];
+    if let Some(after) = shown.residual_after_n() {
+        series.push(Series::new("", shown.over_depth(&after), Stroke::Dashed, 1));
+    }
+    Panel { title: String::new(), bands, series }
+}

@@ -1,0 +1,82 @@
+//! What a diagnosis could be wrong about.
+
+use crate::diagnose::noise::Source;
+use crate::diagnose::{Diagnosis, Evidence};
+use crate::report::{Page, number};
+
+/// The section.
+pub(super) fn section(page: &mut Page, found: &Diagnosis, evidence: Option<&Evidence>) {
+    page.section("What this could be wrong about");
+    let mut list: Vec<String> = Vec::new();
+    if let Some(evidence) = evidence {
+        noise(page, evidence);
+        list.push(source(evidence));
+        list.push(zero(evidence));
+    }
+    list.extend(
+        [
+            "The simulated force is taken to be right to 0.1 % along smooth shapes over depth (docs/verification.md). An error of the simulation that is larger, or not smooth, would look like an effect.",
+            "Each effect acts in its simplest form, which is taken to be within 2 % of what it stands for. A real cause of another form can be named after the nearest one, or be 'unknown'.",
+            "Spots are independent of each other: what neighbouring spots share, and what the whole session shares, is not noise here but a discrepancy.",
+            "Runs that agree in specimen, ball, rate, motion and cycle are taken to repeat one condition, and the declared labels (cycle, spot, clock) to be right.",
+            "Intervals hold for the extended model as named. They do not contain the chance that the name is wrong.",
+            "At most three effects at once are looked for, and two of equal size and opposite sign can cancel without a trace.",
+        ]
+        .map(str::to_owned),
+    );
+    page.list(&list);
+    let others: Vec<String> = found.messages.iter().filter(|m| !repeated(found, m)).cloned().collect();
+    if !others.is_empty() {
+        page.heading("Notes on these data");
+        page.list(&others);
+    }
+}
+
+/// Faults and reasons stand at the top of the page already.
+fn repeated(found: &Diagnosis, message: &str) -> bool {
+    let told = found.faults.iter().map(ToString::to_string).chain(found.refusal.iter().map(ToString::to_string));
+    told.into_iter().any(|t| t == message)
+}
+
+fn source(evidence: &Evidence) -> String {
+    let noise = &evidence.noise;
+    match noise.source {
+        Source::Replicates => format!(
+            "The noise was estimated from what repeats of one condition differ by, with {} degrees of freedom for the scatter between spots{} and {} for the sensor. The thresholds contain that uncertainty; that the noise of other conditions is of the same kind is assumed.",
+            number(noise.freedom.round()),
+            if noise.freedom < 6.0 { ", which is few," } else { "" },
+            number(noise.sensor_freedom.round()),
+        ),
+        Source::Stated => format!(
+            "The noise was stated, not measured ({} N): no condition repeats. Every verdict here rests on that number, and on an assumed scatter of {} mm of contact point and {} % of gain between spots.",
+            number(noise.sensor.sigma_n),
+            number(noise.jitter.contact_mm),
+            number(100.0 * noise.jitter.gain),
+        ),
+    }
+}
+
+fn zero(evidence: &Evidence) -> String {
+    if evidence.design.zero_is_contact {
+        "The recorded depth was meant to be zero at the contact. Each spot's contact point is fitted within its scatter; an offset that all runs share would be an effect.".to_owned()
+    } else {
+        "The recorded depth was not zeroed at the contact: a common contact point is fitted, and one for each spot about it. An offset that all runs share cannot be seen.".to_owned()
+    }
+}
+
+fn noise(page: &mut Page, evidence: &Evidence) {
+    let (sensor, jitter) = (evidence.noise.sensor, evidence.noise.jitter);
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    page.table(
+        &["noise of these data", "standard deviation"],
+        &[
+            row("one sample of the force (N)", number(sensor.sigma_n)),
+            row("  of its variance: white (%)", number(100.0 * sensor.white)),
+            row("  correlation time of the rest (s)", number(sensor.correlation_s)),
+            row("  added in proportion to the force (%)", number(100.0 * sensor.relative)),
+            row("contact point, from spot to spot (mm)", number(jitter.contact_mm)),
+            row("gain, from spot to spot (%)", number(100.0 * jitter.gain)),
+            row("zero, from run to run (N)", number(jitter.zero_n)),
+        ],
+    );
+}

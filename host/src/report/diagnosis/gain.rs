@@ -1,0 +1,111 @@
+//! What the extension gains, and what it does to the parameters.
+
+use lut_gen::effect::Spread;
+
+use crate::diagnose::fit::Fit;
+use crate::diagnose::{Diagnosis, Evidence, Verdict};
+use crate::experiment::Experiment;
+use crate::report::{Page, number};
+
+use super::curves::Z95;
+use super::words;
+
+/// The sections.
+pub(super) fn section(page: &mut Page, experiment: &Experiment, found: &Diagnosis, evidence: &Evidence) {
+    page.section("Before and after, on conditions that no fit has seen");
+    held_out(page, found, evidence);
+    page.section("Parameters");
+    let named = matches!(found.verdict, Verdict::Named | Verdict::Ambiguous);
+    let best = evidence.held.first().filter(|_| named).map(|e| &e.fit);
+    base(page, &evidence.base, best);
+    match best {
+        Some(fit) => effects(page, experiment, fit),
+        None => page.paragraph("Nothing was added to the base."),
+    }
+    if named && evidence.held.len() > 1 {
+        page.paragraph("With each explanation that these data leave open, the base's parameters are:");
+        let rows: Vec<Vec<String>> = evidence
+            .held
+            .iter()
+            .map(|e| {
+                let [mu, alpha] = e.fit.base(Z95);
+                vec![words::candidates(experiment, &e.fit.candidates), with_interval(mu), with_interval(alpha)]
+            })
+            .collect();
+        page.table(&["explanation", "mu (MPa)", "alpha"], &rows);
+    }
+}
+
+fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
+    let Some(held_out) = &evidence.held_out else {
+        page.paragraph(if evidence.held.is_empty() {
+            "There is no extension to be measured."
+        } else {
+            "There is one condition only: none could be left out, so the gain is not measured."
+        });
+        return;
+    };
+    let (before, after) = (held_out.rmse_before_n, held_out.rmse_after_n);
+    page.table(
+        &["", "root mean square error (N)"],
+        &[
+            vec!["base".to_owned(), number(before)],
+            vec!["extended".to_owned(), number(after)],
+            vec!["change".to_owned(), format!("{:+.0} %", 100.0 * (after / before - 1.0))],
+        ],
+    );
+    page.paragraph(&format!(
+        "Each of these was left out in turn; base and rivals were fitted to the others, the likeliest rival there was taken, and the left-out one predicted: {}. \
+         The scatter of contact point and gain from spot to spot is in both errors.",
+        held_out.conditions.join(", ")
+    ));
+    if found.verdict == Verdict::Unknown {
+        page.warning("The explanation predicted left-out conditions no better than the base: its name was withdrawn.");
+    }
+}
+
+type Estimate = (f64, (f64, f64));
+
+fn with_interval((value, (low, high)): Estimate) -> String {
+    format!("{} ({} to {})", number(value), number(low), number(high))
+}
+
+fn base(page: &mut Page, before: &Fit, after: Option<&Fit>) {
+    let (was, is) = (before.base(Z95), after.map(|fit| fit.base(Z95)));
+    let rows: Vec<Vec<String>> = ["mu (MPa)", "alpha"]
+        .iter()
+        .enumerate()
+        .map(|(at, name)| {
+            let now = is.map(|all| all[at]);
+            let moved = now.map_or_else(String::new, |(value, _)| {
+                let (low, high) = was[at].1;
+                let outside = value < low || value > high;
+                let change = 100.0 * (value / was[at].0 - 1.0);
+                format!("{change:+.1} %, {} its old interval", if outside { "outside" } else { "inside" })
+            });
+            vec![(*name).to_owned(), with_interval(was[at]), now.map_or_else(|| "-".to_owned(), with_interval), moved]
+        })
+        .collect();
+    page.table(&["parameter", "base (95 %)", "extended (95 %)", "moved by"], &rows);
+}
+
+fn effects(page: &mut Page, experiment: &Experiment, fit: &Fit) {
+    let mut rows = Vec::new();
+    for (at, candidate) in fit.candidates.iter().enumerate() {
+        for (quantity, value, (low, high)) in fit.quantities(at, Z95) {
+            let (word, unit) = words::quantity(quantity.name);
+            // a shape parameter has no amount at which the effect is absent
+            let null = if quantity.spread == Spread::Logarithmic { "-".to_owned() } else { number(quantity.null) };
+            rows.push(vec![
+                words::candidate(experiment, candidate),
+                word,
+                number(value),
+                format!("{} to {}", number(low), number(high)),
+                if unit.is_empty() { "-".to_owned() } else { unit.to_owned() },
+                null,
+                format!("{} to {}", number(quantity.low), number(quantity.high)),
+            ]);
+        }
+    }
+    page.table(&["effect", "parameter", "value", "95 % interval", "unit", "absent at", "bounds"], &rows);
+}

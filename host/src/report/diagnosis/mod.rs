@@ -1,0 +1,95 @@
+//! The report of `palpate diagnose`: the verdict first, then everything it rests on.
+
+pub mod bar;
+mod candidates;
+mod curves;
+mod doubts;
+mod gain;
+pub mod heat;
+mod margins;
+mod names;
+pub mod panel;
+mod words;
+
+use crate::diagnose::{Diagnosis, Verdict};
+use crate::experiment::Experiment;
+
+use super::Page;
+
+pub use words::{meaning, name, sentence};
+
+/// Builds the page for all materials of an experiment.
+#[must_use]
+pub fn page(experiment: &Experiment, found: &[Diagnosis]) -> Page {
+    let mut page = Page::new(
+        &format!("Diagnosis: {}", experiment.name),
+        "What the simulation of these indentations gets wrong, against the noise of these data; why; what mending it gains; and what these data cannot tell. Units: mm, N, MPa, s.",
+    );
+    if found.is_empty() {
+        page.warning("The experiment holds no run that indents a soft specimen.");
+    }
+    for one in found {
+        if found.len() > 1 {
+            page.section(&format!("Material: {}", one.material));
+        }
+        material(&mut page, experiment, one);
+    }
+    page
+}
+
+fn material(page: &mut Page, experiment: &Experiment, found: &Diagnosis) {
+    verdict(page, found);
+    let evidence = found.evidence.as_deref();
+    if let Some(evidence) = evidence {
+        curves::section(page, experiment, evidence);
+        margins::section(page, experiment, evidence);
+        candidates::section(page, experiment, evidence, found.verdict);
+        names::confounded(page, found);
+        names::blind(page, found);
+        gain::section(page, experiment, found, evidence);
+    }
+    doubts::section(page, found, evidence);
+    let solves = evidence.map_or(0, |e| e.solves);
+    page.paragraph(&format!("{solves} finite element solves; {:.1} s.", found.seconds));
+}
+
+/// Sentence, meaning, faults, and for a refusal what to do about it.
+fn verdict(page: &mut Page, found: &Diagnosis) {
+    page.section("Verdict");
+    page.verdict(&sentence(found));
+    page.paragraph(meaning(found.verdict));
+    if !found.faults.is_empty() {
+        page.heading("Faults of the data");
+        for fault in &found.faults {
+            page.warning(&format!("{fault} ({})", fault.code()));
+        }
+    }
+    if let Some(advice) = advice(found) {
+        page.heading("What to measure instead");
+        page.paragraph(advice);
+    }
+    if found.verdict == Verdict::Clean && !found.blind_to.is_empty() {
+        page.paragraph(&format!("Not seen here in any case: {}.", found.blind_to.join(", ")));
+    }
+}
+
+/// What would make a diagnosis possible.
+fn advice(found: &Diagnosis) -> Option<&'static str> {
+    use crate::diagnose::Refusal;
+    match found.refusal.as_ref()? {
+        Refusal::NoNoise => Some(
+            "Repeat at least one condition (same ball, rate, depth and cycle) on another spot, better three times; each repeat tells how far two runs differ that should not. If nothing can be repeated, state the sensor's noise in experiment.toml: [sensor] noise_N = ... (standard deviation of one sample with the ball at rest). The report then says that it was stated.",
+        ),
+        Refusal::NothingToFit(_) => Some(
+            "Record presses of a ball of known radius that start above the surface and go at least a tenth of the ball's radius deep, with at least a dozen samples on the way down.",
+        ),
+        Refusal::Faulty(_) => Some(
+            "Check the sensor's cable and zero with a known mass, repeat the runs named above, or take them out of experiment.toml; then diagnose again.",
+        ),
+    }
+}
+
+/// A rate with no more digits than needed.
+fn rate(mm_per_s: f64) -> String {
+    format!("{mm_per_s:.3}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}

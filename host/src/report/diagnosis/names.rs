@@ -1,0 +1,84 @@
+//! What cannot be told apart, what would tell it apart, and what could not have been seen.
+
+use lut_gen::effect;
+
+use crate::diagnose::{Diagnosis, Verdict};
+use crate::report::Page;
+
+use super::words;
+
+/// The section on sets of names; none without one.
+pub(super) fn confounded(page: &mut Page, found: &Diagnosis) {
+    if found.verdict != Verdict::Ambiguous && found.verdict != Verdict::Named {
+        return;
+    }
+    page.section("What this could be confused with");
+    for finding in &found.findings {
+        if finding.ambiguous_with.is_empty() {
+            let twins = effect::find(finding.code, None).map_or(&[][..], |effect| effect.twins);
+            let others: Vec<&str> = twins.iter().copied().filter(|twin| found.blind_to.contains(twin)).collect();
+            let blind = if others.is_empty() {
+                String::new()
+            } else {
+                format!(" It could hide {}, which these data would not show.", words::listed(&others, "or"))
+            };
+            page.paragraph(&format!("{}: no other explanation is left within a likelihood ratio of 100.{blind}", finding.code));
+            continue;
+        }
+        page.paragraph(&format!(
+            "{} or {}: these data fit each of them. One of these runs would decide:",
+            finding.code,
+            words::listed(&finding.ambiguous_with, "or")
+        ));
+        let codes = std::iter::once(finding.code).chain(finding.ambiguous_with.iter().copied());
+        let rows: Vec<Vec<String>> = codes.filter_map(row).collect();
+        page.table(&["if it is", "the base is wrong in that", "its twins", "a run that shows it"], &rows);
+    }
+}
+
+fn row(code: &str) -> Option<Vec<String>> {
+    let effect = effect::find(code, None)?;
+    let twins = if effect.twins.is_empty() { "none".to_owned() } else { effect.twins.join(", ") };
+    Some(vec![code.to_owned(), format!("it assumes: {}", effect.assumption), twins, effect.separated_by.to_owned()])
+}
+
+/// The section on what this design cannot see.
+pub(super) fn blind(page: &mut Page, found: &Diagnosis) {
+    page.section("What this design cannot see");
+    if found.blind_to.is_empty() {
+        page.paragraph("A plausible amount of every effect in the catalogue would have been seen here.");
+        return;
+    }
+    page.paragraph(
+        "An amount of these that laboratories meet would have stayed below the noise, or been taken up by the base's own parameters. \
+         That they are not named says nothing about them.",
+    );
+    let rows: Vec<Vec<String>> = found
+        .blind_to
+        .iter()
+        .filter_map(|code| {
+            let effect = effect::find(code, None)?;
+            Some(vec![
+                (*code).to_owned(),
+                effect.assumption.to_owned(),
+                amounts(code),
+                effect.signature.to_owned(),
+                effect.separated_by.to_owned(),
+            ])
+        })
+        .collect();
+    page.table(&["effect", "assumed unseen", "amount looked for", "where it would show", "what would show it"], &rows);
+}
+
+/// Plausible amounts of all forms of an effect.
+fn amounts(code: &str) -> String {
+    let forms = effect::CATALOGUE.iter().filter(|effect| effect.code == code);
+    let each: Vec<String> = forms
+        .filter_map(|effect| effect.quantities.first())
+        .map(|q| {
+            let (word, unit) = words::quantity(q.name);
+            format!("{word} {} {unit}", crate::report::number(q.plausible)).trim_end().to_owned()
+        })
+        .collect();
+    each.join("; ")
+}

@@ -1,0 +1,186 @@
+//! The words of a diagnosis: sentences for verdicts, names for effects.
+
+use lut_gen::effect::{self, Owner};
+
+use crate::diagnose::fit::Candidate;
+use crate::diagnose::{Diagnosis, Finding, Verdict};
+use crate::experiment::Experiment;
+
+/// The verdict in one sentence that needs no other, with the stable code in brackets.
+#[must_use]
+pub fn sentence(found: &Diagnosis) -> String {
+    let code = found.verdict.word();
+    match found.verdict {
+        Verdict::Clean => {
+            format!("Nothing wrong is visible: the simulation explains {} to within the noise of these data ({code}).", found.material)
+        }
+        Verdict::Named => format!("The simulation of {} is wrong here, and the data say why: {} ({code}).", found.material, causes(found)),
+        Verdict::Ambiguous => format!(
+            "The simulation of {} is wrong here, and these data leave more than one cause: {} ({code}).",
+            found.material,
+            causes(found)
+        ),
+        Verdict::Unknown => format!(
+            "The simulation of {} is wrong here, and no effect in the catalogue explains how{} ({code}).",
+            found.material,
+            shows(found)
+        ),
+        Verdict::TooFewData => {
+            format!("There are too few data on {} to say anything: {} ({code}).", found.material, reason(found))
+        }
+        Verdict::Refused => format!("No diagnosis of {} is made: {} ({code}).", found.material, reason(found)),
+    }
+}
+
+/// What the stable code promises, and what it does not.
+#[must_use]
+pub fn meaning(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Clean => {
+            "clean: no part of the residual is larger than what noise alone makes of one data set in two hundred. It does not mean that the simulation is right: the blind spots below would not have been seen."
+        }
+        Verdict::Named => {
+            "named: one explanation beats noise and placebo effects, predicts conditions that were left out better than the base, stays within physical bounds, leaves nothing visible, and is a hundred times likelier than any other of that kind."
+        }
+        Verdict::Ambiguous => {
+            "ambiguous: several explanations meet every demand on a name, and none is a hundred times likelier than the others. Each of them would mend the simulation here; only another run can tell which is at work."
+        }
+        Verdict::Unknown => {
+            "unknown: the residual is larger than noise makes it, and no explanation meets every demand on a name. A cause outside the catalogue is as possible as more causes at once than were tried."
+        }
+        Verdict::TooFewData => "too-few-data: no run of this material can be compared with a simulation.",
+        Verdict::Refused => {
+            "refused: something that every further answer would rest on is missing or broken, so that no answer is given at all."
+        }
+    }
+}
+
+/// Why there is no answer, without a full stop at its end.
+pub(super) fn reason(found: &Diagnosis) -> String {
+    let reason = found.refusal.as_ref().map(ToString::to_string);
+    reason.unwrap_or_else(|| "no reason was given".to_owned()).trim_end_matches('.').to_owned()
+}
+
+fn shows(found: &Diagnosis) -> String {
+    if found.shows_in.is_empty() {
+        return String::new();
+    }
+    format!("; it shows in {}", listed(&found.shows_in, "and"))
+}
+
+fn causes(found: &Diagnosis) -> String {
+    let each: Vec<String> = found.findings.iter().map(cause).collect();
+    match each.len() {
+        0 | 1 => each.concat(),
+        _ => format!("together {}", each.join(", with ")),
+    }
+}
+
+fn cause(finding: &Finding) -> String {
+    let codes: Vec<&str> = std::iter::once(finding.code).chain(finding.ambiguous_with.iter().copied()).collect();
+    listed(&codes.iter().map(|code| name(code)).collect::<Vec<_>>(), "or")
+}
+
+/// "a, b and c".
+pub(super) fn listed(words: &[&str], last: &str) -> String {
+    match words {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [head @ .., tail] => format!("{} {last} {tail}", head.join(", ")),
+    }
+}
+
+/// What an effect is called in a sentence; its code where there is no better word.
+#[must_use]
+pub fn name(code: &str) -> &str {
+    match code {
+        "relaxation" => "relaxation of the material",
+        "poisson" => "Poisson's ratio",
+        "second-term" => "a second term of the strain energy",
+        "softening" => "softening with earlier presses",
+        "thickness" => "the specimen's height or base",
+        "friction" => "friction under the ball",
+        "adhesion" => "adhesion to the ball",
+        "contact-offset" => "an offset of the contact point",
+        "compliance" => "compliance of the machine",
+        "radius" => "the radius of a ball",
+        "lag" => "lag or a rate limit of the motion",
+        "sensor-gain" => "the gain of the force sensor",
+        "sensor-nonlinearity" => "a force sensor that is not linear",
+        "sensor-creep" => "creep or hysteresis of the force sensor",
+        "drift" => "drift of the force's zero",
+        "numerics" => "numerical error of the simulation",
+        other => other,
+    }
+}
+
+/// Code, form where the effect has several, and what it belongs to.
+pub(super) fn candidate(experiment: &Experiment, candidate: &Candidate) -> String {
+    let effect = candidate.effect;
+    let forms = effect::CATALOGUE.iter().filter(|other| other.code == effect.code).count();
+    let form = if forms > 1 { format!(", {}", effect.form) } else { String::new() };
+    let owner = match effect.owner {
+        Owner::All => None,
+        Owner::Indenter => experiment.indenters.get(candidate.owner).map(|ball| format!(" of {}", ball.name)),
+        // a single specimen needs no name
+        Owner::Specimen if experiment.specimens.len() < 2 => None,
+        Owner::Specimen => experiment.specimens.get(candidate.owner).map(|its| format!(" of {}", its.name)),
+    };
+    format!("{}{form}{}", effect.code, owner.unwrap_or_default())
+}
+
+/// All effects of an explanation.
+pub(super) fn candidates(experiment: &Experiment, list: &[Candidate]) -> String {
+    let each: Vec<String> = list.iter().map(|one| candidate(experiment, one)).collect();
+    if each.is_empty() { "nothing".to_owned() } else { each.join(" + ") }
+}
+
+/// Name and unit of a parameter, from the name it has in files.
+pub(super) fn quantity(name: &str) -> (String, &'static str) {
+    const UNITS: [(&str, &str); 7] = [
+        ("_N_per_mm", "N/mm"),
+        ("_s_per_mm", "s/mm"),
+        ("mm_per_N", "mm/N"),
+        ("_per_N", "1/N"),
+        ("N_per_h", "N/h"),
+        ("_mm", "mm"),
+        ("_s", "s"),
+    ];
+    for (ending, unit) in UNITS {
+        if let Some(head) = name.strip_suffix(ending) {
+            let word = if head.is_empty() { "amount" } else { head };
+            return (word.replace('_', " "), unit);
+        }
+    }
+    (name.replace('_', " "), "")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_of_the_catalogue_has_a_name() {
+        for effect in effect::CATALOGUE {
+            assert_ne!(name(effect.code), effect.code);
+        }
+        assert_eq!(name("gravity"), "gravity");
+    }
+
+    #[test]
+    fn units_are_read_off_the_names_of_parameters() {
+        let of = |name| quantity(name);
+        assert_eq!(of("tau1_s"), ("tau1".to_owned(), "s"));
+        assert_eq!(of("height_error_mm"), ("height error".to_owned(), "mm"));
+        assert_eq!(of("limit_s_per_mm"), ("limit".to_owned(), "s/mm"));
+        assert_eq!(of("work_N_per_mm"), ("work".to_owned(), "N/mm"));
+        assert_eq!(of("mm_per_N"), ("amount".to_owned(), "mm/N"));
+        assert_eq!(of("g1"), ("g1".to_owned(), ""));
+    }
+
+    #[test]
+    fn lists_read_as_sentences() {
+        assert_eq!(listed(&["a"], "or"), "a");
+        assert_eq!(listed(&["a", "b", "c"], "and"), "a, b and c");
+    }
+}
