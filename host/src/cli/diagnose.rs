@@ -70,6 +70,9 @@ fn print(found: &Diagnosis) {
     println!("material         {}", found.material);
     println!("verdict          {}", found.verdict.word());
     println!("                 {}", report::diagnosis::sentence(found));
+    if let Some(refusal) = &found.refusal {
+        println!("because          {refusal}");
+    }
     for fault in &found.faults {
         println!("fault            {fault} ({})", fault.code());
     }

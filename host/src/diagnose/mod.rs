@@ -146,7 +146,7 @@ pub struct Evidence {
     pub contacts_mm: Vec<f64>,
     /// What the base predicts there for every run.
     pub base_curves: Vec<Curve>,
-    /// The same with the likeliest explanation that holds, if any does.
+    /// The same with the likeliest explanation that holds, or the likeliest single effect where none does; none where nothing was tried.
     pub extended_curves: Option<Vec<Curve>>,
     /// What the base leaves.
     pub adequacy: Adequacy,
@@ -276,7 +276,9 @@ impl Diagnosis {
         self.cancelling = verdict::cancelling(experiment);
         self.proposals = plan::proposals(experiment, &prepared, &search, &held, &self.blind_to);
         verdict::conclude(self, (visible, !adequacy.passes()), &held, held_out.as_ref());
-        let extended_curves = held.first().map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
+        let best = held.first().or(singles.first());
+        let extended_curves =
+            best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
         let (base, noise, contacts_mm) = (base.clone(), *noise, problem.contacts_mm.clone());
         drop(search);
         self.evidence = Some(Box::new(Evidence {

@@ -45,7 +45,12 @@ impl Scale {
 
     /// Round values inside the range, about one every 55 pixels.
     pub fn ticks(&self) -> Vec<f64> {
-        let most = ((self.high_px - self.low_px).abs() / 55.0).max(2.0);
+        self.ticks_every(55.0)
+    }
+
+    /// Round values inside the range, not closer than some pixels.
+    pub fn ticks_every(&self, pixels: f64) -> Vec<f64> {
+        let most = ((self.high_px - self.low_px).abs() / pixels).max(2.0);
         if self.log {
             return self.log_ticks(most);
         }

@@ -1,7 +1,7 @@
 //! Every candidate with what it explains and which demands it meets.
 
-use crate::diagnose::{Evidence, Verdict};
 use crate::diagnose::search::{Explanation, RATIO_100};
+use crate::diagnose::{Diagnosis, Evidence, Verdict};
 use crate::experiment::Experiment;
 use crate::report::{Page, number};
 
@@ -30,7 +30,9 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
         page.paragraph("No single effect meets every demand. These do together, with none of them to spare:");
         table(page, experiment, evidence, &together, first.score());
     } else if verdict == Verdict::Unknown && evidence.held.is_empty() {
-        page.paragraph("Up to three effects at once were tried as well; none of those combinations meets every demand either.");
+        page.paragraph(
+            "Up to three effects at once were tried as well; none of those combinations meets every demand either.",
+        );
     }
 }
 
@@ -45,13 +47,40 @@ fn explained(evidence: &Evidence, square: f64) -> Option<f64> {
     (excess > 0.0).then(|| (evidence.base.square - square) / excess)
 }
 
+/// Whole percents, without a minus before nothing.
+fn percent(share: f64) -> String {
+    format!("{} %", (100.0 * share).round() as i64)
+}
+
+/// What comes closest to a name where none is given.
+pub(super) fn nearest(experiment: &Experiment, found: &Diagnosis) -> Option<String> {
+    let evidence = found.evidence.as_deref().filter(|_| found.verdict == Verdict::Unknown)?;
+    let first = evidence.singles.first()?;
+    let share = explained(evidence, first.fit.square)?;
+    Some(format!(
+        "Of single effects, {} comes closest: it removes {} of what exceeds the noise, but {}. It is not a name for what is wrong here.",
+        words::candidates(experiment, &first.fit.candidates),
+        percent(share),
+        if first.holds() { "did not predict what was left out better than the base".to_owned() } else { told(first) },
+    ))
+}
+
 fn table(page: &mut Page, experiment: &Experiment, evidence: &Evidence, list: &[Explanation], best: f64) {
-    let head =
-        ["effect", "explains", "beats noise", "predicts left-out", "beats placebos", "in its bounds", "adequate residual", "behind", ""];
+    let head = [
+        "effect",
+        "explains",
+        "beats noise",
+        "predicts left-out",
+        "beats placebos",
+        "in its bounds",
+        "adequate residual",
+        "behind",
+        "",
+    ];
     let rows: Vec<Vec<String>> = list
         .iter()
         .map(|e| {
-            let share = explained(evidence, e.fit.square).map_or_else(|| "-".to_owned(), |s| format!("{:.0} %", 100.0 * s));
+            let share = explained(evidence, e.fit.square).map_or_else(|| "-".to_owned(), percent);
             vec![
                 words::candidates(experiment, &e.fit.candidates),
                 share,
@@ -60,7 +89,7 @@ fn table(page: &mut Page, experiment: &Experiment, evidence: &Evidence, list: &[
                 mark(e.beats_placebo),
                 mark(!e.fit.at_bound),
                 mark(e.adequacy.passes()),
-                format!("{:.1}", e.score() - best),
+                format!("{:.*}", usize::from(e.score() - best < 100.0), e.score() - best),
                 told(e),
             ]
         })
@@ -78,16 +107,16 @@ fn told(explanation: &Explanation) -> String {
         return "holds".to_owned();
     }
     if !explanation.beats_noise {
-        return "no more than chance".to_owned();
+        return "gains no more than chance".to_owned();
     }
     if explanation.fit.at_bound {
         return "runs into a bound".to_owned();
     }
     if !explanation.predicts {
-        return "does not predict".to_owned();
+        return "does not predict what was left out".to_owned();
     }
     if !explanation.beats_placebo {
-        return "a random curve does as well".to_owned();
+        return "does no better than a random curve".to_owned();
     }
     let left: Vec<&str> = explanation.adequacy.shows_in.iter().map(|v| v.word()).collect();
     format!("leaves {}", words::listed(&left, "and"))

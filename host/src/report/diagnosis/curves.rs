@@ -7,8 +7,8 @@ use crate::experiment::Experiment;
 use crate::report::Page;
 use crate::report::figure::{Series, Stroke};
 
+use super::Drawn;
 use super::panel::{Band, Grid, Key, Panel, Row};
-use super::words;
 
 /// Half width of a 95 % band of a normal distribution, in standard deviations.
 pub(super) const Z95: f64 = 1.96;
@@ -78,21 +78,27 @@ fn sigma(evidence: &Evidence, series: &Run, base: &Curve) -> Vec<(f64, f64)> {
 type Place = (usize, usize, i64);
 
 /// The section.
-pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evidence) {
+pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evidence, drawn: Option<&Drawn<'_>>) {
     page.section("Measured against simulated");
-    let after = evidence.held.first().map(|best| words::candidates(experiment, &best.fit.candidates));
+    let after = drawn.map(|drawn| drawn.name.as_str());
     page.paragraph(&format!(
-        "One run of each condition ({} of {} runs used). Above: force. Below: what the simulation leaves, on the noise band of these data: \
+        "One run of each condition, of presses on one spot the first and the last ({} conditions, {} runs used). Above: force. Below: what the simulation leaves, on the noise band of these data: \
          inside the dark band 95 % of the sensor's noise, inside the light one 95 % of everything that repeats of one condition differ by \
          (sensor, contact point, gain and zero of a spot). A curve that leaves the light band is a discrepancy that the noise does not explain.{}",
         evidence.design.conditions,
         evidence.design.series.len(),
-        after.as_ref().map_or_else(String::new, |name| format!(" Dashed: the simulation extended by {name}, fitted to the same data."))
+        match drawn {
+            Some(drawn) if drawn.named => " Dashed: the extended simulation, fitted to the same data.",
+            Some(_) => " Dashed: the single explanation that comes closest; it does not meet every demand on a name.",
+            None => "",
+        }
     ));
+    // said once, under the first figure
+    let mut caption = "Loading runs to the right, a hold is the upright piece at its end, unloading runs back. Depth is as recorded; the predictions are at the contact point that all runs share.";
     for place in places(evidence) {
         let runs = runs(evidence, place);
         for part in runs.chunks(COLUMNS) {
-            page.figure(&grid(experiment, evidence, place, part, after.as_deref()).svg(), "");
+            page.figure(&grid(experiment, evidence, place, part, after).svg(), std::mem::take(&mut caption));
         }
     }
 }
@@ -132,8 +138,8 @@ fn grid(experiment: &Experiment, evidence: &Evidence, place: Place, runs: &[usiz
         let series = &design.series[run];
         let held = if series.hold_out { ", held out" } else { "" };
         let rate = super::rate(design.rates_mm_per_s[series.rate]);
-        forces.push(force_panel(&shown, format!("{rate} mm/s{held}")));
-        residuals.push(residual_panel(&shown, series));
+        forces.push(force_panel(&shown, format!("{rate} mm/s{held}"), after.is_some()));
+        residuals.push(residual_panel(&shown, series, after.is_some()));
     }
     let (specimen, indenter, cycle) = place;
     let mut title = experiment.indenters.get(indenter).map_or_else(String::new, |ball| ball.name.clone());
@@ -143,12 +149,10 @@ fn grid(experiment: &Experiment, evidence: &Evidence, place: Place, runs: &[usiz
     if design.series.iter().any(|s| s.cycle != cycle) {
         title = format!("{title}, press {cycle} on its spot");
     }
-    let mut keys = vec![
-        Key::Curve("measured".to_owned(), Stroke::Circles, 5),
-        Key::Curve("base".to_owned(), Stroke::Solid, 0),
-    ];
+    let mut keys =
+        vec![Key::Curve("measured".to_owned(), Stroke::Circles, 5), Key::Curve("base".to_owned(), Stroke::Solid, 0)];
     if let Some(after) = after {
-        keys.push(Key::Curve(format!("with {after}"), Stroke::Dashed, 1));
+        keys.push(Key::Curve(after.to_owned(), Stroke::Dashed, 1));
     }
     keys.push(Key::Band("noise, 95 %".to_owned(), 0));
     keys.push(Key::Band("sensor alone".to_owned(), 1));
@@ -157,18 +161,18 @@ fn grid(experiment: &Experiment, evidence: &Evidence, place: Place, runs: &[usiz
     Grid { title, across: "depth (mm)".to_owned(), rows, keys }
 }
 
-fn force_panel(shown: &Shown, title: String) -> Panel {
+fn force_panel(shown: &Shown, title: String, extended: bool) -> Panel {
     let mut series = vec![
         Series::new("", shown.over_depth(&shown.measured_n), Stroke::Circles, 5),
         Series::new("", shown.over_depth(&shown.base_n), Stroke::Solid, 0),
     ];
-    if let Some(after) = &shown.extended_n {
+    if let Some(after) = shown.extended_n.as_ref().filter(|_| extended) {
         series.push(Series::new("", shown.over_depth(after), Stroke::Dashed, 1));
     }
     Panel { title, bands: Vec::new(), series }
 }
 
-fn residual_panel(shown: &Shown, run: &Run) -> Panel {
+fn residual_panel(shown: &Shown, run: &Run, extended: bool) -> Panel {
     let mut bands = Vec::new();
     for shade in [0, 1] {
         for branch in [Branch::Loading, Branch::Unloading] {
@@ -181,7 +185,7 @@ fn residual_panel(shown: &Shown, run: &Run) -> Panel {
         }
     }
     let mut series = vec![Series::new("", shown.over_depth(&shown.residual_n()), Stroke::Solid, 0)];
-    if let Some(after) = shown.residual_after_n() {
+    if let Some(after) = shown.residual_after_n().filter(|_| extended) {
         series.push(Series::new("", shown.over_depth(&after), Stroke::Dashed, 1));
     }
     Panel { title: String::new(), bands, series }

@@ -3,6 +3,7 @@
 use lut_gen::effect::Spread;
 
 use crate::diagnose::fit::Fit;
+use crate::diagnose::search::Explanation;
 use crate::diagnose::{Diagnosis, Evidence, Verdict};
 use crate::experiment::Experiment;
 use crate::report::{Page, number};
@@ -11,18 +12,21 @@ use super::curves::Z95;
 use super::words;
 
 /// The sections.
-pub(super) fn section(page: &mut Page, experiment: &Experiment, found: &Diagnosis, evidence: &Evidence) {
+pub(super) fn section(
+    page: &mut Page,
+    experiment: &Experiment,
+    (found, evidence): (&Diagnosis, &Evidence),
+    best: Option<&Explanation>,
+) {
     page.section("Before and after, on conditions that no fit has seen");
     held_out(page, found, evidence);
     page.section("Parameters");
-    let named = matches!(found.verdict, Verdict::Named | Verdict::Ambiguous);
-    let best = evidence.held.first().filter(|_| named).map(|e| &e.fit);
-    base(page, &evidence.base, best);
+    base(page, &evidence.base, best.map(|e| &e.fit));
     match best {
-        Some(fit) => effects(page, experiment, fit),
+        Some(explanation) => effects(page, experiment, &explanation.fit),
         None => page.paragraph("Nothing was added to the base."),
     }
-    if named && evidence.held.len() > 1 {
+    if best.is_some() && evidence.held.len() > 1 {
         page.paragraph("With each explanation that these data leave open, the base's parameters are:");
         let rows: Vec<Vec<String>> = evidence
             .held
@@ -45,20 +49,24 @@ fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
         });
         return;
     };
-    let (before, after) = (held_out.rmse_before_n, held_out.rmse_after_n);
+    let change = |before: f64, after: f64| format!("{:+.0} %", 100.0 * (after / before - 1.0));
+    let row = |name: &str, (before, after): (f64, f64)| {
+        vec![name.to_owned(), number(before), number(after), change(before, after)]
+    };
+    let error_n = (held_out.rmse_before_n, held_out.rmse_after_n);
+    let weighed = (held_out.square_before, held_out.square_after);
     page.table(
-        &["", "root mean square error (N)"],
-        &[
-            vec!["base".to_owned(), number(before)],
-            vec!["extended".to_owned(), number(after)],
-            vec!["change".to_owned(), format!("{:+.0} %", 100.0 * (after / before - 1.0))],
-        ],
+        &["", "base", "extended", "change"],
+        &[row("error, root mean square (N)", error_n), row("error weighed by the noise, sum of squares", weighed)],
     );
     page.paragraph(&format!(
         "Each of these was left out in turn; base and rivals were fitted to the others, the likeliest rival there was taken, and the left-out one predicted: {}. \
-         The scatter of contact point and gain from spot to spot is in both errors.",
+         The scatter of contact point and gain from spot to spot is in both errors; the second row knows how large it is, and decides.",
         held_out.conditions.join(", ")
     ));
+    if found.verdict != Verdict::Unknown && error_n.1 >= error_n.0 {
+        page.warning("The error in newton did not fall: what the extension gains lies below the scatter between spots, or the contact points, which are those of the base fit, hide it.");
+    }
     if found.verdict == Verdict::Unknown {
         page.warning("The explanation predicted left-out conditions no better than the base: its name was withdrawn.");
     }

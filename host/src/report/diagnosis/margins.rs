@@ -6,6 +6,7 @@ use crate::diagnose::margin::{Margin, Variable};
 use crate::experiment::Experiment;
 use crate::report::{Page, number};
 
+use super::Drawn;
 use super::bar::{Bar, Bars, Group};
 use super::curves::Shown;
 use super::heat::{Heat, Line};
@@ -27,7 +28,7 @@ const BRANCHES: [(Branch, &str); 3] =
     [(Branch::Loading, "loading"), (Branch::Hold, "hold"), (Branch::Unloading, "unloading")];
 
 /// The section.
-pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evidence) {
+pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evidence, drawn: Option<&Drawn<'_>>) {
     page.section("Where the residual is");
     let adequacy = &evidence.adequacy;
     let told = match adequacy.shows_in.as_slice() {
@@ -45,11 +46,15 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
     if evidence.margins.is_empty() {
         page.warning("Nothing varies in this experiment that a residual could be followed along.");
     } else {
-        page.figure(&bars(experiment, evidence).svg(), caption(evidence));
+        page.figure(&bars(experiment, evidence, drawn).svg(), caption(drawn.is_some()));
     }
-    for (title, after) in [("Base: every run", false), ("Extended: every run", true)] {
-        if let Some(heat) = strips(experiment, evidence, title, after) {
-            page.figure(&heat.svg(), STRIPS);
+    if let Some(heat) = strips(experiment, evidence, "Base: every run", false) {
+        page.figure(&heat.svg(), STRIPS);
+    }
+    if let Some(drawn) = drawn {
+        let title = format!("{}: every run", drawn.name);
+        if let Some(heat) = strips(experiment, evidence, &title, true) {
+            page.figure(&heat.svg(), "");
         }
     }
 }
@@ -58,16 +63,16 @@ const STRIPS: &str = "One line a run, time from left to right within each branch
      that repeats differ by. Cells with + lie above the simulation, with - below it. Single dark cells are chance; dark \
      columns, lines or blocks are not.";
 
-fn caption(evidence: &Evidence) -> &'static str {
-    if evidence.held.is_empty() {
-        "Grey: inside the threshold, which noise alone would reach. Dark bars lie beyond it."
+fn caption(drawn: bool) -> &'static str {
+    if drawn {
+        "Grey: inside the threshold, which noise alone would reach. Dark bars lie beyond it. Diamonds: what the dashed curves above leave, in units of its own scatter."
     } else {
-        "Grey: inside the threshold, which noise alone would reach. Dark bars lie beyond it. Diamonds: what the likeliest explanation leaves, in units of its own scatter."
+        "Grey: inside the threshold, which noise alone would reach. Dark bars lie beyond it."
     }
 }
 
-fn bars(experiment: &Experiment, evidence: &Evidence) -> Bars {
-    let after = evidence.held.first().map(|best| &best.adequacy.readings);
+fn bars(experiment: &Experiment, evidence: &Evidence, drawn: Option<&Drawn<'_>>) -> Bars {
+    let after = drawn.map(|drawn| &drawn.explanation.adequacy.readings);
     let groups = VARIABLES.iter().filter_map(|variable| {
         let own = evidence.margins.iter().enumerate().filter(|(_, m)| m.variable == *variable);
         let bars: Vec<Bar> = own
@@ -82,7 +87,7 @@ fn bars(experiment: &Experiment, evidence: &Evidence) -> Bars {
     Bars {
         title: "What the base leaves, by margin".to_owned(),
         axis: "mean residual, in units of its scatter".to_owned(),
-        mark: after.map(|_| "with the likeliest explanation".to_owned()),
+        mark: drawn.map(|drawn| drawn.name.clone()),
         threshold: evidence.adequacy.threshold,
         groups: groups.collect(),
     }
@@ -98,6 +103,13 @@ fn label(experiment: &Experiment, margin: &Margin) -> String {
     match margin.variable {
         Variable::Radius => named("ball ", experiment.indenters.iter().map(|i| i.name.as_str()).collect()),
         Variable::Height => named("specimen ", experiment.specimens.iter().map(|s| s.name.as_str()).collect()),
+        Variable::Rate => match margin.label.split_once(" mm/s") {
+            Some((value, rest)) => {
+                let shown = value.trim().parse().map_or_else(|_| value.to_owned(), super::rate);
+                format!("{shown} mm/s{rest}")
+            }
+            None => margin.label.clone(),
+        },
         _ => margin.label.clone(),
     }
 }

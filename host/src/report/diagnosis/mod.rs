@@ -11,7 +11,8 @@ mod names;
 pub mod panel;
 mod words;
 
-use crate::diagnose::{Diagnosis, Verdict};
+use crate::diagnose::search::Explanation;
+use crate::diagnose::{Diagnosis, Refusal, Verdict};
 use crate::experiment::Experiment;
 
 use super::Page;
@@ -38,26 +39,54 @@ pub fn page(experiment: &Experiment, found: &[Diagnosis]) -> Page {
 }
 
 fn material(page: &mut Page, experiment: &Experiment, found: &Diagnosis) {
-    verdict(page, found);
+    verdict(page, experiment, found);
     let evidence = found.evidence.as_deref();
     if let Some(evidence) = evidence {
-        curves::section(page, experiment, evidence);
-        margins::section(page, experiment, evidence);
+        let drawn = drawn(experiment, found);
+        curves::section(page, experiment, evidence, drawn.as_ref());
+        margins::section(page, experiment, evidence, drawn.as_ref());
         candidates::section(page, experiment, evidence, found.verdict);
         names::confounded(page, found);
         names::blind(page, found);
-        gain::section(page, experiment, found, evidence);
+        gain::section(page, experiment, (found, evidence), explanation(found));
     }
     doubts::section(page, found, evidence);
     let solves = evidence.map_or(0, |e| e.solves);
     page.paragraph(&format!("{solves} finite element solves; {:.1} s.", found.seconds));
 }
 
+/// The likeliest explanation, where the verdict stands by it.
+fn explanation(found: &Diagnosis) -> Option<&Explanation> {
+    let stands = matches!(found.verdict, Verdict::Named | Verdict::Ambiguous);
+    found.evidence.as_deref().and_then(|evidence| evidence.held.first()).filter(|_| stands)
+}
+
+/// An explanation that figures show beside the base, and what they call it.
+struct Drawn<'a> {
+    explanation: &'a Explanation,
+    name: String,
+    /// The verdict stands by it.
+    named: bool,
+}
+
+/// The explanation that the verdict stands by, or, where there is no name, the one that comes closest.
+fn drawn<'a>(experiment: &Experiment, found: &'a Diagnosis) -> Option<Drawn<'a>> {
+    let named = explanation(found);
+    let evidence = found.evidence.as_deref().filter(|_| found.verdict != Verdict::Clean)?;
+    let explanation = named.or(evidence.held.first()).or(evidence.singles.first())?;
+    let effects = words::candidates(experiment, &explanation.fit.candidates);
+    let name = if named.is_some() { format!("with {effects}") } else { format!("closest, but no name: {effects}") };
+    Some(Drawn { explanation, name, named: named.is_some() })
+}
+
 /// Sentence, meaning, faults, and for a refusal what to do about it.
-fn verdict(page: &mut Page, found: &Diagnosis) {
+fn verdict(page: &mut Page, experiment: &Experiment, found: &Diagnosis) {
     page.section("Verdict");
     page.verdict(&sentence(found));
     page.paragraph(meaning(found.verdict));
+    if let Some(nearest) = candidates::nearest(experiment, found) {
+        page.paragraph(&nearest);
+    }
     if !found.faults.is_empty() {
         page.heading("Faults of the data");
         for fault in &found.faults {
@@ -65,6 +94,9 @@ fn verdict(page: &mut Page, found: &Diagnosis) {
         }
     }
     if let Some(advice) = advice(found) {
+        if let Some(refusal) = &found.refusal {
+            page.warning(&format!("{refusal}."));
+        }
         page.heading("What to measure instead");
         page.paragraph(advice);
     }
@@ -75,7 +107,6 @@ fn verdict(page: &mut Page, found: &Diagnosis) {
 
 /// What would make a diagnosis possible.
 fn advice(found: &Diagnosis) -> Option<&'static str> {
-    use crate::diagnose::Refusal;
     match found.refusal.as_ref()? {
         Refusal::NoNoise => Some(
             "Repeat at least one condition (same ball, rate, depth and cycle) on another spot, better three times; each repeat tells how far two runs differ that should not. If nothing can be repeated, state the sensor's noise in experiment.toml: [sensor] noise_N = ... (standard deviation of one sample with the ball at rest). The report then says that it was stated.",
@@ -89,7 +120,12 @@ fn advice(found: &Diagnosis) -> Option<&'static str> {
     }
 }
 
-/// A rate with no more digits than needed.
+/// A rate to three digits.
 fn rate(mm_per_s: f64) -> String {
-    format!("{mm_per_s:.3}").trim_end_matches('0').trim_end_matches('.').to_owned()
+    let digits = 2 - mm_per_s.abs().max(1e-6).log10().floor() as i32;
+    let text = format!("{mm_per_s:.*}", usize::try_from(digits).unwrap_or(0));
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
+
+#[cfg(test)]
+mod tests;

@@ -22,7 +22,10 @@ pub(super) fn confounded(page: &mut Page, found: &Diagnosis) {
             } else {
                 format!(" It could hide {}, which these data would not show.", words::listed(&others, "or"))
             };
-            page.paragraph(&format!("{}: no other explanation is left within a likelihood ratio of 100.{blind}", finding.code));
+            page.paragraph(&format!(
+                "{}: no other explanation is left within a likelihood ratio of 100.{blind}",
+                finding.code
+            ));
             continue;
         }
         page.paragraph(&format!(

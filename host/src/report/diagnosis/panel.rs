@@ -69,6 +69,8 @@ const TITLE_PX: f64 = 20.0;
 /// Room under a row that carries the labels of the horizontal axis, and under one that does not.
 const UNDER_PX: (f64, f64) = (44.0, 10.0);
 const LETTER_PX: f64 = 6.4;
+/// Least distance of ticks on the upright axes: the plots are low.
+const TICK_PX: f64 = 24.0;
 
 impl Grid {
     /// The picture as an `<svg>` element.
@@ -90,7 +92,13 @@ impl Grid {
                 let left = LEFT_PX + column as f64 * (width + GAP_PX);
                 let x = Scale::fitting(&across, std::iter::empty(), (left, left + width));
                 let up = Scale::fitting(&Axis::new(""), row.values(), (y + row.height_px, y));
-                plot(&mut svg, panel, (&x, &up), (column == 0).then_some(row.label.as_str()), last.then_some(self.across.as_str()));
+                plot(
+                    &mut svg,
+                    panel,
+                    (&x, &up),
+                    (column == 0).then_some(row.label.as_str()),
+                    last.then_some(self.across.as_str()),
+                );
             }
             y += row.height_px + under(at);
         }
@@ -173,7 +181,7 @@ fn plot(svg: &mut String, panel: &Panel, (x, y): (&Scale, &Scale), up: Option<&s
     for band in &panel.bands {
         region(svg, band, x, y);
     }
-    for tick in y.ticks() {
+    for tick in y.ticks_every(TICK_PX) {
         let at = y.px(tick);
         let colour = if tick == 0.0 { "#888" } else { "#e4e4e4" };
         let _ = write!(svg, "<path d=\"M{:.1} {at:.1}H{:.1}\" stroke=\"{colour}\"/>", x.low_px, x.high_px);

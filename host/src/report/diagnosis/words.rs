@@ -3,32 +3,39 @@
 use lut_gen::effect::{self, Owner};
 
 use crate::diagnose::fit::Candidate;
-use crate::diagnose::{Diagnosis, Finding, Verdict};
+use crate::diagnose::{Diagnosis, Finding, Refusal, Verdict};
 use crate::experiment::Experiment;
 
 /// The verdict in one sentence that needs no other, with the stable code in brackets.
 #[must_use]
 pub fn sentence(found: &Diagnosis) -> String {
     let code = found.verdict.word();
+    // an experiment that names no material has one all the same
+    let material = if found.material == "specimen" { "the specimen" } else { found.material.as_str() };
     match found.verdict {
         Verdict::Clean => {
-            format!("Nothing wrong is visible: the simulation explains {} to within the noise of these data ({code}).", found.material)
+            format!(
+                "Nothing wrong is visible: the simulation explains {} to within the noise of these data ({code}).",
+                material
+            )
         }
-        Verdict::Named => format!("The simulation of {} is wrong here, and the data say why: {} ({code}).", found.material, causes(found)),
+        Verdict::Named => {
+            format!("The simulation of {} is wrong here, and the data say why: {} ({code}).", material, causes(found))
+        }
         Verdict::Ambiguous => format!(
             "The simulation of {} is wrong here, and these data leave more than one cause: {} ({code}).",
-            found.material,
+            material,
             causes(found)
         ),
         Verdict::Unknown => format!(
             "The simulation of {} is wrong here, and no effect in the catalogue explains how{} ({code}).",
-            found.material,
+            material,
             shows(found)
         ),
         Verdict::TooFewData => {
-            format!("There are too few data on {} to say anything: {} ({code}).", found.material, reason(found))
+            format!("There are too few data on {} to say anything: {} ({code}).", material, reason(found))
         }
-        Verdict::Refused => format!("No diagnosis of {} is made: {} ({code}).", found.material, reason(found)),
+        Verdict::Refused => format!("No diagnosis of {} is made: {} ({code}).", material, reason(found)),
     }
 }
 
@@ -55,10 +62,16 @@ pub fn meaning(verdict: Verdict) -> &'static str {
     }
 }
 
-/// Why there is no answer, without a full stop at its end.
-pub(super) fn reason(found: &Diagnosis) -> String {
-    let reason = found.refusal.as_ref().map(ToString::to_string);
-    reason.unwrap_or_else(|| "no reason was given".to_owned()).trim_end_matches('.').to_owned()
+/// Why there is no answer, in a few words that fit into a sentence.
+fn reason(found: &Diagnosis) -> String {
+    match &found.refusal {
+        None => "no reason was given".to_owned(),
+        Some(Refusal::NothingToFit(_)) => "no run can be used".to_owned(),
+        Some(Refusal::NoNoise) => {
+            "no condition repeats and no noise is stated, so that noise and discrepancy cannot be told apart".to_owned()
+        }
+        Some(Refusal::Faulty(told)) => told.trim_end_matches('.').to_owned(),
+    }
 }
 
 fn shows(found: &Diagnosis) -> String {
