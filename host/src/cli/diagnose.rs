@@ -89,6 +89,10 @@ fn print(found: &Diagnosis) {
     if !found.blind_to.is_empty() {
         println!("blind to         {}", found.blind_to.join(", "));
     }
+    if let Some(next) = found.proposals.first() {
+        println!("next run         {}", next.what);
+        println!("  would tell     {}", next.decides.join(", "));
+    }
     println!("solves           {} in {:.1} s", evidence.solves, found.seconds);
 }
 

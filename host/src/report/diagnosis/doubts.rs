@@ -4,33 +4,31 @@ use crate::diagnose::noise::Source;
 use crate::diagnose::{Diagnosis, Evidence};
 use crate::report::{Page, number};
 
-/// The section.
+/// The section; without evidence there is nothing to doubt, only notes.
 pub(super) fn section(page: &mut Page, found: &Diagnosis, evidence: Option<&Evidence>) {
-    page.section("What this could be wrong about");
-    let mut list: Vec<String> = Vec::new();
     if let Some(evidence) = evidence {
+        page.section("What this could be wrong about");
         noise(page, evidence);
-        list.push(source(evidence));
-        list.push(zero(evidence));
+        let mut list = vec![source(evidence), zero(evidence)];
+        list.extend(ASSUMPTIONS.map(str::to_owned));
+        page.list(&list);
     }
-    list.extend(
-        [
-            "The simulated force is taken to be right to 0.1 % along smooth shapes over depth (docs/verification.md). An error of the simulation that is larger, or not smooth, would look like an effect.",
-            "Each effect acts in its simplest form, which is taken to be within 2 % of what it stands for. A real cause of another form can be named after the nearest one, or be 'unknown'.",
-            "Spots are independent of each other: what neighbouring spots share, and what the whole session shares, is not noise here but a discrepancy.",
-            "Runs that agree in specimen, ball, rate, motion and cycle are taken to repeat one condition, and the declared labels (cycle, spot, clock) to be right.",
-            "Intervals hold for the extended model as named. They do not contain the chance that the name is wrong.",
-            "At most three effects at once are looked for, and two of equal size and opposite sign can cancel without a trace.",
-        ]
-        .map(str::to_owned),
-    );
-    page.list(&list);
     let others: Vec<String> = found.messages.iter().filter(|m| !repeated(found, m)).cloned().collect();
     if !others.is_empty() {
-        page.heading("Notes on these data");
+        page.section("Notes on these data");
         page.list(&others);
     }
 }
+
+/// What is assumed of every experiment.
+const ASSUMPTIONS: [&str; 6] = [
+    "The simulated force is taken to be right to 0.1 % along smooth shapes over depth (docs/verification.md). An error of the simulation that is larger, or not smooth, would look like an effect.",
+    "Each effect acts in its simplest form, which is taken to be within 2 % of what it stands for. A real cause of another form can be named after the nearest one, or be 'unknown'.",
+    "Spots are independent of each other: what neighbouring spots share, and what the whole session shares, is not noise here but a discrepancy.",
+    "Runs that agree in specimen, ball, rate, motion and cycle are taken to repeat one condition, and the declared labels (cycle, spot, clock) to be right.",
+    "Intervals hold for the extended model as named. They do not contain the chance that the name is wrong.",
+    "At most three effects at once are looked for, and effects of opposite sign can cancel.",
+];
 
 /// Faults and reasons stand at the top of the page already.
 fn repeated(found: &Diagnosis, message: &str) -> bool {
@@ -77,6 +75,14 @@ fn noise(page: &mut Page, evidence: &Evidence) {
             row("contact point, from spot to spot (mm)", number(jitter.contact_mm)),
             row("gain, from spot to spot (%)", number(100.0 * jitter.gain)),
             row("zero, from run to run (N)", number(jitter.zero_n)),
+            row("contact points as the base fit sees them (mm)", contacts(evidence)),
         ],
     );
+}
+
+/// Range of the fitted contact points.
+fn contacts(evidence: &Evidence) -> String {
+    let (low, high) =
+        evidence.contacts_mm.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(*c), h.max(*c)));
+    format!("from {low:.3} to {high:.3}")
 }

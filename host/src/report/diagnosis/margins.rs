@@ -48,11 +48,11 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
     } else {
         page.figure(&bars(experiment, evidence, drawn).svg(), caption(drawn.is_some()));
     }
-    if let Some(heat) = strips(experiment, evidence, "Base: every run", false) {
+    if let Some(heat) = strips(experiment, evidence, "Every run, base", false) {
         page.figure(&heat.svg(), STRIPS);
     }
     if let Some(drawn) = drawn {
-        let title = format!("{}: every run", drawn.name);
+        let title = format!("Every run, {}", drawn.name);
         if let Some(heat) = strips(experiment, evidence, &title, true) {
             page.figure(&heat.svg(), "");
         }

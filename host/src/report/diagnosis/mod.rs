@@ -48,11 +48,13 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Diagnosis) {
         candidates::section(page, experiment, evidence, found.verdict);
         names::confounded(page, found);
         names::blind(page, found);
+        names::next(page, found);
         gain::section(page, experiment, (found, evidence), explanation(found));
     }
     doubts::section(page, found, evidence);
-    let solves = evidence.map_or(0, |e| e.solves);
-    page.paragraph(&format!("{solves} finite element solves; {:.1} s.", found.seconds));
+    if let Some(evidence) = evidence {
+        page.paragraph(&format!("{} finite element solves; {:.1} s.", evidence.solves, found.seconds));
+    }
 }
 
 /// The likeliest explanation, where the verdict stands by it.

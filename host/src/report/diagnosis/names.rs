@@ -7,6 +7,9 @@ use crate::report::Page;
 
 use super::words;
 
+/// Most runs that are proposed.
+const PROPOSALS: usize = 6;
+
 /// The section on sets of names; none without one.
 pub(super) fn confounded(page: &mut Page, found: &Diagnosis) {
     if found.verdict != Verdict::Ambiguous && found.verdict != Verdict::Named {
@@ -71,6 +74,29 @@ pub(super) fn blind(page: &mut Page, found: &Diagnosis) {
         })
         .collect();
     page.table(&["effect", "assumed unseen", "amount looked for", "where it would show", "what would show it"], &rows);
+}
+
+/// What no run of this kind can exclude, and the runs that would tell more.
+pub(super) fn next(page: &mut Page, found: &Diagnosis) {
+    if !found.cancelling.is_empty() {
+        page.paragraph("Whatever the verdict, this design cannot exclude that two effects hide each other:");
+        page.list(&found.cancelling.iter().map(|told| (*told).to_owned()).collect::<Vec<_>>());
+    }
+    if found.proposals.is_empty() {
+        return;
+    }
+    page.section("What to measure next");
+    page.paragraph(
+        "Runs that could be made on this machine, the most telling first. The distance is that between the explanations which the run would leave \
+         closest, or the reading that a plausible amount of an unseen effect would make, in standard deviations of everything that is not known.",
+    );
+    let rows: Vec<Vec<String>> = found
+        .proposals
+        .iter()
+        .take(PROPOSALS)
+        .map(|p| vec![p.what.clone(), p.decides.join(", "), format!("{:.1}", p.distance)])
+        .collect();
+    page.table(&["run", "would decide, or show", "distance"], &rows);
 }
 
 /// Plausible amounts of all forms of an effect.

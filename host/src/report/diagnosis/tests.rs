@@ -44,6 +44,8 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
         findings: Vec::new(),
         shows_in: Vec::new(),
         blind_to: Vec::new(),
+        proposals: Vec::new(),
+        cancelling: Vec::new(),
         faults: Vec::new(),
         refusal: None,
         evidence: None,
@@ -207,6 +209,7 @@ fn the_page_of_a_named_effect_has_every_section_in_order() {
     found.shows_in = vec!["hold time"];
     found.blind_to = vec!["poisson"];
     found.evidence = Some(Box::new(evidence(vec![explanation("relaxation", 18.0), explanation("sensor-creep", 20.0)])));
+    found.cancelling = vec!["the gain of the sensor is part of mu"];
     let html = page(&experiment(), &[found]).html();
     let heads = [
         "Verdict",
@@ -229,6 +232,7 @@ fn the_page_of_a_named_effect_has_every_section_in_order() {
     // the ball's name stands where the margin has its number; the reading is told though its bar is cut
     assert!(html.contains("r6, 0 to 33 %") && html.contains("-25.0"));
     assert!(html.contains("a hold on a stiff block") && html.contains("-80 %"));
+    assert!(html.contains("<li>the gain of the sensor is part of mu</li>"));
 }
 
 #[test]
@@ -253,5 +257,5 @@ fn a_refusal_is_a_page_with_its_reason_and_what_to_measure() {
     assert!(html.contains("no two runs repeat a condition") && html.contains("What to measure instead"));
     assert!(html.contains("noise_N") && html.contains("(restart)") && html.contains("c.csv: the ball never went down"));
     assert_eq!(html.matches("stood at 1.2 mm").count(), 1, "a fault is told once");
-    assert!(!html.contains("Every candidate"));
+    assert!(!html.contains("Every candidate") && !html.contains("What this could be wrong about"));
 }
