@@ -27,7 +27,11 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
     let several = |e: &&Explanation| e.fit.candidates.len() > 1;
     let together: Vec<Explanation> = evidence.held.iter().filter(several).cloned().collect();
     if let Some(first) = together.first() {
-        page.paragraph("No single effect meets every demand. These do together, with none of them to spare:");
+        page.paragraph(if evidence.singles.iter().any(Explanation::holds) {
+            "A single effect meets every demand, but a further one makes these data so much likelier that both are named:"
+        } else {
+            "No single effect meets every demand. These do together:"
+        });
         table(page, experiment, evidence, &together, first.score());
     } else if verdict == Verdict::Unknown && evidence.held.is_empty() {
         page.paragraph(

@@ -12,6 +12,9 @@ pub(super) fn section(page: &mut Page, found: &Diagnosis, evidence: Option<&Evid
         let mut list = vec![source(evidence), zero(evidence)];
         list.extend(ASSUMPTIONS.map(str::to_owned));
         page.list(&list);
+        if let Some(warning) = moved(evidence) {
+            page.warning(&warning);
+        }
     }
     let others: Vec<String> = found.messages.iter().filter(|m| !repeated(found, m)).cloned().collect();
     if !others.is_empty() {
@@ -78,6 +81,23 @@ fn noise(page: &mut Page, evidence: &Evidence) {
             row("contact points as the base fit sees them (mm)", contacts(evidence)),
         ],
     );
+}
+
+/// Contact points further out than this many times their scatter were moved by something else.
+const FAR: f64 = 4.0;
+
+/// A warning when the base's error has moved the contact points, from which explanations are judged.
+fn moved(evidence: &Evidence) -> Option<String> {
+    let farthest = evidence.contacts_mm.iter().map(|c| c.abs()).fold(0.0, f64::max);
+    let scatter = evidence.noise.jitter.contact_mm;
+    (farthest > FAR * scatter).then(|| {
+        format!(
+            "The base fit puts a contact point at {} mm, {} times the scatter between spots: it makes up there for what it gets wrong elsewhere. \
+             Explanations are compared to first order about these points; take small effects that are named beside a large one with caution.",
+            number((1000.0 * farthest).round() / 1000.0),
+            number((farthest / scatter).round()),
+        )
+    })
 }
 
 /// Range of the fitted contact points.

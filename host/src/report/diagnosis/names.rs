@@ -3,7 +3,7 @@
 use lut_gen::effect;
 
 use crate::diagnose::{Diagnosis, Verdict};
-use crate::report::Page;
+use crate::report::{Page, number};
 
 use super::words;
 
@@ -87,14 +87,14 @@ pub(super) fn next(page: &mut Page, found: &Diagnosis) {
     }
     page.section("What to measure next");
     page.paragraph(
-        "Runs that could be made on this machine, the most telling first. The distance is that between the explanations which the run would leave \
+        "Runs that a laboratory can make with what it has, the most telling first. The distance is that between the explanations which the run would leave \
          closest, or the reading that a plausible amount of an unseen effect would make, in standard deviations of everything that is not known.",
     );
     let rows: Vec<Vec<String>> = found
         .proposals
         .iter()
         .take(PROPOSALS)
-        .map(|p| vec![p.what.clone(), p.decides.join(", "), format!("{:.1}", p.distance)])
+        .map(|p| vec![p.what.clone(), p.decides.join(", "), number((10.0 * p.distance).round() / 10.0)])
         .collect();
     page.table(&["run", "would decide, or show", "distance"], &rows);
 }
@@ -106,7 +106,7 @@ fn amounts(code: &str) -> String {
         .filter_map(|effect| effect.quantities.first())
         .map(|q| {
             let (word, unit) = words::quantity(q.name);
-            format!("{word} {} {unit}", crate::report::number(q.plausible)).trim_end().to_owned()
+            format!("{word} {} {unit}", number(q.plausible)).trim_end().to_owned()
         })
         .collect();
     each.join("; ")

@@ -259,3 +259,16 @@ fn a_refusal_is_a_page_with_its_reason_and_what_to_measure() {
     assert_eq!(html.matches("stood at 1.2 mm").count(), 1, "a fault is told once");
     assert!(!html.contains("Every candidate") && !html.contains("What this could be wrong about"));
 }
+
+#[test]
+fn contact_points_that_the_base_has_moved_are_told() {
+    let mut far = evidence(Vec::new());
+    let told = "a contact point at 0.2 mm, 10 times the scatter between spots";
+    for (contact_mm, expected) in [(0.2, true), (0.07, false)] {
+        far.contacts_mm = vec![0.01, -contact_mm];
+        let mut found = diagnosis(Verdict::Unknown);
+        found.evidence = Some(Box::new(far));
+        assert_eq!(page(&experiment(), std::slice::from_ref(&found)).html().contains(told), expected);
+        far = *found.evidence.unwrap();
+    }
+}
