@@ -149,13 +149,16 @@ fn grid(experiment: &Experiment, evidence: &Evidence, place: Place, runs: &[usiz
     if design.series.iter().any(|s| s.cycle != cycle) {
         title = format!("{title}, press {cycle} on its spot");
     }
-    let mut keys =
-        vec![Key::Curve("measured".to_owned(), Stroke::Circles, 5), Key::Curve("base".to_owned(), Stroke::Solid, 0)];
+    let mut keys = vec![
+        Key::Curve("measured".to_owned(), Stroke::Circles, 5),
+        Key::Curve("base".to_owned(), Stroke::Solid, 0),
+        Key::Band("noise, 95 %".to_owned(), 0),
+        Key::Band("sensor alone".to_owned(), 1),
+    ];
+    // the longest comes last, where there is room
     if let Some(after) = after {
         keys.push(Key::Curve(after.to_owned(), Stroke::Dashed, 1));
     }
-    keys.push(Key::Band("noise, 95 %".to_owned(), 0));
-    keys.push(Key::Band("sensor alone".to_owned(), 1));
     let row = |label: &str, height_px, panels| Row { label: label.to_owned(), height_px, panels };
     let rows = vec![row("force (N)", 150.0, forces), row("residual (N)", 130.0, residuals)];
     Grid { title, across: "depth (mm)".to_owned(), rows, keys }

@@ -76,8 +76,12 @@ fn drawn<'a>(experiment: &Experiment, found: &'a Diagnosis) -> Option<Drawn<'a>>
     let named = explanation(found);
     let evidence = found.evidence.as_deref().filter(|_| found.verdict != Verdict::Clean)?;
     let explanation = named.or(evidence.held.first()).or(evidence.singles.first())?;
-    let effects = words::candidates(experiment, &explanation.fit.candidates);
-    let name = if named.is_some() { format!("with {effects}") } else { format!("closest, but no name: {effects}") };
+    let effects = match explanation.fit.candidates.as_slice() {
+        [one] => words::candidate(experiment, one),
+        // a legend has room for codes only
+        several => several.iter().map(|c| c.effect.code).collect::<Vec<_>>().join(" + "),
+    };
+    let name = if named.is_some() { format!("with {effects}") } else { format!("closest, no name: {effects}") };
     Some(Drawn { explanation, name, named: named.is_some() })
 }
 
