@@ -50,7 +50,7 @@ pub fn meaning(verdict: Verdict) -> &'static str {
             "named: one explanation beats noise and placebo effects, predicts conditions that were left out better than the base, stays within physical bounds, leaves nothing visible, and is a hundred times likelier than any other of that kind."
         }
         Verdict::Ambiguous => {
-            "ambiguous: several explanations meet every demand on a name, and none is a hundred times likelier than the others. Each of them would mend the simulation here; only another run can tell which is at work."
+            "ambiguous: one explanation meets every demand on a name, and others leave nothing visible either and are within a likelihood ratio of 100 of it. Each of them would mend the simulation here; only another run can tell which is at work."
         }
         Verdict::Unknown => {
             "unknown: the residual is larger than noise makes it, and no explanation meets every demand on a name. A cause outside the catalogue is as possible as more causes at once than were tried."
