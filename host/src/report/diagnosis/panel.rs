@@ -203,6 +203,11 @@ fn plot(svg: &mut String, panel: &Panel, (x, y): (&Scale, &Scale), up: Option<&s
         "<path d=\"M{:.1} {:.1}V{:.1}H{:.1}\" fill=\"none\" stroke=\"#333\"/>",
         x.low_px, y.high_px, y.low_px, x.high_px
     );
+    labels(svg, (x, y), up, across);
+}
+
+/// Names of the axes, where they are wanted.
+fn labels(svg: &mut String, (x, y): (&Scale, &Scale), up: Option<&str>, across: Option<&str>) {
     if let Some(label) = across {
         let middle = 0.5 * (x.low_px + x.high_px);
         let _ = write!(

@@ -173,11 +173,10 @@ fn evidence(held: Vec<Explanation>) -> Evidence {
 
 #[test]
 fn every_verdict_is_one_sentence_in_plain_words_with_its_code() {
-    let mut list: Vec<(Diagnosis, &str)> = Vec::new();
-    list.push((
+    let mut list: Vec<(Diagnosis, &str)> = vec![(
         diagnosis(Verdict::Clean),
         "Nothing wrong is visible: the simulation explains eva to within the noise of these data (clean).",
-    ));
+    )];
     let mut one = diagnosis(Verdict::Named);
     one.findings = vec![finding("relaxation", Vec::new())];
     list.push((one, "The simulation of eva is wrong here, and the data say why: relaxation of the material (named)."));
