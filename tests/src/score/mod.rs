@@ -1,0 +1,165 @@
+//! The score of a diagnosis on hidden cases: what was true, what could be seen of it, what was answered, and how good that is.
+//!
+//! A [`suite`] lists cases; [`Scored::of`] makes one, has it diagnosed and judges the answer; a [`table::Score`] adds them up.
+//! What can be seen is decided without the diagnosis' verdict, from forces without noise ([`oracle`]).
+
+pub mod control;
+pub mod coverage;
+pub mod oracle;
+pub mod outcome;
+pub mod rate;
+pub mod suite;
+pub mod table;
+
+use palpate::diagnose::{self, DiagnoseError, Diagnosis, Finding, Models, Verdict};
+use palpate::simulate::{SimulateError, Solver};
+
+use crate::hidden::{Case, Design, Truth};
+use coverage::Hit;
+use oracle::Gain;
+use outcome::Outcome;
+
+/// A case that could not be scored.
+#[derive(Debug, thiserror::Error)]
+pub enum ScoreError {
+    /// The data could not be made.
+    #[error("not made: {0}")]
+    Made(#[from] SimulateError),
+    /// The diagnosis failed: an error of the program, whatever the data.
+    #[error("not diagnosed: {0}")]
+    Diagnosed(#[from] DiagnoseError),
+    /// An experiment of one material has one answer.
+    #[error("{0} answers to an experiment of one material")]
+    Answers(usize),
+}
+
+/// What was answered, without the evidence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// Verdict.
+    pub verdict: Verdict,
+    /// Names.
+    pub findings: Vec<Finding>,
+    /// Variables in which a discrepancy shows.
+    pub shows_in: Vec<&'static str>,
+    /// Blind spots.
+    pub blind_to: Vec<&'static str>,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+impl Answer {
+    /// Of a diagnosis.
+    #[must_use]
+    pub fn of(diagnosis: &Diagnosis) -> Self {
+        Self {
+            verdict: diagnosis.verdict,
+            findings: diagnosis.findings.clone(),
+            shows_in: diagnosis.shows_in.clone(),
+            blind_to: diagnosis.blind_to.clone(),
+            seconds: diagnosis.seconds,
+        }
+    }
+
+    /// Verdict, names with their rivals and parameters, on one line.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let names: Vec<String> = self
+            .findings
+            .iter()
+            .map(|f| {
+                let parameters: Vec<String> = f.parameters.iter().map(|(n, v, _)| format!("{n}={v:.3}")).collect();
+                let rivals: String = f.ambiguous_with.iter().map(|code| format!("|{code}")).collect();
+                format!("{}({}){rivals}", f.code, parameters.join(" "))
+            })
+            .collect();
+        format!("{} {} in {:?}", self.verdict.word().to_uppercase(), names.join(" + "), self.shows_in)
+    }
+}
+
+/// One case with its score.
+#[derive(Debug, Clone)]
+pub struct Scored {
+    /// Design.
+    pub design: Design,
+    /// Seed.
+    pub seed: u64,
+    /// What was true.
+    pub truth: Truth,
+    /// How far each effect moves the data, in standard deviations of the noise along it; `None` where no run could be used.
+    pub strength: Option<Vec<f64>>,
+    /// What was answered.
+    pub answer: Answer,
+    /// How good that is.
+    pub outcome: Outcome,
+    /// Held-out errors with the base, with what was found, and with what an oracle would have found; where something shows.
+    pub gain: Option<Gain>,
+    /// Parameters whose truth is known, and whether their intervals hold it.
+    pub hits: Vec<Hit>,
+    /// Time of making the data and of the oracle, s.
+    pub other_s: f64,
+}
+
+impl Scored {
+    /// Makes a case, has it diagnosed, and scores the answer.
+    ///
+    /// # Errors
+    /// [`ScoreError`]: when a solve fails.
+    pub fn of(case: &Case, solver: &Solver, models: &Models) -> Result<Self, ScoreError> {
+        let start = std::time::Instant::now();
+        let truth = case.truth();
+        let made = case.make(solver)?;
+        let experiment = made.experiment();
+        let diagnoses = diagnose::diagnose(&experiment, models, &|_, _, _| {})?;
+        let [diagnosis] = diagnoses.as_slice() else { return Err(ScoreError::Answers(diagnoses.len())) };
+        let answer = Answer::of(diagnosis);
+        let strength = match &diagnosis.evidence {
+            Some(evidence) => Some(oracle::strength(&made, evidence, models, solver)?),
+            None => None,
+        };
+        let outcome = Outcome::of(&truth, strength.as_deref(), &answer);
+        let gain = oracle::gain(&truth, diagnosis, &experiment, models);
+        let hits = coverage::hits(&truth, &outcome, diagnosis, &experiment);
+        let other_s = start.elapsed().as_secs_f64() - answer.seconds;
+        Ok(Self { design: case.design, seed: case.seed, truth, strength, answer, outcome, gain, hits, other_s })
+    }
+
+    /// True when every effect shows; false when there is none.
+    #[must_use]
+    pub fn all_visible(&self) -> bool {
+        self.strength.as_ref().is_some_and(|s| !s.is_empty() && s.iter().all(|s| *s > oracle::SEEN))
+    }
+
+    /// True when an effect shows.
+    #[must_use]
+    pub fn any_visible(&self) -> bool {
+        self.strength.as_ref().is_some_and(|s| s.iter().any(|s| *s > oracle::SEEN))
+    }
+
+    /// Design, seed, truth, answer and score on one line.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let effects: Vec<String> = self
+            .truth
+            .effects
+            .iter()
+            .map(|e| e.to_toml().replace('\n', " ").replace("[[effect]] code = ", ""))
+            .collect();
+        let strength: Vec<String> = self.strength.iter().flatten().map(|s| format!("{s:.1}")).collect();
+        format!(
+            "{} {} {:?} {:?} [{}] strength {} -> {} -> {} | mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
+            self.design.name(),
+            self.seed,
+            self.truth.what,
+            self.truth.noise,
+            effects.join(" + ").trim(),
+            strength.join(" "),
+            self.answer.line(),
+            self.outcome.word().to_uppercase(),
+            self.truth.foam.mu_mpa,
+            self.truth.foam.alpha,
+            self.answer.seconds,
+            self.other_s,
+        )
+    }
+}
