@@ -11,8 +11,11 @@ pub mod rate;
 pub mod suite;
 pub mod table;
 
-use palpate::diagnose::{self, DiagnoseError, Diagnosis, Finding, Models, Verdict};
-use palpate::simulate::{SimulateError, Solver};
+use lut_gen::chain::LibraryError;
+use palpate::diagnose::{self, DiagnoseError, Diagnosis, Evidence, Finding, Models, Verdict};
+use palpate::experiment::Experiment;
+use palpate::identify;
+use palpate::simulate::{SimulateError, Solver, Spec};
 
 use crate::hidden::{Case, Design, Truth};
 use coverage::Hit;
@@ -28,6 +31,9 @@ pub enum ScoreError {
     /// The diagnosis failed: an error of the program, whatever the data.
     #[error("not diagnosed: {0}")]
     Diagnosed(#[from] DiagnoseError),
+    /// The force models could not be made.
+    #[error("no force model: {0}")]
+    Model(#[from] LibraryError),
     /// An experiment of one material has one answer.
     #[error("{0} answers to an experiment of one material")]
     Answers(usize),
@@ -44,7 +50,7 @@ pub struct Answer {
     pub shows_in: Vec<&'static str>,
     /// Blind spots.
     pub blind_to: Vec<&'static str>,
-    /// Wall time, s.
+    /// Wall time with the force models known, s.
     pub seconds: f64,
 }
 
@@ -96,6 +102,8 @@ pub struct Scored {
     pub gain: Option<Gain>,
     /// Parameters whose truth is known, and whether their intervals hold it.
     pub hits: Vec<Hit>,
+    /// What the answer rests on, on one line: the likeliest single effects, noise and base against the truth.
+    pub detail: String,
     /// Time of making the data and of the oracle, s.
     pub other_s: f64,
 }
@@ -110,6 +118,7 @@ impl Scored {
         let truth = case.truth();
         let made = case.make(solver)?;
         let experiment = made.experiment();
+        known_models(&experiment, models)?;
         let diagnoses = diagnose::diagnose(&experiment, models, &|_, _, _| {})?;
         let [diagnosis] = diagnoses.as_slice() else { return Err(ScoreError::Answers(diagnoses.len())) };
         let answer = Answer::of(diagnosis);
@@ -120,8 +129,9 @@ impl Scored {
         let outcome = Outcome::of(&truth, strength.as_deref(), &answer);
         let gain = oracle::gain(&truth, diagnosis, &experiment, models);
         let hits = coverage::hits(&truth, &outcome, diagnosis, &experiment);
+        let detail = diagnosis.evidence.as_deref().map_or_else(String::new, |e| detail(e, &made.truth));
         let other_s = start.elapsed().as_secs_f64() - answer.seconds;
-        Ok(Self { design: case.design, seed: case.seed, truth, strength, answer, outcome, gain, hits, other_s })
+        Ok(Self { design: case.design, seed: case.seed, truth, strength, answer, outcome, gain, hits, detail, other_s })
     }
 
     /// True when every effect shows; false when there is none.
@@ -147,7 +157,7 @@ impl Scored {
             .collect();
         let strength: Vec<String> = self.strength.iter().flatten().map(|s| format!("{s:.1}")).collect();
         format!(
-            "{} {} {:?} {:?} [{}] strength {} -> {} -> {} | mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
+            "{} {} {:?} {:?} [{}] strength {} -> {} -> {} | {} | true mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
             self.design.name(),
             self.seed,
             self.truth.what,
@@ -156,10 +166,65 @@ impl Scored {
             strength.join(" "),
             self.answer.line(),
             self.outcome.word().to_uppercase(),
+            self.detail,
             self.truth.foam.mu_mpa,
             self.truth.foam.alpha,
             self.answer.seconds,
             self.other_s,
         )
     }
+}
+
+/// Makes the force models of an experiment, so that a diagnosis is timed without them.
+fn known_models(experiment: &Experiment, models: &Models) -> Result<(), LibraryError> {
+    for material in identify::materials(experiment) {
+        if let Ok(design) = diagnose::design::Design::of(experiment, &material) {
+            models.of(&design.geometries, &|_, _| {})?;
+        }
+    }
+    Ok(())
+}
+
+/// How many of the likeliest single effects a line tells.
+const TOLD: usize = 4;
+
+/// For each of the likeliest effects alone: the fall of the sum of squares, the largest reading that is left over its threshold, and
+/// what it passes (n: noise, p: prediction, b: placebos; B: at a bound). Estimates stand before what is true.
+fn detail(e: &Evidence, spec: &Spec) -> String {
+    let letter = |on: bool, letter: &'static str| if on { letter } else { "-" };
+    let tops = e.singles.iter().take(TOLD).map(|s| {
+        format!(
+            "{}:{:.0}/{:.2}{}{}{}{}",
+            s.fit.candidates.first().map_or("none", |c| c.effect.code),
+            e.base.square - s.fit.square,
+            s.adequacy.worst(),
+            letter(s.beats_noise, "n"),
+            letter(s.predicts, "p"),
+            letter(s.beats_placebo, "b"),
+            if s.fit.at_bound { "B" } else { "" },
+        )
+    });
+    let tops: Vec<String> = tops.collect();
+    let (n, t) = (&e.noise, &spec.noise);
+    format!(
+        "worst {:.2} | {} | sigma {:.4}/{:.4} contact {:.3}/{:.3} gain {:.4}/{:.4} time {:.2}/{:.2} white {:.1} relative {:.3}/{:.3} \
+         | base mu {:.4} alpha {:.2} square {:.0} of {}",
+        e.adequacy.worst(),
+        tops.join(" "),
+        n.sensor.sigma_n,
+        t.sensor_n,
+        n.jitter.contact_mm,
+        t.contact_jitter_mm,
+        n.jitter.gain,
+        t.gain_jitter,
+        n.sensor.correlation_s,
+        t.correlation_s,
+        n.sensor.white,
+        n.sensor.relative,
+        t.proportional,
+        e.base.model.mu_mpa,
+        e.base.model.alpha,
+        e.base.square,
+        e.base.residual.len(),
+    )
 }

@@ -4,7 +4,7 @@ use lut_gen::chain::Chain;
 use nalgebra::{DMatrix, DVector};
 use palpate::diagnose::design::{Branch, Design, Series};
 use palpate::diagnose::evidence::{basis, rest_of};
-use palpate::diagnose::fit::{Candidate, Fit, Problem};
+use palpate::diagnose::fit::{Candidate, Fit, Problem, predicted};
 use palpate::diagnose::noise::{Jitter, Noise, SensorNoise, Source};
 use palpate::diagnose::search::Explanation;
 use palpate::diagnose::whiten::Whitening;
@@ -90,7 +90,7 @@ pub fn strength(
     let Ok(library) = models.of(&design.geometries, &|_, _| {}) else { return Ok(vec![0.0; shifts.len()]) };
     let chain = Chain { library, passages: design.passages() };
     let contacts = vec![0.0; design.series.len()];
-    let curves = Problem::curves(&chain, &base.model, &contacts);
+    let curves = Problem::curves(design, &chain, &base.model, &contacts);
     let Some(whitening) = Whitening::new(design, &curves, &noise) else { return Ok(vec![0.0; shifts.len()]) };
     let whitened = |mut values: DVector<f64>| {
         whitening.apply(&mut values);
@@ -98,12 +98,12 @@ pub fn strength(
     };
     let flat = |curves: Vec<Vec<f64>>| DVector::from_vec(curves.into_iter().flatten().collect());
     let mut parameters = Vec::new();
-    let here = flat(chain.predict(&base.model, &contacts));
+    let here = flat(predicted(design, &chain, &base.model, &contacts));
     for (j, step) in [1e-3, 1e-3].into_iter().enumerate() {
         let mut model = base.model.clone();
         let moved = if j == 0 { &mut model.mu_mpa } else { &mut model.alpha };
         *moved *= 1.0 + step;
-        parameters.push(whitened((flat(chain.predict(&model, &contacts)) - &here) / step));
+        parameters.push(whitened((flat(predicted(design, &chain, &model, &contacts)) - &here) / step));
     }
     let shifts: Vec<DVector<f64>> = shifts.into_iter().map(whitened).collect();
     let each = (0..shifts.len()).map(|at| {
@@ -215,7 +215,7 @@ fn left_out(prepared: &Prepared<'_>, told: &(Vec<Candidate>, DVector<f64>)) -> O
 
 /// Sum of squares, N^2, over a group, and its number of windows.
 fn miss(problem: &Problem<'_>, fit: &Fit, group: usize) -> (f64, f64) {
-    let curves = problem.chain.predict(&fit.model, &problem.contacts_mm);
+    let curves = predicted(problem.design, problem.chain, &fit.model, &problem.contacts_mm);
     let own = problem.design.series.iter().zip(&curves).filter(|(s, _)| s.group == group);
     let pairs = own.flat_map(|(s, curve)| s.nodes.iter().zip(curve));
     pairs.fold((0.0, 0.0), |(sum, count), (node, force_n)| (sum + (node.force_n - force_n).powi(2), count + 1.0))
