@@ -10,6 +10,8 @@ use tests::score::suite::FIRST_SEED;
 pub struct Arguments {
     /// Cases of each design.
     pub cases: usize,
+    /// Cases of each design that are left out at the beginning, to come back to one.
+    pub skip: usize,
     /// Designs.
     pub designs: Vec<Design>,
     /// One code, or all.
@@ -32,6 +34,7 @@ impl Arguments {
     pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Self, String> {
         let mut asked = Self {
             cases: 100,
+            skip: 0,
             designs: Vec::new(),
             only: None,
             first_seed: FIRST_SEED,
@@ -43,6 +46,7 @@ impl Arguments {
             let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
             match word.as_str() {
                 "--cases" => asked.cases = number(&word, &value()?)?,
+                "--skip" => asked.skip = number(&word, &value()?)?,
                 "--seed" => asked.first_seed = number(&word, &value()?)?,
                 "--design" => asked.designs.push(design(&value()?)?),
                 "--only" => asked.only = Some(value()?),
@@ -51,7 +55,7 @@ impl Arguments {
                 "--write" => asked.write = true,
                 _ => {
                     return Err(format!(
-                        "{word}: expected --cases, --seed, --design, --only, --json, --verbose or --write"
+                        "{word}: expected --cases, --skip, --seed, --design, --only, --json, --verbose or --write"
                     ));
                 }
             }

@@ -1,8 +1,8 @@
 //! Scores the diagnosis on experiments with hidden effects: `cargo run --release -p tests --example hidden -- --cases 100`.
 //!
 //! Without `--design` all four designs are scored, with `--cases` of each (100 unless stated). `--only CODE` scores one code ("clean",
-//! "matched", "mismatched", "pair", "placebo" or an effect) at all levels by turns, `--seed` moves the first seed, `--verbose` tells
-//! every case on a line, `--json FILE` writes every case, `--write` puts the tables into docs/hidden-effects.md.
+//! "matched", "mismatched", "pair", "placebo" or an effect) at all levels by turns, `--seed` moves the first seed, `--skip` leaves
+//! out the first cases of each design, `--verbose` tells every case on a line, `--json FILE` writes every case, `--write` puts the tables into docs/hidden-effects.md.
 
 mod arguments;
 mod record;
@@ -98,12 +98,13 @@ fn cases(arguments: &Arguments) -> Result<Vec<Case>, String> {
     let mut list = Vec::new();
     for design in &arguments.designs {
         let (count, first) = (arguments.cases, arguments.first_seed);
-        list.extend(match &arguments.only {
+        let own = match &arguments.only {
             None => suite::cases(*design, count, first),
             Some(code) => {
                 suite::cases_of(code, *design, count, first).ok_or_else(|| format!("--only {code}: no such code"))?
             }
-        });
+        };
+        list.extend(own.into_iter().skip(arguments.skip));
     }
     Ok(list)
 }

@@ -38,6 +38,7 @@ fn record(s: &Scored) -> Value {
         "effects": s.truth.effects.iter().map(palpate::simulate::Effect::to_toml).collect::<Vec<_>>(),
         "strength": s.strength,
         "verdict": s.answer.verdict.word(),
+        "reason": s.answer.reason,
         "findings": findings,
         "shows_in": s.answer.shows_in,
         "blind_to": s.answer.blind_to,

@@ -50,6 +50,8 @@ pub struct Answer {
     pub shows_in: Vec<&'static str>,
     /// Blind spots.
     pub blind_to: Vec<&'static str>,
+    /// Why no diagnosis was made, if so.
+    pub reason: Option<String>,
     /// Wall time with the force models known, s.
     pub seconds: f64,
 }
@@ -63,6 +65,7 @@ impl Answer {
             findings: diagnosis.findings.clone(),
             shows_in: diagnosis.shows_in.clone(),
             blind_to: diagnosis.blind_to.clone(),
+            reason: diagnosis.refusal.as_ref().map(ToString::to_string),
             seconds: diagnosis.seconds,
         }
     }
@@ -79,7 +82,9 @@ impl Answer {
                 format!("{}({}){rivals}", f.code, parameters.join(" "))
             })
             .collect();
-        format!("{} {} in {:?}", self.verdict.word().to_uppercase(), names.join(" + "), self.shows_in)
+        let reason = self.reason.iter().map(|reason| format!(" because {reason}"));
+        let reason: String = reason.collect();
+        format!("{} {} in {:?}{reason}", self.verdict.word().to_uppercase(), names.join(" + "), self.shows_in)
     }
 }
 

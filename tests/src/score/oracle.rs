@@ -1,6 +1,6 @@
 //! What could be seen, and what an oracle that is told the effect would gain: both without the diagnosis' verdict.
 
-use lut_gen::chain::Chain;
+use lut_gen::chain::{Chain, Model};
 use nalgebra::{DMatrix, DVector};
 use palpate::diagnose::design::{Branch, Design, Series};
 use palpate::diagnose::evidence::{basis, rest_of};
@@ -66,7 +66,7 @@ fn true_noise(spec: &Spec, session_s: f64) -> Noise {
 }
 
 /// How far each effect of an experiment moves its forces, in standard deviations of the true noise along the effect, after
-/// the base parameters and the other effects have taken up what they can to first order.
+/// the base parameters are fitted again and the other effects have taken up what they can to first order.
 ///
 /// # Errors
 /// When a finite-element solve of the experiment without one of its effects fails.
@@ -92,26 +92,45 @@ pub fn strength(
     let contacts = vec![0.0; design.series.len()];
     let curves = Problem::curves(design, &chain, &base.model, &contacts);
     let Some(whitening) = Whitening::new(design, &curves, &noise) else { return Ok(vec![0.0; shifts.len()]) };
+    let truth = made.truth.specimens.first().map_or((base.model.mu_mpa, base.model.alpha), |s| (s.mu_mpa, s.alpha));
+    let clean = predicted(design, &chain, &Model::base(truth.0, truth.1), &contacts);
     let whitened = |mut values: DVector<f64>| {
         whitening.apply(&mut values);
         values
     };
-    let flat = |curves: Vec<Vec<f64>>| DVector::from_vec(curves.into_iter().flatten().collect());
-    let mut parameters = Vec::new();
-    let here = flat(predicted(design, &chain, &base.model, &contacts));
-    for (j, step) in [1e-3, 1e-3].into_iter().enumerate() {
-        let mut model = base.model.clone();
-        let moved = if j == 0 { &mut model.mu_mpa } else { &mut model.alpha };
-        *moved *= 1.0 + step;
-        parameters.push(whitened((flat(predicted(design, &chain, &model, &contacts)) - &here) / step));
-    }
-    let shifts: Vec<DVector<f64>> = shifts.into_iter().map(whitened).collect();
-    let each = (0..shifts.len()).map(|at| {
-        let others = shifts.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, s)| s.clone());
-        let taken: Vec<DVector<f64>> = parameters.iter().cloned().chain(others).collect();
-        rest_of(&DMatrix::from_columns(&[shifts[at].clone()]), &basis(&DMatrix::from_columns(&taken))).norm()
+    let own: Vec<DVector<f64>> = shifts.iter().cloned().map(whitened).collect();
+    let each = shifts.iter().enumerate().map(|(at, shift)| {
+        let data = with_forces(design, &clean, shift);
+        let problem = Problem {
+            design: &data,
+            chain: &chain,
+            contacts_mm: contacts.clone(),
+            back_n: DVector::zeros(whitening.len()),
+            whitening: whitening.clone(),
+            used: vec![true; whitening.len()],
+        };
+        let starts = [DVector::from_vec(vec![truth.0.ln(), truth.1.ln()]), base.x.rows(0, 2).into_owned()];
+        let fits = starts.map(|x| problem.fit(&[], &x));
+        let fit = if fits[0].square <= fits[1].square { &fits[0] } else { &fits[1] };
+        let others = own.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, s)| s.clone());
+        let taken: Vec<DVector<f64>> = fit.jacobian.column_iter().map(|c| c.into_owned()).chain(others).collect();
+        rest_of(&DMatrix::from_columns(&[fit.residual.clone()]), &basis(&DMatrix::from_columns(&taken))).norm()
     });
     Ok(each.collect())
+}
+
+/// The design with the forces of a clean specimen and a shift, both in N.
+fn with_forces(design: &Design, clean: &[Vec<f64>], shift: &DVector<f64>) -> Design {
+    let mut data = design.clone();
+    data.zero_is_contact = true;
+    let mut at = 0;
+    for (series, forces) in data.series.iter_mut().zip(clean) {
+        for (node, force_n) in series.nodes.iter_mut().zip(forces) {
+            node.force_n = force_n + shift[at];
+            at += 1;
+        }
+    }
+    data
 }
 
 /// Difference of two simulations of the same runs without noise, N, over the windows of a design.

@@ -105,7 +105,9 @@ impl Score<'_> {
         for (kind, noise) in [("matched", Some(NoiseKind::Matched)), ("mismatched", Some(NoiseKind::Mismatched)), ("all", None)] {
             let own = |s: &Scored| s.truth.what == What::Clean && noise.is_none_or(|n| s.truth.noise == n);
             let (cases, alarms) = (self.count(own), self.count(|s| own(s) && s.outcome == Outcome::FalseAlarm));
-            let measured = format!("{}, upper 95 % bound {:.1} %", share(alarms, cases), 100.0 * upper95(alarms, cases));
+            let refused = self.count(|s| own(s) && s.outcome == Outcome::Refused);
+            let bound = 100.0 * upper95(alarms, cases);
+            let measured = format!("{}, upper 95 % bound {bound:.1} %; {refused} refused", share(alarms, cases));
             row(&format!("false alarm <= 5 %, {kind} noise"), measured, judged(cases, percent(alarms, cases) <= 5.0));
         }
         let named = |s: &Scored| is_catalogue(s) || is_pair(s);
@@ -154,8 +156,8 @@ impl Score<'_> {
     /// Truth against answer.
     #[must_use]
     pub fn confusion(&self) -> String {
-        let mut text = "| hidden | cases | visible | exact | silent, rightly | in set | unknown | missed | wrong name | other names given |\n\
-            |---|---|---|---|---|---|---|---|---|---|\n"
+        let mut text = "| hidden | cases | visible | exact | silent, rightly | in set | unknown | missed | wrong name | refused | other names given |\n\
+            |---|---|---|---|---|---|---|---|---|---|---|\n"
             .to_owned();
         let mut keys = vec!["clean".to_owned()];
         keys.extend(CATALOGUE.iter().chain(&OUTSIDE).map(|code| (*code).to_owned()));
@@ -176,7 +178,7 @@ impl Score<'_> {
             let others: Vec<String> = others.iter().map(|(set, count)| format!("{set} {count}")).collect();
             let _ = writeln!(
                 text,
-                "| {key} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+                "| {key} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
                 own.len(),
                 own.iter().filter(|s| s.any_visible()).count(),
                 of(&[Outcome::Exact, Outcome::CleanRight]),
@@ -185,6 +187,7 @@ impl Score<'_> {
                 of(&[Outcome::Unknown, Outcome::OutsideUnknown]),
                 of(&[Outcome::Missed, Outcome::OutsideClean]),
                 of(&[Outcome::Wrong, Outcome::FalseAlarm]),
+                of(&[Outcome::Refused]),
                 others.join(", "),
             );
         }
@@ -274,11 +277,11 @@ impl Score<'_> {
         text
     }
 
-    /// Every case with a false alarm or a wrong name.
+    /// Every case with a false alarm, a wrong name or no diagnosis.
     #[must_use]
     pub fn mistakes(&self) -> String {
-        let mut text = "False alarms and wrong names:\n\n".to_owned();
-        let wrong = |s: &&Scored| matches!(s.outcome, Outcome::Wrong | Outcome::FalseAlarm);
+        let mut text = "False alarms, wrong names and refusals:\n\n".to_owned();
+        let wrong = |s: &&Scored| matches!(s.outcome, Outcome::Wrong | Outcome::FalseAlarm | Outcome::Refused);
         let mut none = true;
         for s in self.list.iter().filter(wrong) {
             none = false;
