@@ -105,9 +105,9 @@ pub fn strength(
             design: &data,
             chain: &chain,
             contacts_mm: contacts.clone(),
-            back_n: DVector::zeros(whitening.len()),
+            back_n: DVector::zeros(shift.len()),
             whitening: whitening.clone(),
-            used: vec![true; whitening.len()],
+            used: vec![true; shift.len()],
         };
         let starts = [DVector::from_vec(vec![truth.0.ln(), truth.1.ln()]), base.x.rows(0, 2).into_owned()];
         let fits = starts.map(|x| problem.fit(&[], &x));

@@ -50,7 +50,7 @@ fn what(kind: u8, nth: usize, place: usize) -> What {
     }
 }
 
-/// The cases of a design that hide one code (or "clean", "matched", "mismatched"), at all levels by turns; `None` for an
+/// The cases of a design that hide one code (or "clean", "matched", "mismatched", "pairs", "placebos"), at all levels by turns; `None` for an
 /// unknown word.
 #[must_use]
 pub fn cases_of(code: &str, design: Design, count: usize, first: u64) -> Option<Vec<Case>> {
@@ -61,8 +61,8 @@ pub fn cases_of(code: &str, design: Design, count: usize, first: u64) -> Option<
             "clean" => Some(case.hiding(What::Clean)),
             "matched" => Some(case.hiding(What::Clean).in_noise(NoiseKind::Matched)),
             "mismatched" => Some(case.hiding(What::Clean).in_noise(NoiseKind::Mismatched)),
-            "pair" => Some(case.hiding(what(b'p', at, 0))),
-            "placebo" => Some(case.hiding(what(b'x', at, 0))),
+            "pairs" => Some(case.hiding(what(b'p', at, 0))),
+            "placebos" => Some(case.hiding(what(b'x', at, 0))),
             _ => match (find(&CATALOGUE), find(&OUTSIDE)) {
                 (Some(code), _) => Some(case.hiding(What::Catalogue(code, at % LEVELS))),
                 (_, Some(code)) => Some(case.hiding(What::Outside(code, at % LEVELS))),
