@@ -17,16 +17,15 @@ fn record(s: &Scored) -> Value {
             let parameters: serde_json::Map<String, Value> = f
                 .parameters
                 .iter()
-                .map(|(name, value, (low, high))| ((*name).to_owned(), json!({ "value": value, "interval95": [low, high] })))
+                .map(|(name, value, (low, high))| {
+                    ((*name).to_owned(), json!({ "value": value, "interval95": [low, high] }))
+                })
                 .collect();
             json!({ "code": f.code, "form": f.form, "ambiguous_with": f.ambiguous_with, "parameters": parameters })
         })
         .collect();
-    let hits: Vec<Value> = s
-        .hits
-        .iter()
-        .map(|h| json!({ "parameter": h.name, "held": h.held, "deviation": h.deviation }))
-        .collect();
+    let hits: Vec<Value> =
+        s.hits.iter().map(|h| json!({ "parameter": h.name, "held": h.held, "deviation": h.deviation })).collect();
     json!({
         "design": s.design.name(),
         "seed": s.seed,

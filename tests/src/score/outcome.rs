@@ -133,7 +133,8 @@ mod tests {
 
     fn answer(sets: &[&[&'static str]]) -> Answer {
         let findings: Vec<Finding> = sets.iter().map(|set| finding(set)).collect();
-        let verdict = if findings.iter().any(|f| !f.ambiguous_with.is_empty()) { Verdict::Ambiguous } else { Verdict::Named };
+        let verdict =
+            if findings.iter().any(|f| !f.ambiguous_with.is_empty()) { Verdict::Ambiguous } else { Verdict::Named };
         Answer { verdict, findings, shows_in: Vec::new(), blind_to: Vec::new(), reason: None, seconds: 0.0 }
     }
 

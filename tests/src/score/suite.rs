@@ -108,7 +108,8 @@ mod tests {
 
     #[test]
     fn a_suite_of_one_code_goes_through_the_levels() {
-        let levels: Vec<What> = cases_of("lag", Design::D18, 6, 3).unwrap().into_iter().filter_map(|c| c.what).collect();
+        let levels: Vec<What> =
+            cases_of("lag", Design::D18, 6, 3).unwrap().into_iter().filter_map(|c| c.what).collect();
         assert_eq!(levels[4..], [What::Catalogue("lag", 4), What::Catalogue("lag", 0)]);
         assert_eq!(cases_of("outside-hum", Design::D6, 2, 0).unwrap()[1].what, Some(What::Outside("outside-hum", 1)));
         assert!(cases_of("lagg", Design::D6, 2, 0).is_none());

@@ -72,7 +72,8 @@ impl Score<'_> {
             let outside = of(&|s| is_outside(s) && s.any_visible());
             let unknown = of(&|s| is_outside(s) && s.any_visible() && s.outcome == Outcome::OutsideUnknown);
             let [a, b, c, d, e] = surrogate(design);
-            let mut seconds: Vec<f64> = self.list.iter().filter(|s| s.design == design).map(|s| s.answer.seconds).collect();
+            let mut seconds: Vec<f64> =
+                self.list.iter().filter(|s| s.design == design).map(|s| s.answer.seconds).collect();
             seconds.sort_by(f64::total_cmp);
             let middle = seconds.get(seconds.len() / 2).copied().unwrap_or(0.0);
             let worst = seconds.last().copied().unwrap_or(0.0);
@@ -102,7 +103,9 @@ impl Score<'_> {
             let _ = writeln!(text, "| {goal} | {measured} | {word} |");
         };
         let judged = |cases: usize, met: bool| (cases > 0).then_some(met);
-        for (kind, noise) in [("matched", Some(NoiseKind::Matched)), ("mismatched", Some(NoiseKind::Mismatched)), ("all", None)] {
+        for (kind, noise) in
+            [("matched", Some(NoiseKind::Matched)), ("mismatched", Some(NoiseKind::Mismatched)), ("all", None)]
+        {
             let own = |s: &Scored| s.truth.what == What::Clean && noise.is_none_or(|n| s.truth.noise == n);
             let (cases, alarms) = (self.count(own), self.count(|s| own(s) && s.outcome == Outcome::FalseAlarm));
             let refused = self.count(|s| own(s) && s.outcome == Outcome::Refused);
@@ -112,18 +115,31 @@ impl Score<'_> {
         }
         let named = |s: &Scored| is_catalogue(s) || is_pair(s);
         let (cases, wrong) = (self.count(named), self.count(|s| named(s) && s.outcome == Outcome::Wrong));
-        row("wrong name <= 2 %, effects of the catalogue, alone or two", share(wrong, cases), judged(cases, percent(wrong, cases) <= 2.0));
+        row(
+            "wrong name <= 2 %, effects of the catalogue, alone or two",
+            share(wrong, cases),
+            judged(cases, percent(wrong, cases) <= 2.0),
+        );
         let outside = |s: &Scored| is_outside(s) && s.any_visible();
-        let (cases, unknown) = (self.count(outside), self.count(|s| outside(s) && s.outcome == Outcome::OutsideUnknown));
+        let (cases, unknown) =
+            (self.count(outside), self.count(|s| outside(s) && s.outcome == Outcome::OutsideUnknown));
         let other = self.count(|s| outside(s) && s.outcome == Outcome::OtherForm);
         let measured = format!("{}; {other} more have the right cause in another form", share(unknown, cases));
-        row("outside the catalogue and visible: unknown >= 90 %", measured, judged(cases, percent(unknown, cases) >= 90.0));
+        row(
+            "outside the catalogue and visible: unknown >= 90 %",
+            measured,
+            judged(cases, percent(unknown, cases) >= 90.0),
+        );
         let placebo = |s: &Scored| matches!(s.truth.what, What::Placebo(_));
         let (cases, placebos) = (self.count(placebo), self.count(|s| placebo(s) && s.outcome == Outcome::Wrong));
         row("placebos named <= 1 %", share(placebos, cases), judged(cases, percent(placebos, cases) <= 1.0));
         let pairs = |s: &Scored| is_pair(s) && s.all_visible();
         let (cases, both) = (self.count(pairs), self.count(|s| pairs(s) && s.outcome == Outcome::Both));
-        row("two effects, both visible: both named or in sets >= 85 %", share(both, cases), judged(cases, percent(both, cases) >= 85.0));
+        row(
+            "two effects, both visible: both named or in sets >= 85 %",
+            share(both, cases),
+            judged(cases, percent(both, cases) >= 85.0),
+        );
         let (cases, gained) = self.gained();
         row(
             "fall of the held-out error >= 80 % of an oracle's, visible effects",
@@ -171,7 +187,8 @@ impl Score<'_> {
             let mut others: BTreeMap<String, usize> = BTreeMap::new();
             for s in &own {
                 for finding in s.answer.findings.iter().filter(|f| f.code != key) {
-                    let set: Vec<&str> = std::iter::once(finding.code).chain(finding.ambiguous_with.iter().copied()).collect();
+                    let set: Vec<&str> =
+                        std::iter::once(finding.code).chain(finding.ambiguous_with.iter().copied()).collect();
                     *others.entry(set.join("/")).or_default() += 1;
                 }
             }
@@ -217,7 +234,8 @@ impl Score<'_> {
             .map(|class| {
                 let (low, high) = ends(class);
                 let within = |s: &&Scored| {
-                    is_catalogue(s) && s.strength.as_ref().and_then(|s| s.first()).is_some_and(|s| *s > low && *s <= high)
+                    is_catalogue(s)
+                        && s.strength.as_ref().and_then(|s| s.first()).is_some_and(|s| *s > low && *s <= high)
                 };
                 let name = if high.is_finite() { format!("{low:.1} to {high:.1}") } else { format!("above {low:.1}") };
                 (name, self.list.iter().filter(within).collect())
@@ -287,7 +305,12 @@ impl Score<'_> {
             none = false;
             let strength: Vec<String> = s.strength.iter().flatten().map(|s| format!("{s:.1}")).collect();
             let (design, seed, what, noise) = (s.design.name(), s.seed, &s.truth.what, s.truth.noise);
-            let _ = writeln!(text, "- {design} {seed}: {what:?}, {noise:?} noise, strength {}: {}", strength.join(" "), s.answer.line());
+            let _ = writeln!(
+                text,
+                "- {design} {seed}: {what:?}, {noise:?} noise, strength {}: {}",
+                strength.join(" "),
+                s.answer.line()
+            );
         }
         if none {
             text.push_str("none.\n");
@@ -303,14 +326,8 @@ fn curve(variable: &str, classes: &[(String, Vec<&Scored>)]) -> String {
     );
     for (name, own) in classes {
         let of = |outcome: Outcome| own.iter().filter(|s| s.outcome == outcome).count();
-        let counts = [
-            Outcome::Exact,
-            Outcome::SilentRight,
-            Outcome::InSet,
-            Outcome::Unknown,
-            Outcome::Missed,
-            Outcome::Wrong,
-        ];
+        let counts =
+            [Outcome::Exact, Outcome::SilentRight, Outcome::InSet, Outcome::Unknown, Outcome::Missed, Outcome::Wrong];
         let counts: Vec<String> = counts.into_iter().map(|outcome| of(outcome).to_string()).collect();
         let _ = writeln!(text, "| {name} | {} | {} |", own.len(), counts.join(" | "));
     }
