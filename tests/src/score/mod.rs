@@ -5,6 +5,7 @@
 
 pub mod control;
 pub mod coverage;
+mod detail;
 pub mod oracle;
 pub mod outcome;
 pub mod rate;
