@@ -11,5 +11,6 @@ pub mod processor;
 pub mod recovery;
 pub mod reference;
 pub mod samples;
+pub mod score;
 pub mod thousand;
 pub mod tissue;
