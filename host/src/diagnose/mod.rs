@@ -316,6 +316,8 @@ pub struct Prepared<'a> {
     pub noise: Noise,
 }
 
+/// Contact points are taken within this many standard deviations of their jitter, as the place to linearise about.
+const CONTACTS: f64 = 2.0;
 /// Rounds in which noise, contact points and base are found, each from the others.
 const ROUNDS: usize = 3;
 
@@ -355,7 +357,9 @@ impl<'a> Prepared<'a> {
             }
             let residual = problem.plain(&fitted.model);
             let spots = problem.whitening.contacts_mm(&residual, noise.jitter.contact_mm);
-            contacts_mm = design.series.iter().map(|s| spots[s.spot]).collect();
+            // a base that is wrong would push the contact points where no jitter puts them, and every extension with them
+            let reach = CONTACTS * noise.jitter.contact_mm;
+            contacts_mm = design.series.iter().map(|s| spots[s.spot].clamp(-reach, reach)).collect();
             curves = Problem::curves(design, chain, &fitted.model, &contacts_mm);
             let at_zero: Vec<Curve> = curves
                 .iter()
