@@ -63,8 +63,6 @@ pub(super) const Z95: f64 = 1.96;
 const POWER: f64 = 1.28;
 /// Twins that blind spots are found with.
 const FEW_TWINS: usize = 200;
-/// What one more effect must improve a score by when an explanation already holds: a likelihood ratio of 10,000.
-const NEEDED: f64 = 2.0 * RATIO_100;
 /// Most effects at once.
 const MOST: usize = 3;
 
@@ -116,24 +114,18 @@ pub(super) fn explanations(
     progress: &super::Progress<'_>,
 ) -> Vec<Explanation> {
     let mut level: Vec<Explanation> = singles.to_vec();
-    let mut held = alike(&level);
-    for effects in 1..MOST {
-        progress("effects together", effects, MOST);
-        if let Some(best) = held.first() {
-            // a name that holds may hide another effect: what is added must be needed
-            let more = alike(&search.one_more(&held[..1]));
-            let needed = more.first().is_some_and(|more| more.score() < best.score() - NEEDED);
-            if !needed {
-                return held;
-            }
-            held = more;
-        } else {
-            let best: Vec<Explanation> = level.into_iter().filter(|e| e.beats_noise).collect();
-            level = search.one_more(&best);
-            held = alike(&level);
+    for effects in 1..=MOST {
+        let held = alike(&level);
+        // where an explanation holds nothing is added to it: what it leaves is within what it may itself be wrong by, and a
+        // second name for that would be a wrong one
+        if !held.is_empty() || effects == MOST {
+            return held;
         }
+        progress("effects together", effects, MOST);
+        let best: Vec<Explanation> = level.into_iter().filter(|e| e.beats_noise).collect();
+        level = search.one_more(&best);
     }
-    held
+    Vec::new()
 }
 
 /// The best explanation that meets every demand, and all that leave no more than noise and are no hundred times less likely: a
