@@ -4,7 +4,8 @@ use serde_json::{Value, json};
 
 use super::fit::Fit;
 use super::verdict::Z95;
-use super::{Diagnosis, Verdict};
+use super::search::Explanation;
+use super::{Diagnosis, Evidence, Verdict};
 
 /// One material's answer; keys as in the contract, `material`, `faults`, `reason` and `messages` added.
 #[must_use]
@@ -32,6 +33,7 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         .iter()
         .map(|p| json!({ "what": p.what, "decides": p.decides, "distance": p.distance }))
         .collect();
+    let candidates: Vec<Value> = evidence.map_or_else(Vec::new, |e| e.singles.iter().map(|s| candidate(e, s)).collect());
     let faults: Vec<Value> =
         diagnosis.faults.iter().map(|f| json!({ "code": f.code(), "what": f.to_string() })).collect();
     json!({
@@ -44,6 +46,7 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "cannot_exclude": diagnosis.cancelling,
         "next_experiment": diagnosis.proposals.first().map(|p| json!({ "what": p.what, "decides": p.decides })),
         "proposals": proposals,
+        "candidates": candidates,
         "faults": faults,
         "reason": diagnosis.refusal.as_ref().map(ToString::to_string),
         "held_out": held_out.map(|h| json!({
@@ -54,6 +57,22 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "messages": diagnosis.messages,
         "report": report,
         "seconds": diagnosis.seconds,
+    })
+}
+
+/// What one effect alone explains, and which demands it meets. `leaves` is the largest margin over its threshold.
+fn candidate(evidence: &Evidence, single: &Explanation) -> Value {
+    let effect = single.fit.candidates.first().map(|c| c.effect);
+    let excess = evidence.base.square - evidence.base.residual.len() as f64;
+    json!({
+        "code": effect.map(|e| e.code),
+        "form": effect.map(|e| e.form),
+        "explains": (evidence.base.square - single.fit.square) / excess.max(1.0),
+        "leaves": single.adequacy.worst(),
+        "beats_noise": single.beats_noise,
+        "predicts": single.predicts,
+        "beats_placebo": single.beats_placebo,
+        "in_bounds": !single.fit.at_bound,
     })
 }
 

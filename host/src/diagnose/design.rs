@@ -27,6 +27,10 @@ const LATE_MM: f64 = 0.25;
 /// Recorded zeros within this distance (mm) of the contact were meant to be the contact.
 const MEANT_MM: f64 = 0.4;
 
+/// Below this share of the force that the same depth had on the way down a relaxing contact lifts off; how its edge does
+/// is where the chain is farthest from finite elements. Where loading itself had less than the second share of the peak, nothing has lifted.
+const LIFTED: (f64, f64) = (0.35, 0.05);
+
 /// Part of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Branch {
@@ -55,6 +59,8 @@ pub struct Node {
     pub branch: Branch,
     /// Time since the hold began, s; 0 elsewhere.
     pub held_s: f64,
+    /// On the way back, where the contact lifts off: not compared, see [`LIFTED`].
+    pub lifted: bool,
 }
 
 /// One used run.
@@ -371,10 +377,27 @@ fn nodes(
     }
     let nodes = windows.iter().map(|(window, branch)| node(recording, window, *branch, start_s, held_from_s, zero_mm));
     let placed = |(time_s, depth_mm): (f64, f64)| (time_s - start_s, depth_mm - zero_mm);
+    let mut nodes: Vec<Node> = nodes.collect();
+    lift(&mut nodes);
     let mut corners = vec![placed((recording.time_s[begin], depth[begin]))];
     let turns = [Some(last), motion.hold.as_ref().map(|hold| hold.end.saturating_sub(1))];
     corners.extend(turns.into_iter().flatten().filter_map(|at| corner(recording, at)).map(placed));
-    (nodes.collect(), corners)
+    (nodes, corners)
+}
+
+/// Marks the nodes of the way back at which the contact lifts off.
+fn lift(nodes: &mut [Node]) {
+    let loading: Vec<(f64, f64)> =
+        nodes.iter().filter(|n| n.branch == Branch::Loading).map(|n| (n.depth_mm, n.force_n)).collect();
+    let peak = loading.iter().map(|(_, f)| *f).fold(0.0, f64::max);
+    for node in nodes.iter_mut().filter(|n| n.branch == Branch::Unloading) {
+        let next = loading.partition_point(|(d, _)| *d < node.depth_mm);
+        let Some(((d0, f0), (d1, f1))) = next.checked_sub(1).map(|i| loading[i]).zip(loading.get(next).copied()) else {
+            continue;
+        };
+        let before = f0 + (f1 - f0) * (node.depth_mm - d0) / (d1 - d0).max(1e-12);
+        node.lifted = before > LIFTED.1 * peak && node.force_n < LIFTED.0 * before;
+    }
 }
 
 /// Samples to either side of a corner that its two straight pieces are taken from.
@@ -468,5 +491,6 @@ fn node(
         force_n: mean(&recording.force_n),
         branch,
         held_s: if branch == Branch::Hold { (time_s + start_s - held_from_s).max(0.0) } else { 0.0 },
+        lifted: false,
     }
 }

@@ -75,7 +75,12 @@ pub fn of(experiment: &Experiment, material: &str) -> Vec<Fault> {
         .filter(own)
         .filter_map(|run| motion::of(&run.recording).map(|motion| (run, motion)))
         .collect();
-    let force = |(run, motion): &(&Run, Motion)| run.recording.force_n[motion.loading.clone()].to_vec();
+    // from the first sample to the turning point: a spike that ends the loading branch early does not make a sensor dead
+    let force = |(run, motion): &(&Run, Motion)| {
+        let depth = &run.recording.depth_mm;
+        let deepest = (0..depth.len()).max_by(|a, b| depth[*a].total_cmp(&depth[*b])).unwrap_or(0);
+        run.recording.force_n[motion.loading.start.min(deepest)..=deepest].to_vec()
+    };
     let mut ranges: Vec<f64> = moved.iter().map(|one| range(&force(one))).collect();
     ranges.sort_by(f64::total_cmp);
     let usual = ranges.get(ranges.len() / 2).copied().unwrap_or(0.0);

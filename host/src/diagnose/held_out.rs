@@ -92,7 +92,7 @@ fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Ser
     let whitened = whole.residual(&fit.model).norm_squared();
     let mut miss = Miss { square_n2: 0.0, whitened, count: 0.0 };
     for (series, force) in problem.design.series.iter().zip(&forces).filter(|(s, _)| predicted(s)) {
-        for (node, force_n) in series.nodes.iter().zip(force) {
+        for (node, force_n) in series.nodes.iter().zip(force).filter(|(n, _)| !n.lifted) {
             miss.square_n2 += (node.force_n - force_n).powi(2);
             miss.count += 1.0;
         }
@@ -101,5 +101,8 @@ fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Ser
 }
 
 fn used_of(problem: &Problem<'_>, predicted: &dyn Fn(&super::design::Series) -> bool) -> Vec<bool> {
-    problem.design.series.iter().flat_map(|s| vec![predicted(s); s.nodes.len()]).collect()
+    problem.design.series.iter().flat_map(|s| {
+        let own = predicted(s);
+        s.nodes.iter().map(move |n| own && !n.lifted).collect::<Vec<_>>()
+    }).collect()
 }

@@ -270,6 +270,13 @@ impl Diagnosis {
         if visible {
             progress("effects", 0, 1);
             singles = search.singles();
+            if std::env::var("PALPATE_DEBUG").is_ok() {
+                for s in singles.iter().take(2) {
+                    let mut r: Vec<(f64, &str)> = s.adequacy.readings.iter().zip(&margins).map(|(r, m)| (*r, m.label.as_str())).collect();
+                    r.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+                    eprintln!("{} {:?} thr {:.2} {:?}", s.fit.candidates[0].effect.code, s.fit.x.as_slice(), s.adequacy.threshold, &r[..10]);
+                }
+            }
             held = verdict::explanations(&search, &singles, progress);
         }
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &prepared, &search, &held)).flatten();
@@ -316,7 +323,8 @@ pub struct Prepared<'a> {
     pub noise: Noise,
 }
 
-/// Contact points are taken within this many standard deviations of their jitter, as the place to linearise about.
+/// Where the recorded zero is not the contact, predictions are linearised about contact points within this many standard deviations of
+/// their jitter; where it is, about the zero itself: a few hundredths of a millimetre of jitter bend no curve.
 const CONTACTS: f64 = 2.0;
 /// Rounds in which noise, contact points and base are found, each from the others.
 const ROUNDS: usize = 3;
@@ -358,7 +366,7 @@ impl<'a> Prepared<'a> {
             let residual = problem.plain(&fitted.model);
             let spots = problem.whitening.contacts_mm(&residual, noise.jitter.contact_mm);
             // a base that is wrong would push the contact points where no jitter puts them, and every extension with them
-            let reach = CONTACTS * noise.jitter.contact_mm;
+            let reach = if design.zero_is_contact { 0.0 } else { CONTACTS * noise.jitter.contact_mm };
             contacts_mm = design.series.iter().map(|s| spots[s.spot].clamp(-reach, reach)).collect();
             curves = Problem::curves(design, chain, &fitted.model, &contacts_mm);
             let at_zero: Vec<Curve> = curves
@@ -378,7 +386,7 @@ impl<'a> Prepared<'a> {
 
 /// Entries that are fitted: no held-out runs, no group that is left out.
 fn used(design: &Design, left_out: Option<usize>) -> Vec<bool> {
-    design.series.iter().flat_map(|s| vec![!s.hold_out && Some(s.group) != left_out; s.nodes.len()]).collect()
+    design.series.iter().flat_map(|s| s.nodes.iter().map(move |n| !n.lifted && !s.hold_out && Some(s.group) != left_out)).collect()
 }
 
 /// First-order step from the contact points back to contact 0.

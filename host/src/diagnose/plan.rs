@@ -187,7 +187,7 @@ impl Plan {
             let length_s = to_s - from_s;
             let samples = ((length_s * SAMPLE_HZ) as usize).max(1);
             let held_s = if branch == Branch::Hold { time_s - ramp_s } else { 0.0 };
-            nodes.push(Node { time_s, length_s, samples, depth_mm, force_n: 0.0, branch, held_s });
+            nodes.push(Node { time_s, length_s, samples, depth_mm, force_n: 0.0, branch, held_s, lifted: false });
         };
         let part = |k: usize, of: usize, length: f64| length * k as f64 / of as f64;
         for k in 0..NODES.0 {
