@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use super::fit::Fit;
-use super::verdict::Z95;
 use super::search::Explanation;
+use super::verdict::Z95;
 use super::{Diagnosis, Evidence, Verdict};
 
 /// One material's answer; keys as in the contract, `material`, `faults`, `reason` and `messages` added.
@@ -33,7 +33,8 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         .iter()
         .map(|p| json!({ "what": p.what, "decides": p.decides, "distance": p.distance }))
         .collect();
-    let candidates: Vec<Value> = evidence.map_or_else(Vec::new, |e| e.singles.iter().map(|s| candidate(e, s)).collect());
+    let candidates: Vec<Value> =
+        evidence.map_or_else(Vec::new, |e| e.singles.iter().map(|s| candidate(e, s)).collect());
     let faults: Vec<Value> =
         diagnosis.faults.iter().map(|f| json!({ "code": f.code(), "what": f.to_string() })).collect();
     json!({

@@ -190,20 +190,13 @@ impl Design {
         let (path, at) = path(&nodes, corners);
         let deepest = nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max) + LATE_MM;
         let geometry = self.geometry(experiment, specimen, ball_mm, deepest);
-        let rate = self
-            .rates_mm_per_s
-            .iter()
-            .rposition(|rate| *rate <= raw.motion.rate_mm_per_s * (1.0 + 1e-12))
-            .unwrap_or(0);
+        let rate =
+            self.rates_mm_per_s.iter().rposition(|rate| *rate <= raw.motion.rate_mm_per_s * (1.0 + 1e-12)).unwrap_or(0);
         let cycle = run.cycle.unwrap_or(1);
         let spot = self.spot(experiment, raw.run, cycle);
         let earlier = |s: &&Series| s.spot == spot;
-        let pressed_before_mm = self
-            .series
-            .iter()
-            .filter(earlier)
-            .flat_map(|s| s.nodes.iter().map(|n| n.depth_mm))
-            .fold(0.0, f64::max);
+        let pressed_before_mm =
+            self.series.iter().filter(earlier).flat_map(|s| s.nodes.iter().map(|n| n.depth_mm)).fold(0.0, f64::max);
         self.series.push(Series {
             run: raw.run,
             specimen,
@@ -352,12 +345,7 @@ fn raw_runs(experiment: &Experiment, material: &str, messages: &mut Vec<String>)
 }
 
 /// Windows of equal numbers of samples on the ways down and back, and of growing length in a hold.
-fn nodes(
-    recording: &Recording,
-    motion: &Motion,
-    contact_mm: f64,
-    zero_mm: f64,
-) -> (Vec<Node>, Vec<(f64, f64)>) {
+fn nodes(recording: &Recording, motion: &Motion, contact_mm: f64, zero_mm: f64) -> (Vec<Node>, Vec<(f64, f64)>) {
     let depth = &recording.depth_mm;
     let loading = motion.loading.clone();
     let last = loading.end.saturating_sub(1);

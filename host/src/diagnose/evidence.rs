@@ -224,9 +224,8 @@ impl Spaces {
             readings.push(squares.iter().map(|s| space.standard(*s)).collect());
             each.push(space);
         }
-        let mut largest: Vec<f64> = (0..twins.ncols())
-            .map(|j| readings.iter().map(|r| r[j]).fold(f64::NEG_INFINITY, f64::max))
-            .collect();
+        let mut largest: Vec<f64> =
+            (0..twins.ncols()).map(|j| readings.iter().map(|r| r[j]).fold(f64::NEG_INFINITY, f64::max)).collect();
         largest.sort_by(f64::total_cmp);
         let at = ((1.0 - LEVEL) * count).floor() as usize;
         let threshold = largest.get(at.min(largest.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY);

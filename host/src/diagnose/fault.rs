@@ -51,7 +51,10 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Fault::DeadSensor { run } => {
-                write!(f, "{run}: the force sensor shows nothing while the ball goes down: a dead sensor, or no contact")
+                write!(
+                    f,
+                    "{run}: the force sensor shows nothing while the ball goes down: a dead sensor, or no contact"
+                )
             }
             Fault::Restarted { run, event } | Fault::ForceDrop { run, event } => write!(f, "{run}: {event}"),
         }

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::design::Design;
 use super::noise::Curve;
-use super::whiten::Whitening;
+use super::whiten::{Whitening, kernel};
 
 /// An effect that may be at work, with the ball or specimen it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +45,40 @@ pub struct Problem<'a> {
     pub whitening: Whitening,
     /// Entries that are fitted; the others are 0 in every residual.
     pub used: Vec<bool>,
+    /// Errors that are allowed beside the noise, each column with unit variance.
+    pub allowed: Option<Allowed>,
+}
+
+/// Errors along some columns, whitened, each with unit variance.
+#[derive(Debug, Clone)]
+pub struct Allowed {
+    columns: DMatrix<f64>,
+    kernel: DMatrix<f64>,
+    /// Logarithm of the determinant of `I + F'F`: the price of the freedom they give.
+    price: f64,
+}
+
+impl Allowed {
+    /// Of columns.
+    #[must_use]
+    pub fn new(columns: DMatrix<f64>) -> Self {
+        let mut inner = columns.tr_mul(&columns);
+        for i in 0..inner.nrows() {
+            inner[(i, i)] += 1.0;
+        }
+        let price = inner.cholesky().map_or(0.0, |c| 2.0 * c.l_dirty().diagonal().map(f64::ln).sum());
+        let kernel = kernel(&columns);
+        Self { columns, kernel, price }
+    }
+
+    /// Takes off residuals what the errors may explain of them: `(I + F F')^(-1/2) r`.
+    #[must_use]
+    pub fn discounted(&self, residual: &DVector<f64>) -> DVector<f64> {
+        if self.columns.ncols() == 0 {
+            return residual.clone();
+        }
+        residual - &self.columns * (&self.kernel * self.columns.tr_mul(residual))
+    }
 }
 
 /// A fit.
@@ -60,6 +94,10 @@ pub struct Fit {
     pub model: Model,
     /// Sum of the squares of the whitened residuals.
     pub square: f64,
+    /// The same with what the effects may be wrong by discounted and paid for: twice the negative logarithm of a marginal likelihood.
+    pub discounted: f64,
+    /// Information on the parameters, errors of the effects allowed for.
+    pub information: DMatrix<f64>,
     /// Whitened residuals.
     pub residual: DVector<f64>,
     /// Derivative of the whitened prediction by every parameter.
@@ -183,7 +221,10 @@ impl Problem<'_> {
     pub fn residual(&self, model: &Model) -> DVector<f64> {
         let mut residual = self.plain(model);
         self.whitening.apply(&mut residual);
-        residual
+        match &self.allowed {
+            Some(allowed) => allowed.discounted(&residual),
+            None => residual,
+        }
     }
 
     /// Measured less predicted, N, moved back to contact 0 to first order.
@@ -243,7 +284,21 @@ impl Problem<'_> {
             _ => false,
         });
         let model = model(&coordinates, candidates, &x);
-        Fit { candidates: candidates.to_vec(), coordinates, x, model, square, residual, jacobian, at_bound }
+        let information = jacobian.tr_mul(&jacobian);
+        let candidates = candidates.to_vec();
+        Fit { candidates, coordinates, x, model, square, discounted: square, information, residual, jacobian, at_bound }
+    }
+
+    /// The fit found again with errors of its effects allowed for, and told without that allowance.
+    #[must_use]
+    pub fn refit(&self, fit: &Fit, allowed: &Allowed) -> Fit {
+        let tolerant = Problem { allowed: Some(allowed.clone()), ..self.clone() };
+        let mut found = tolerant.fit(&fit.candidates, &fit.x);
+        found.discounted = found.square + allowed.price;
+        found.residual = self.residual(&found.model);
+        found.square = found.residual.norm_squared();
+        found.jacobian = self.jacobian(&found.coordinates, &found.candidates, &found.x, &found.residual);
+        found
     }
 
     /// Derivative of the whitened prediction by difference quotients.
@@ -315,7 +370,7 @@ impl Fit {
     /// Covariance of the parameters.
     #[must_use]
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
-        let mut normal = self.jacobian.tr_mul(&self.jacobian);
+        let mut normal = self.information.clone();
         for i in 0..normal.nrows() {
             normal[(i, i)] += 1e-12;
         }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::experiment::Experiment;
 
 use super::fit::{Fit, Problem};
-use super::search::{Explanation, Search};
+use super::search::{self, Explanation, Search};
 use super::{Prepared, used};
 
 /// Root mean square errors over conditions that were left out of fit and choice alike.
@@ -26,7 +26,12 @@ pub struct HeldOut {
 /// Leaves every group of conditions out in turn, refits the base and the rivals on the others, takes the likeliest rival there and predicts
 /// the group with it; runs that were marked `hold_out` are predicted instead where there are any. `None` with a single group.
 #[must_use]
-pub fn of(experiment: &Experiment, prepared: &Prepared<'_>, search: &Search<'_>, held: &[Explanation]) -> Option<HeldOut> {
+pub fn of(
+    experiment: &Experiment,
+    prepared: &Prepared<'_>,
+    search: &Search<'_>,
+    held: &[Explanation],
+) -> Option<HeldOut> {
     let design = prepared.problem.design;
     let marked = design.series.iter().any(|s| s.hold_out);
     let groups: Vec<Option<usize>> = if marked { vec![None] } else { (0..design.groups).map(Some).collect() };
@@ -43,10 +48,11 @@ pub fn of(experiment: &Experiment, prepared: &Prepared<'_>, search: &Search<'_>,
                 back_n: prepared.problem.back_n.clone(),
                 whitening: prepared.problem.whitening.clone(),
                 used: used(design, *group),
+                allowed: None,
             };
             let base = problem.fit(&[], &search.base.x);
-            let refits = held.iter().map(|e| problem.fit(&e.fit.candidates, &e.fit.x));
-            let charged = |f: &Fit| f.square + 3.0 * f.coordinates.len() as f64;
+            let refits = held.iter().map(|e| problem.refit(&e.fit, &search::allowed(&problem, &e.fit)));
+            let charged = |f: &Fit| f.discounted + 3.0 * f.coordinates.len() as f64;
             let best = refits.min_by(|a, b| charged(a).total_cmp(&charged(b)));
             let predicted = |s: &super::design::Series| match group {
                 Some(group) => s.group == *group && !s.hold_out,
@@ -101,8 +107,13 @@ fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Ser
 }
 
 fn used_of(problem: &Problem<'_>, predicted: &dyn Fn(&super::design::Series) -> bool) -> Vec<bool> {
-    problem.design.series.iter().flat_map(|s| {
-        let own = predicted(s);
-        s.nodes.iter().map(move |n| own && !n.lifted).collect::<Vec<_>>()
-    }).collect()
+    problem
+        .design
+        .series
+        .iter()
+        .flat_map(|s| {
+            let own = predicted(s);
+            s.nodes.iter().map(move |n| own && !n.lifted).collect::<Vec<_>>()
+        })
+        .collect()
 }

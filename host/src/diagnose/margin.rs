@@ -154,7 +154,9 @@ impl Builder<'_, '_> {
         }
         for cycle in cycles {
             for (branch, name) in [(Branch::Loading, "loading"), (Branch::Unloading, "unloading")] {
-                self.add(Variable::Cycle, format!("cycle {cycle}, {name}"), |s, n| s.cycle == cycle && n.branch == branch);
+                self.add(Variable::Cycle, format!("cycle {cycle}, {name}"), |s, n| {
+                    s.cycle == cycle && n.branch == branch
+                });
             }
         }
     }
@@ -170,7 +172,9 @@ impl Builder<'_, '_> {
                 });
             }
             for (branch, name) in [(Branch::Hold, "hold"), (Branch::Unloading, "unloading")] {
-                self.add(Variable::Rate, format!("{value:.3} mm/s, {name}"), |s, n| s.rate == rate && n.branch == branch);
+                self.add(Variable::Rate, format!("{value:.3} mm/s, {name}"), |s, n| {
+                    s.rate == rate && n.branch == branch
+                });
             }
         }
     }

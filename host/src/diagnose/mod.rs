@@ -11,8 +11,8 @@ pub mod fault;
 pub mod fit;
 pub mod held_out;
 pub mod margin;
-pub mod noise;
 pub mod model_file;
+pub mod noise;
 mod placebo;
 pub mod plan;
 pub mod search;
@@ -36,8 +36,8 @@ use fault::Fault;
 use fit::{Fit, Problem};
 use held_out::HeldOut;
 use margin::Margin;
-use plan::Proposal;
 use noise::{Curve, Jitter, Noise, SensorNoise, Source};
+use plan::Proposal;
 use search::{Explanation, Search};
 use whiten::Whitening;
 
@@ -94,12 +94,10 @@ impl Models {
                 None => *known = Some(more),
             }
         }
-        known.as_ref().and_then(|library| library.of(wanted)).ok_or_else(|| {
-            LibraryError::Parameter {
-                parameter: "geometries",
-                value: wanted.len() as f64,
-                expected: "must have been solved".to_owned(),
-            }
+        known.as_ref().and_then(|library| library.of(wanted)).ok_or_else(|| LibraryError::Parameter {
+            parameter: "geometries",
+            value: wanted.len() as f64,
+            expected: "must have been solved".to_owned(),
         })
     }
 }
@@ -270,13 +268,6 @@ impl Diagnosis {
         if visible {
             progress("effects", 0, 1);
             singles = search.singles();
-            if std::env::var("PALPATE_DEBUG").is_ok() {
-                for s in singles.iter().take(2) {
-                    let mut r: Vec<(f64, &str)> = s.adequacy.readings.iter().zip(&margins).map(|(r, m)| (*r, m.label.as_str())).collect();
-                    r.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
-                    eprintln!("{} {:?} thr {:.2} {:?}", s.fit.candidates[0].effect.code, s.fit.x.as_slice(), s.adequacy.threshold, &r[..10]);
-                }
-            }
             held = verdict::explanations(&search, &singles, progress);
         }
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &prepared, &search, &held)).flatten();
@@ -284,8 +275,7 @@ impl Diagnosis {
         self.proposals = plan::proposals(experiment, &prepared, &search, &held, &self.blind_to);
         verdict::conclude(self, (visible, !adequacy.passes()), &held, held_out.as_ref());
         let best = held.first().or(singles.first());
-        let extended_curves =
-            best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
+        let extended_curves = best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
         let (base, noise, contacts_mm) = (base.clone(), *noise, problem.contacts_mm.clone());
         drop(search);
         self.evidence = Some(Box::new(Evidence {
@@ -355,7 +345,15 @@ impl<'a> Prepared<'a> {
         for round in 0..=ROUNDS {
             let whitening = Whitening::new(design, &curves, &noise)?;
             let back_n = back(design, &curves, &contacts_mm, whitening.residuals());
-            let problem = Problem { design, chain, contacts_mm: contacts_mm.clone(), back_n, whitening, used: used.clone() };
+            let problem = Problem {
+                design,
+                chain,
+                contacts_mm: contacts_mm.clone(),
+                back_n,
+                whitening,
+                used: used.clone(),
+                allowed: None,
+            };
             let fitted = match &base {
                 None => search::base_fit(&problem, 0.05 * largest.max(1e-6)),
                 Some(before) => problem.fit(&[], &before.x),
@@ -386,7 +384,11 @@ impl<'a> Prepared<'a> {
 
 /// Entries that are fitted: no held-out runs, no group that is left out.
 fn used(design: &Design, left_out: Option<usize>) -> Vec<bool> {
-    design.series.iter().flat_map(|s| s.nodes.iter().map(move |n| !n.lifted && !s.hold_out && Some(s.group) != left_out)).collect()
+    design
+        .series
+        .iter()
+        .flat_map(|s| s.nodes.iter().map(move |n| !n.lifted && !s.hold_out && Some(s.group) != left_out))
+        .collect()
 }
 
 /// First-order step from the contact points back to contact 0.

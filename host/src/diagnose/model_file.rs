@@ -50,7 +50,8 @@ pub enum ModelFileError {
 /// The text of a model file. Balls and specimens are named as the experiment names them.
 #[must_use]
 pub fn text(experiment: &Experiment, material: &str, model: &Model) -> String {
-    let mut out = String::from("# The base of a material and the effects that a diagnosis found. Units: mm, N, MPa, s.\n");
+    let mut out =
+        String::from("# The base of a material and the effects that a diagnosis found. Units: mm, N, MPa, s.\n");
     let _ = writeln!(out, "material = {}", toml::Value::from(material));
     let _ = writeln!(out, "law = \"hyperfoam\"\nmu_MPa = {:?}\nalpha = {:?}", model.mu_mpa, model.alpha);
     for setting in &model.settings {
@@ -76,15 +77,18 @@ pub fn text(experiment: &Experiment, material: &str, model: &Model) -> String {
 /// # Errors
 /// The first mistake, with the key, the place, and what was expected.
 pub fn parse(experiment: &Experiment, text: &str) -> Result<Model, ModelFileError> {
-    let table: toml::Table = text.parse().map_err(|e: toml::de::Error| ModelFileError::Syntax(e.message().to_owned()))?;
+    let table: toml::Table =
+        text.parse().map_err(|e: toml::de::Error| ModelFileError::Syntax(e.message().to_owned()))?;
     let top = "the file";
     only(&table, top, &["material", "law", "mu_MPa", "alpha", "effect"])?;
     let law = word(&table, "law", top, "\"hyperfoam\"")?;
     if law != "hyperfoam" {
         return Err(bad("law", top, &law, "\"hyperfoam\""));
     }
-    let mut model =
-        Model::base(number(&table, "mu_MPa", top, (f64::MIN_POSITIVE, 1e4))?, number(&table, "alpha", top, (1.0, 30.0))?);
+    let mut model = Model::base(
+        number(&table, "mu_MPa", top, (f64::MIN_POSITIVE, 1e4))?,
+        number(&table, "alpha", top, (1.0, 30.0))?,
+    );
     let none = Vec::new();
     let effects = match table.get("effect") {
         None => &none,
@@ -123,7 +127,8 @@ fn setting(experiment: &Experiment, table: &toml::Table, place: &str) -> Result<
         }
     };
     only(table, place, &known)?;
-    let values = effect.quantities.iter().map(|q| number(table, q.name, place, (q.low, q.high))).collect::<Result<_, _>>()?;
+    let values =
+        effect.quantities.iter().map(|q| number(table, q.name, place, (q.low, q.high))).collect::<Result<_, _>>()?;
     Ok(Setting { effect, owner, values })
 }
 
@@ -216,7 +221,11 @@ mod tests {
     fn mistakes_are_named() {
         let said = |text: &str| parse(&experiment(), text).unwrap_err().to_string();
         let head = "law = \"hyperfoam\"\nmu_MPa = 0.1\nalpha = 8\n";
-        assert_eq!(said("law = \"hyperfoam\"\nalpha = 8"), "`mu_MPa` is missing in the file: expected a number from 2.2250738585072014e-308 to 10000".replace("2.2250738585072014e-308", &f64::MIN_POSITIVE.to_string()));
+        assert_eq!(
+            said("law = \"hyperfoam\"\nalpha = 8"),
+            "`mu_MPa` is missing in the file: expected a number from 2.2250738585072014e-308 to 10000"
+                .replace("2.2250738585072014e-308", &f64::MIN_POSITIVE.to_string())
+        );
         assert_eq!(
             said(&format!("{head}[[effect]]\ncode = \"relaxation\"\ng1 = 2.0\ntau1_s = 1.0")),
             "`g1` in [[effect]] 1 is 2: expected a number from 0 to 0.9"
@@ -229,7 +238,10 @@ mod tests {
             said(&format!("{head}[[effect]]\ncode = \"drift\"\nN_per_h = 0.1\nper_day = 3")),
             "unknown key `per_day` in [[effect]] 1: expected one of code, form, N_per_h"
         );
-        assert!(said(&format!("{head}[[effect]]\ncode = \"magic\"")).starts_with("`code` in [[effect]] 1 is magic: expected thickness (height)"));
+        assert!(
+            said(&format!("{head}[[effect]]\ncode = \"magic\""))
+                .starts_with("`code` in [[effect]] 1 is magic: expected thickness (height)")
+        );
         assert!(said("law = ").starts_with("not TOML"));
     }
 }

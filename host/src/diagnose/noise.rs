@@ -248,12 +248,8 @@ fn jitter(design: &Design, curves: &[Curve], deviations: &[Deviation], sensor: &
 
 /// Number of means that were taken off: one a set of spots that share their conditions.
 fn lost_freedom(design: &Design, spots: &[(usize, [f64; 3], [f64; 3], f64)]) -> f64 {
-    let mut groups: Vec<usize> = design
-        .series
-        .iter()
-        .filter(|s| spots.iter().any(|(spot, ..)| *spot == s.spot))
-        .map(|s| s.group)
-        .collect();
+    let mut groups: Vec<usize> =
+        design.series.iter().filter(|s| spots.iter().any(|(spot, ..)| *spot == s.spot)).map(|s| s.group).collect();
     groups.sort_unstable();
     groups.dedup();
     groups.len() as f64

@@ -19,8 +19,7 @@ pub fn largest_gain(problem: &Problem<'_>, before: &Fit, parameters: usize) -> f
     let explained = basis(&before.jacobian);
     let base = predicted(problem.design, problem.chain, &before.model, &problem.contacts_mm);
     let gains = (0..PLACEBOS).map(|_| {
-        let columns: Vec<DVector<f64>> =
-            (0..parameters.max(1)).map(|_| placebo(problem, &base, &mut chance)).collect();
+        let columns: Vec<DVector<f64>> = (0..parameters.max(1)).map(|_| placebo(problem, &base, &mut chance)).collect();
         let rest = rest_of(&DMatrix::from_columns(&columns), &explained);
         basis(&rest).tr_mul(&before.residual).norm_squared()
     });

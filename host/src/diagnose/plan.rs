@@ -116,10 +116,13 @@ impl Plan {
             Some(_) | None => format!("ball {}", ball.name),
         };
         let block = match specimen.height_mm.known() {
-            Some(mm) if self.height != 1.0 => format!("a specimen of {:.1} mm instead of {}", self.height * mm, specimen.name),
+            Some(mm) if self.height != 1.0 => {
+                format!("a specimen of {:.1} mm instead of {}", self.height * mm, specimen.name)
+            }
             Some(_) | None => format!("specimen {}", specimen.name),
         };
-        let mut text = format!("press {ball} into {block} to {:.2} mm at {} mm/s", self.depth_mm, significant(self.rate_mm_per_s));
+        let mut text =
+            format!("press {ball} into {block} to {:.2} mm at {} mm/s", self.depth_mm, significant(self.rate_mm_per_s));
         if self.hold_s > 0.0 {
             text.push_str(&format!(", hold for {} s", self.hold_s));
         }
@@ -236,13 +239,15 @@ struct Bench<'a> {
 impl<'a> Bench<'a> {
     fn new(prepared: &'a Prepared<'a>, plan: Plan) -> Option<Self> {
         let like = prepared.problem.design;
-        let geometry =
-            like.series.iter().find(|s| s.specimen == plan.specimen && s.indenter == plan.indenter).map(|s| s.geometry)?;
+        let geometry = like
+            .series
+            .iter()
+            .find(|s| s.specimen == plan.specimen && s.indenter == plan.indenter)
+            .map(|s| s.geometry)?;
         let design = plan.design(like, geometry);
         let passages: Vec<Passage> = design.passages();
         let chain = Chain { library: prepared.problem.chain.library.clone(), passages };
-        let mut bench =
-            Self { plan, design, chain, whitening: prepared.problem.whitening.clone(), prepared };
+        let mut bench = Self { plan, design, chain, whitening: prepared.problem.whitening.clone(), prepared };
         let model = bench.placed(&prepared.base.model);
         let curves = Problem::curves(&bench.design, &bench.chain, &model, &bench.contacts());
         bench.whitening = Whitening::new(&bench.design, &curves, &prepared.noise)?;
@@ -387,12 +392,19 @@ fn shown(bench: &Bench<'_>, search: &Search<'_>, blind: &[&'static str]) -> (f64
         if !blind.contains(&code) || codes.contains(&code) {
             continue;
         }
-        let values = candidate
-            .effect
-            .quantities
-            .iter()
-            .map(|q| if q.spread == Spread::Even { q.scaled(q.plausible, largest_n) } else { q.starts[q.starts.len() / 2] })
-            .collect();
+        let values =
+            candidate
+                .effect
+                .quantities
+                .iter()
+                .map(|q| {
+                    if q.spread == Spread::Even {
+                        q.scaled(q.plausible, largest_n)
+                    } else {
+                        q.starts[q.starts.len() / 2]
+                    }
+                })
+                .collect();
         let mut model = search.base.model.clone();
         model.settings.push(Setting { effect: candidate.effect, owner: candidate.owner, values });
         let new = bench.forces(&model) - &base.force;

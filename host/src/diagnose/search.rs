@@ -7,10 +7,9 @@ use rayon::prelude::*;
 
 use super::design::{Branch, Design};
 use super::evidence::{Adequacy, Panel, Spaces};
-use super::fit::{self, Candidate, Fit, Problem, coordinates};
+use super::fit::{self, Allowed, Candidate, Fit, Problem, coordinates};
 use super::margin::Margin;
 use super::placebo;
-use super::whiten::kernel;
 
 /// Likelihood ratio of 100 as a difference of sums of squares.
 pub const RATIO_100: f64 = 9.21;
@@ -20,7 +19,7 @@ const CHARGE: f64 = 3.0;
 /// whole path is within that (tests/chain.rs), and nature is not closer to either.
 const FORM_ERROR: f64 = 0.02;
 /// The same on the way back, where the edge of the contact lifts and histories matter most.
-const FORM_ERROR_BACK: f64 = 0.04;
+const FORM_ERROR_BACK: f64 = 0.06;
 /// Singles and pairs that are extended when one, or two, effects are not enough.
 const EXTENDED: usize = 2;
 /// Partners that each is tried with, by how much of its residual they could explain.
@@ -66,7 +65,7 @@ impl Explanation {
 }
 
 fn score(fit: &Fit) -> f64 {
-    fit.square + CHARGE * fit.coordinates.len() as f64
+    fit.discounted + CHARGE * fit.coordinates.len() as f64
 }
 
 /// Everything a search needs.
@@ -186,7 +185,8 @@ impl Search<'_> {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let fits = points.into_iter().take(DESCENTS).map(|(_, x)| self.problem.fit(&candidates, &x));
         let best = fits.min_by(|a, b| a.square.total_cmp(&b.square));
-        best.unwrap_or_else(|| from.clone())
+        // what the effect may itself be wrong by must not pull the parameters
+        best.map_or_else(|| from.clone(), |fit| self.problem.refit(&fit, &allowed(self.problem, &fit)))
     }
 
     /// What was found out about a fit, compared with the one it extends by a candidate whose space is given.
@@ -194,9 +194,8 @@ impl Search<'_> {
     pub fn judged(&self, fit: Fit, before: &Fit, space: (&Spaces, usize)) -> Explanation {
         let adequacy = Adequacy::of(&fit, self.margins, self.panel, &form_error(self.problem, &fit), self.twins);
         // what the effects before it may be wrong by is no evidence for one more
-        let form = form_error(self.problem, before);
-        let kernel = kernel(&form);
-        let discounted = |residual: &DVector<f64>| (residual - &form * (&kernel * form.tr_mul(residual))).norm_squared();
+        let allowed = allowed(self.problem, before);
+        let discounted = |residual: &DVector<f64>| allowed.discounted(residual).norm_squared();
         let gain = discounted(&before.residual) - discounted(&fit.residual);
         let added = fit.coordinates.len() - before.coordinates.len();
         let placebo = placebo::largest_gain(self.problem, before, added);
@@ -289,8 +288,19 @@ fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
     if columns.is_empty() { DMatrix::zeros(added.len(), 0) } else { DMatrix::from_columns(&columns) }
 }
 
+/// The same as errors to be allowed.
+#[must_use]
+pub fn allowed(problem: &Problem<'_>, fit: &Fit) -> Allowed {
+    Allowed::new(form_error(problem, fit))
+}
+
 /// A vector times a polynomial along one branch of one group, 0 elsewhere.
-fn shaped(problem: &Problem<'_>, values: &DVector<f64>, (group, branch): (usize, Branch), shape: usize) -> DVector<f64> {
+fn shaped(
+    problem: &Problem<'_>,
+    values: &DVector<f64>,
+    (group, branch): (usize, Branch),
+    shape: usize,
+) -> DVector<f64> {
     let mut column = DVector::zeros(values.len());
     for (s, series) in problem.design.series.iter().enumerate().filter(|(_, s)| s.group == group) {
         let deepest = series.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);

@@ -128,8 +128,7 @@ fn whitened_residuals_have_unit_variance() {
         let whitening = Whitening::new(&design, &curves, &noise).unwrap();
         let measured = design.series.iter().flat_map(|s| s.nodes.iter().map(|n| n.force_n));
         let model = curves.iter().flat_map(|c| c.force_n.iter().copied());
-        let mut residual =
-            DVector::from_vec(measured.zip(model).map(|(a, b)| a - b).collect::<Vec<f64>>());
+        let mut residual = DVector::from_vec(measured.zip(model).map(|(a, b)| a - b).collect::<Vec<f64>>());
         whitening.apply(&mut residual);
         sum += residual.norm_squared();
         neighbours += residual.as_slice().windows(2).map(|w| w[0] * w[1]).sum::<f64>();
@@ -152,10 +151,8 @@ fn the_threshold_is_exceeded_as_often_as_it_says() {
     let (known, fresh) = (twins.columns(0, 1000).into_owned(), twins.columns(1000, 4000).into_owned());
     let patterns = nalgebra::DMatrix::from_fn(whitening.residuals(), 20, |i, j| f64::from(u8::from(i % 20 == j)));
     let gauge = Gauge::new(&Panel::of(patterns, &known), &nalgebra::DMatrix::zeros(whitening.residuals(), 0), &known);
-    let above = fresh
-        .column_iter()
-        .filter(|c| gauge.read(&c.into_owned()).iter().any(|r| r.abs() > gauge.threshold))
-        .count();
+    let above =
+        fresh.column_iter().filter(|c| gauge.read(&c.into_owned()).iter().any(|r| r.abs() > gauge.threshold)).count();
     assert!(above < 4000 / 200 + 45, "{above}");
 }
 
@@ -178,8 +175,5 @@ fn a_dead_sensor_is_said_to_be_dead() {
     let found = diagnose(&experiment, &Models::default(), &|_, _, _| {}).unwrap().remove(0);
     assert_eq!((found.verdict, found.faults[0].code()), (Verdict::Refused, "dead-sensor"));
     let reason = found.refusal.unwrap().to_string();
-    assert_eq!(
-        reason,
-        "v0.5-2: the force sensor shows nothing while the ball goes down: a dead sensor, or no contact"
-    );
+    assert_eq!(reason, "v0.5-2: the force sensor shows nothing while the ball goes down: a dead sensor, or no contact");
 }

@@ -134,9 +134,8 @@ fn alike(list: &[Explanation]) -> Vec<Explanation> {
     let best = list.iter().filter(|e| e.holds()).min_by(|a, b| a.score().total_cmp(&b.score()));
     let Some(best) = best else { return Vec::new() };
     let same = |e: &Explanation| e.fit.candidates == best.fit.candidates;
-    let rival = |e: &&Explanation| {
-        !same(e) && e.adequacy.passes() && !e.fit.at_bound && e.score() <= best.score() + RATIO_100
-    };
+    let rival =
+        |e: &&Explanation| !same(e) && e.adequacy.passes() && !e.fit.at_bound && e.score() <= best.score() + RATIO_100;
     let mut rivals: Vec<Explanation> = list.iter().filter(rival).cloned().collect();
     rivals.sort_by(|a, b| a.score().total_cmp(&b.score()));
     rivals.insert(0, best.clone());

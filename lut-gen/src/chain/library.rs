@@ -126,7 +126,14 @@ impl Library {
                 (Part::Height(height), _) => {
                     solves += height.solves();
                     let geometry = geometries[*at];
-                    families.push(Family { geometry, height, poisson: None, sliding: None, friction: Vec::new(), memory: Vec::new() });
+                    families.push(Family {
+                        geometry,
+                        height,
+                        poisson: None,
+                        sliding: None,
+                        friction: Vec::new(),
+                        memory: Vec::new(),
+                    });
                 }
                 (Part::Poisson(model), Some(family)) => {
                     solves += model.solves();
@@ -300,9 +307,7 @@ impl Family {
         let [a, b] = RUBBED_ALPHA;
         let weight = ((alpha - a) / (b - a)).clamp(-0.3, 1.9);
         let solved = |c: f64| -> f64 {
-            let of = |alpha: f64| {
-                self.friction.iter().find(|r| r.coefficient == c && r.alpha == alpha).map_or(0.0, at)
-            };
+            let of = |alpha: f64| self.friction.iter().find(|r| r.coefficient == c && r.alpha == alpha).map_or(0.0, at);
             (1.0 - weight) * of(a) + weight * of(b)
         };
         let [c, d] = COEFFICIENTS;

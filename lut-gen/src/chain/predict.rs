@@ -95,7 +95,8 @@ impl Chain {
             known.iter().find(|(k, _)| *k == key).map(|(_, elastic)| elastic)
         };
         let each = self.passages.iter().zip(contact_mm);
-        each.map(|(p, contact)| of(p).map_or_else(Vec::new, |elastic| self.reading(model, p, *contact, elastic))).collect()
+        each.map(|(p, contact)| of(p).map_or_else(Vec::new, |elastic| self.reading(model, p, *contact, elastic)))
+            .collect()
     }
 
     fn elastic(&self, model: &Model, passage: &Passage) -> Elastic {

@@ -11,9 +11,7 @@ pub const EFFECT: Effect = Effect {
     signature: "near contact and at pull-off, in proportion to the radius",
     twins: &["contact-offset", "friction"],
     separated_by: "the pull-off branch; powder",
-    quantities: &[
-        Quantity::amplitude("work_N_per_mm", 0.0, (0.0, 0.5), 5e-4, &[5e-4]).per_force(1),
-    ],
+    quantities: &[Quantity::amplitude("work_N_per_mm", 0.0, (0.0, 0.5), 5e-4, &[5e-4]).per_force(1)],
     owner: Owner::All,
 };
 

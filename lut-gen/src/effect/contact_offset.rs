@@ -11,8 +11,6 @@ pub const EFFECT: Effect = Effect {
     signature: "like dF/dd near contact, the same depth for all rates and balls",
     twins: &["lag", "adhesion"],
     separated_by: "a pair of rates",
-    quantities: &[
-        Quantity::amplitude("offset_mm", 0.0, (-0.4, 0.4), 0.05, &[0.0]),
-    ],
+    quantities: &[Quantity::amplitude("offset_mm", 0.0, (-0.4, 0.4), 0.05, &[0.0])],
     owner: Owner::All,
 };

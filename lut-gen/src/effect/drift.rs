@@ -11,9 +11,7 @@ pub const EFFECT: Effect = Effect {
     signature: "the session clock only",
     twins: &["softening"],
     separated_by: "an air run; a repeat at the end",
-    quantities: &[
-        Quantity::amplitude("N_per_h", 0.0, (-20.0, 20.0), 0.05, &[0.0]).per_force(1),
-    ],
+    quantities: &[Quantity::amplitude("N_per_h", 0.0, (-20.0, 20.0), 0.05, &[0.0]).per_force(1)],
     owner: Owner::All,
 };
 

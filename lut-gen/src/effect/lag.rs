@@ -11,9 +11,7 @@ pub const FILTER: Effect = Effect {
     signature: "jumps where the motion starts and stops",
     twins: &["contact-offset", "relaxation"],
     separated_by: "a reversal; another rate",
-    quantities: &[
-        Quantity::amplitude("lag_s", 0.0, (0.0, 1.0), 0.03, &[0.01]),
-    ],
+    quantities: &[Quantity::amplitude("lag_s", 0.0, (0.0, 1.0), 0.03, &[0.01])],
     owner: Owner::All,
 };
 
@@ -26,9 +24,7 @@ pub const RATE_LIMIT: Effect = Effect {
     signature: "jumps where the motion starts and stops",
     twins: &["contact-offset", "relaxation"],
     separated_by: "a reversal; another rate",
-    quantities: &[
-        Quantity::amplitude("limit_s_per_mm", 0.0, (0.0, 10.0), 0.2, &[0.15, 0.6]),
-    ],
+    quantities: &[Quantity::amplitude("limit_s_per_mm", 0.0, (0.0, 10.0), 0.2, &[0.15, 0.6])],
     owner: Owner::All,
 };
 

@@ -175,12 +175,7 @@ impl Quantity {
     }
 
     /// A shape parameter searched in its logarithm.
-    pub(crate) const fn shape(
-        name: &'static str,
-        bounds: (f64, f64),
-        plausible: f64,
-        starts: &'static [f64],
-    ) -> Self {
+    pub(crate) const fn shape(name: &'static str, bounds: (f64, f64), plausible: f64, starts: &'static [f64]) -> Self {
         Self {
             name,
             null: plausible,

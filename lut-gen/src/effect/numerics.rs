@@ -11,8 +11,6 @@ pub const EFFECT: Effect = Effect {
     signature: "mesh or table cells, the edge of a table",
     twins: &["second-term"],
     separated_by: "a finer mesh; the table carries its own bound",
-    quantities: &[
-        Quantity::amplitude("share", 0.0, (-0.003, 0.003), 0.002, &[0.0]),
-    ],
+    quantities: &[Quantity::amplitude("share", 0.0, (-0.003, 0.003), 0.002, &[0.0])],
     owner: Owner::All,
 };

@@ -27,9 +27,7 @@ pub const HYSTERESIS: Effect = Effect {
     signature: "a loop that no rate changes",
     twins: &["friction"],
     separated_by: "a loop on a stiff block",
-    quantities: &[
-        Quantity::amplitude("width", 0.0, (0.0, 0.5), 0.03, &[0.03]),
-    ],
+    quantities: &[Quantity::amplitude("width", 0.0, (0.0, 0.5), 0.03, &[0.03])],
     owner: Owner::All,
 };
 

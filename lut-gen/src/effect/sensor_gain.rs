@@ -11,8 +11,6 @@ pub const EFFECT: Effect = Effect {
     signature: "none: it is mu",
     twins: &[],
     separated_by: "a mass, or a reference spring",
-    quantities: &[
-        Quantity::amplitude("gain", 1.0, (0.5, 2.0), 1.05, &[1.0]),
-    ],
+    quantities: &[Quantity::amplitude("gain", 1.0, (0.5, 2.0), 1.05, &[1.0])],
     owner: Owner::All,
 };

@@ -11,9 +11,7 @@ pub const HEIGHT: Effect = Effect {
     signature: "grows with sqrt(R d) / h",
     twins: &["compliance", "radius", "second-term"],
     separated_by: "a specimen of twice the height; a third ball",
-    quantities: &[
-        Quantity::amplitude("height_error_mm", 0.0, (-4.0, 5.0), 1.5, &[-1.5, 2.0]),
-    ],
+    quantities: &[Quantity::amplitude("height_error_mm", 0.0, (-4.0, 5.0), 1.5, &[-1.5, 2.0])],
     owner: Owner::Specimen,
 };
 
@@ -26,8 +24,6 @@ pub const SLIDING: Effect = Effect {
     signature: "grows with sqrt(R d) / h",
     twins: &["compliance", "radius", "second-term"],
     separated_by: "a specimen of twice the height; glue",
-    quantities: &[
-        Quantity::amplitude("sliding", 0.0, (0.0, 1.0), 1.0, &[0.5]),
-    ],
+    quantities: &[Quantity::amplitude("sliding", 0.0, (0.0, 1.0), 1.0, &[0.5])],
     owner: Owner::Specimen,
 };

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::expansion::Expansion;
-use super::slice::ForceSlice;
 use super::plan::{Job, ModelSpec, check, checks};
+use super::slice::ForceSlice;
 use super::{Axis, DepthProfile, Indentation, Scale, Specimen};
 use crate::law::{Hyperfoam, Term};
 use crate::solve::SolveError;

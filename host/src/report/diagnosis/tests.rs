@@ -73,6 +73,7 @@ fn series(run: usize) -> Series {
             force_n: depth_mm.powf(1.5) * (1.0 - 0.05 * held),
             branch: if k > 5 { Branch::Hold } else { Branch::Loading },
             held_s: held,
+            lifted: false,
         }
     };
     Series {
@@ -106,7 +107,19 @@ fn fit(candidates: Vec<Candidate>, square: f64) -> Fit {
     let x: Vec<f64> = coordinates.iter().zip(values).map(|(c, v)| c.of(v)).collect();
     let jacobian = DMatrix::from_fn(2 * NODES, x.len(), |i, j| if i == j { 50.0 } else { 0.0 });
     let residual = DVector::from_element(2 * NODES, (square / (2.0 * NODES as f64)).sqrt());
-    Fit { candidates, coordinates, x: DVector::from_vec(x), model, square, residual, jacobian, at_bound: false }
+    let information = jacobian.tr_mul(&jacobian);
+    Fit {
+        candidates,
+        coordinates,
+        x: DVector::from_vec(x),
+        model,
+        square,
+        discounted: square,
+        information,
+        residual,
+        jacobian,
+        at_bound: false,
+    }
 }
 
 fn explanation(code: &str, square: f64) -> Explanation {
