@@ -108,6 +108,7 @@ pub fn strength(
             back_n: DVector::zeros(shift.len()),
             whitening: whitening.clone(),
             used: vec![true; shift.len()],
+            allowed: None,
         };
         let starts = [DVector::from_vec(vec![truth.0.ln(), truth.1.ln()]), base.x.rows(0, 2).into_owned()];
         let fits = starts.map(|x| problem.fit(&[], &x));
@@ -222,6 +223,7 @@ fn left_out(prepared: &Prepared<'_>, told: &(Vec<Candidate>, DVector<f64>)) -> O
                 back_n: whole.back_n.clone(),
                 whitening: whole.whitening.clone(),
                 used,
+                allowed: None,
             };
             let fits = [problem.fit(&[], &prepared.base.x), problem.fit(&told.0, &told.1)];
             let [before, after] = fits.map(|fit| miss(whole, &fit, group));

@@ -26,7 +26,7 @@ pub(super) fn section(page: &mut Page, found: &Diagnosis, evidence: Option<&Evid
 /// What is assumed of every experiment.
 const ASSUMPTIONS: [&str; 6] = [
     "The simulated force is taken to be right to 0.1 % along smooth shapes over depth (docs/verification.md). An error of the simulation that is larger, or not smooth, would look like an effect.",
-    "Each effect acts in its simplest form, which is taken to be within 2 % of what it adds (4 % on the way back). A real cause of another form can be named after the nearest one, or be 'unknown'.",
+    "Each effect acts in its simplest form, which is taken to be within 2 % of what it adds (6 % on the way back). A real cause of another form can be named after the nearest one, or be 'unknown'.",
     "Spots are independent of each other: what neighbouring spots share, and what the whole session shares, is not noise here but a discrepancy.",
     "Runs that agree in specimen, ball, rate, motion and cycle are taken to repeat one condition, and the declared labels (cycle, spot, clock) to be right.",
     "Intervals hold for the extended model as named. They do not contain the chance that the name is wrong.",
