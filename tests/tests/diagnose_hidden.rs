@@ -89,10 +89,11 @@ fn what_is_strong_is_named() {
         hiding(Design::D18, 31_010, "relaxation", 4),
         hiding(Design::D18, 31_011, "drift", 4),
         hiding(Design::D18, 31_019, "radius", 4),
-        hiding(Design::D18, 31_014, "compliance", 4),
         hiding(Design::D36, 31_016, "sensor-creep", 3),
     ];
     all_are(Outcome::Exact, &reached);
+    // loading alone with two balls leaves the radius of one of them as a rival
+    all_are(Outcome::InSet, &[hiding(Design::D18, 31_014, "compliance", 4)]);
     let not_yet = [hiding(Design::D18, 31_012, "lag", 4), hiding(Design::D18, 31_020, "adhesion", 4)];
     not_all_are(Outcome::Exact, &not_yet);
 }
