@@ -70,21 +70,33 @@ const RELATIVE: [f64; 4] = [0.0, 0.003, 0.01, 0.03];
 impl SensorNoise {
     /// Covariance of the means of a run's windows, N^2. `force_n` is what the model predicts there.
     ///
-    /// For a process with correlation `exp(-|t| / tau)` and windows of length `T` at a distance: the exact double integral.
+    /// For samples whose correlation falls by `rho` from one to the next: the exact double sums.
     #[must_use]
     pub fn covariance(&self, nodes: &[Node], force_n: &[f64]) -> DMatrix<f64> {
         let tau = self.correlation_s;
         let level = |i: usize| self.sigma_n.hypot(self.relative * force_n[i]);
-        let reach = |i: usize| -(-nodes[i].length_s / tau).exp_m1() * tau / nodes[i].length_s;
+        let step_s = |i: usize| nodes[i].length_s / nodes[i].samples as f64;
+        // mean correlation of a window's samples with its last, and with each other
+        let sums: Vec<(f64, f64)> = (0..nodes.len())
+            .map(|i| {
+                let n = nodes[i].samples as f64;
+                let x = step_s(i) / tau;
+                let (lost, whole) = (-(-x).exp_m1(), -(-n * x).exp_m1());
+                if n * x < 1e-6 {
+                    return (1.0, 1.0);
+                }
+                let rho = 1.0 - lost;
+                (whole / (n * lost), (n * (1.0 - rho * rho) - 2.0 * rho * whole) / (n * n * lost * lost))
+            })
+            .collect();
         let mut c = DMatrix::zeros(nodes.len(), nodes.len());
         for i in 0..nodes.len() {
-            let x = nodes[i].length_s / tau;
-            let own = if x < 1e-4 { 1.0 - x / 3.0 } else { 2.0 * (x + (-x).exp_m1()) / (x * x) };
             let white = self.white / nodes[i].samples as f64;
-            c[(i, i)] = level(i).powi(2) * ((1.0 - self.white) * own + white);
+            c[(i, i)] = level(i).powi(2) * ((1.0 - self.white) * sums[i].1 + white);
             for j in 0..i {
-                let gap = nodes[i].time_s - nodes[j].time_s - 0.5 * (nodes[i].length_s + nodes[j].length_s);
-                let shared = (1.0 - self.white) * reach(i) * reach(j) * (-gap.max(0.0) / tau).exp();
+                let reach = |k: usize| 0.5 * (nodes[k].length_s - step_s(k));
+                let gap_s = nodes[i].time_s - nodes[j].time_s - reach(i) - reach(j);
+                let shared = (1.0 - self.white) * sums[i].0 * sums[j].0 * (-gap_s.max(0.0) / tau).exp();
                 c[(i, j)] = level(i) * level(j) * shared;
                 c[(j, i)] = c[(i, j)];
             }
