@@ -48,7 +48,7 @@ pub fn with_radii_swapped(experiment: &Experiment) -> Experiment {
 pub fn without_replicates(experiment: &Experiment) -> Experiment {
     let mut changed = experiment.clone();
     changed.sensor.noise_n = None;
-    let mut seen: Vec<(Option<usize>, Option<usize>, u64, Option<i64>)> = Vec::new();
+    let mut seen = Vec::new();
     changed.runs.retain(|run| {
         let rate = motion::of(&run.recording).map_or(0.0, |m| m.rate_mm_per_s);
         // rates of one condition agree within noise: a tenth of a decade apart is another

@@ -115,7 +115,8 @@ pub fn strength(
         let fit = if fits[0].square <= fits[1].square { &fits[0] } else { &fits[1] };
         let others = own.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, s)| s.clone());
         let taken: Vec<DVector<f64>> = fit.jacobian.column_iter().map(|c| c.into_owned()).chain(others).collect();
-        rest_of(&DMatrix::from_columns(&[fit.residual.clone()]), &basis(&DMatrix::from_columns(&taken))).norm()
+        rest_of(&DMatrix::from_columns(std::slice::from_ref(&fit.residual)), &basis(&DMatrix::from_columns(&taken)))
+            .norm()
     });
     Ok(each.collect())
 }
@@ -176,12 +177,12 @@ pub fn gain(truth: &Truth, diagnosis: &Diagnosis, experiment: &Experiment, model
         return None;
     }
     let known = evidence.held_out.as_ref();
-    if let ([only], Some(held_out), [alone]) = (told.as_slice(), known, evidence.held.as_slice()) {
-        if alone.fit.candidates == only.fit.candidates {
-            // the oracle would fit the same
-            let after = held_out.rmse_after_n;
-            return Some(Gain { before_n: held_out.rmse_before_n, found_n: after, oracle_n: after });
-        }
+    if let ([only], Some(held_out), [alone]) = (told.as_slice(), known, evidence.held.as_slice())
+        && alone.fit.candidates == only.fit.candidates
+    {
+        // the oracle would fit the same
+        let after = held_out.rmse_after_n;
+        return Some(Gain { before_n: held_out.rmse_before_n, found_n: after, oracle_n: after });
     }
     let library = models.of(&evidence.design.geometries, &|_, _| {}).ok()?;
     let chain = Chain { library, passages: evidence.design.passages() };
