@@ -59,7 +59,7 @@ pub struct Node {
     pub branch: Branch,
     /// Time since the hold began, s; 0 elsewhere.
     pub held_s: f64,
-    /// On the way back, where the contact lifts off: not compared, see [`LIFTED`].
+    /// On the way back, where the contact lifts off: not compared.
     pub lifted: bool,
 }
 
