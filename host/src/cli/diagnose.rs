@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 
-use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models, Verdict};
+use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models, Verdict, Z95};
 use crate::experiment;
 use crate::report::{self, number};
 
@@ -124,6 +124,3 @@ fn print_gain(evidence: &Evidence) {
         println!("held out, N      {:>10} -> {}  rms", number(was), number(is));
     }
 }
-
-/// Half width of a 95 % interval, in standard errors.
-const Z95: f64 = 1.96;

@@ -41,19 +41,10 @@ pub fn of(
     let each: Vec<Each> = groups
         .par_iter()
         .map(|group| {
-            let problem = Problem {
-                design,
-                chain: prepared.problem.chain,
-                contacts_mm: prepared.problem.contacts_mm.clone(),
-                back_n: prepared.problem.back_n.clone(),
-                whitening: prepared.problem.whitening.clone(),
-                used: used(design, *group),
-                allowed: None,
-            };
+            let problem = Problem { used: used(design, *group), ..prepared.problem.clone() };
             let base = problem.fit(&[], &search.base.x);
             let refits = held.iter().map(|e| problem.refit(&e.fit, &search::allowed(&problem, &e.fit)));
-            let charged = |f: &Fit| f.discounted + 3.0 * f.coordinates.len() as f64;
-            let best = refits.min_by(|a, b| charged(a).total_cmp(&charged(b)));
+            let best = refits.min_by(|a, b| search::score(a).total_cmp(&search::score(b)));
             let predicted = |s: &super::design::Series| match group {
                 Some(group) => s.group == *group && !s.hold_out,
                 None => s.hold_out,

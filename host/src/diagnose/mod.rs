@@ -41,6 +41,7 @@ use plan::Proposal;
 use search::{Explanation, Search};
 use whiten::Whitening;
 
+pub(crate) use verdict::Z95;
 pub use verdict::{Finding, Verdict};
 
 /// Why a diagnosis is not made.
@@ -233,7 +234,7 @@ impl Diagnosis {
         let solves = library.solves();
         let chain = Chain { library, passages: design.passages() };
         progress("base", 0, 1);
-        let prepared = Prepared::new(&design, &chain, experiment.sensor.noise_n, None)
+        let prepared = Prepared::new(&design, &chain, experiment.sensor.noise_n)
             .ok_or_else(|| DiagnoseError::Covariance(self.material.clone()))?;
         let Prepared { problem, base, noise } = &prepared;
         if noise.source == Source::Stated {
@@ -320,10 +321,9 @@ const CONTACTS: f64 = 2.0;
 const ROUNDS: usize = 3;
 
 impl<'a> Prepared<'a> {
-    /// Finds noise, contact points and base parameters. `left_out` is a group that is not fitted. `None` when
-    /// the noise cannot be found, or no covariance is positive definite.
+    /// Finds noise, contact points and base parameters. `None` when the noise cannot be found, or no covariance is positive definite.
     #[must_use]
-    pub fn new(design: &'a Design, chain: &'a Chain, stated_n: Option<f64>, left_out: Option<usize>) -> Option<Self> {
+    pub fn new(design: &'a Design, chain: &'a Chain, stated_n: Option<f64>) -> Option<Self> {
         let peak = |s: &design::Series| s.nodes.iter().map(|n| n.force_n).fold(0.0, f64::max);
         let largest = design.series.iter().map(peak).fold(0.0, f64::max);
         // before anything is known: a percent of the peak, contacts to a twentieth of a millimetre
@@ -340,7 +340,7 @@ impl<'a> Prepared<'a> {
             .iter()
             .map(|s| Curve { force_n: s.nodes.iter().map(|n| n.force_n.max(0.0)).collect(), slope_n_per_mm: slopes(s) })
             .collect();
-        let used = used(design, left_out);
+        let used = used(design, None);
         let mut base: Option<Fit> = None;
         for round in 0..=ROUNDS {
             let whitening = Whitening::new(design, &curves, &noise)?;

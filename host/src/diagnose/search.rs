@@ -64,7 +64,8 @@ impl Explanation {
     }
 }
 
-fn score(fit: &Fit) -> f64 {
+/// Discounted sum of squares of a fit with the charge for its parameters.
+pub(super) fn score(fit: &Fit) -> f64 {
     fit.discounted + CHARGE * fit.coordinates.len() as f64
 }
 

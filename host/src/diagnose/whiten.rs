@@ -35,7 +35,7 @@ struct Spot {
 
 /// Standard deviation of the simulated force's error, relative, along each of three smooth shapes over depth: the
 /// standard mesh is within 0.14 % of finer ones (docs/verification.md), and neighbouring meshes scatter by as much.
-const SIMULATED: f64 = 0.001;
+pub(crate) const SIMULATED: f64 = 0.001;
 
 /// `K` of `(I + Z Z')^(-1/2) = I - Z K Z'`.
 pub(super) fn kernel(z: &DMatrix<f64>) -> DMatrix<f64> {

@@ -194,15 +194,21 @@ pub fn read(path: &Path) -> Result<Experiment, ExperimentError> {
     } else {
         path.to_owned()
     };
-    let bytes = std::fs::read(&file).map_err(|cause| match cause.kind() {
+    parse(&file, &text_of(&file)?)
+}
+
+/// Text of a description: of an experiment, a sweep or a simulation.
+///
+/// # Errors
+/// A file that is missing, cannot be read, or is not UTF-8.
+pub(crate) fn text_of(file: &Path) -> Result<String, ExperimentError> {
+    let bytes = std::fs::read(file).map_err(|cause| match cause.kind() {
         std::io::ErrorKind::NotFound => {
-            ExperimentError::of_file(&file, Problem::MissingFile(file.display().to_string()))
+            ExperimentError::of_file(file, Problem::MissingFile(file.display().to_string()))
         }
-        _ => ExperimentError::of_file(&file, Problem::Unreadable(cause.to_string())),
+        _ => ExperimentError::of_file(file, Problem::Unreadable(cause.to_string())),
     })?;
-    let text =
-        String::from_utf8(bytes).map_err(|_| ExperimentError::of_file(&file, Problem::Encoding("UTF-8".to_owned())))?;
-    parse(&file, &text)
+    String::from_utf8(bytes).map_err(|_| ExperimentError::of_file(file, Problem::Encoding("UTF-8".to_owned())))
 }
 
 /// Reads an experiment whose description is already in memory; `file` is where it would be.

@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::Spanned;
 
 use crate::experiment::section::{Document, Section};
-use crate::experiment::{Base, ExperimentError, Problem, Test};
+use crate::experiment::{self, Base, ExperimentError, Problem, Test};
 
 use super::effect;
 use super::spec::{
@@ -25,15 +25,7 @@ const RIGID_MPA: f64 = 3000.0;
 /// # Errors
 /// The first mistake found, with file, line and column.
 pub fn read(file: &Path) -> Result<Spec, ExperimentError> {
-    let bytes = std::fs::read(file).map_err(|cause| match cause.kind() {
-        std::io::ErrorKind::NotFound => {
-            ExperimentError::of_file(file, Problem::MissingFile(file.display().to_string()))
-        }
-        _ => ExperimentError::of_file(file, Problem::Unreadable(cause.to_string())),
-    })?;
-    let text =
-        String::from_utf8(bytes).map_err(|_| ExperimentError::of_file(file, Problem::Encoding("UTF-8".to_owned())))?;
-    parse(file, &text)
+    parse(file, &experiment::text_of(file)?)
 }
 
 /// Reads a specification that is already in memory; `file` is where it would be.

@@ -6,7 +6,7 @@ use std::path::Path;
 use lut_gen::sweep::{Parameter, Spacing, SweepAxis, SweepBase, SweepLaw, SweepMotion, SweepSpec};
 
 use crate::experiment::section::{Document, Section};
-use crate::experiment::{ExperimentError, Problem};
+use crate::experiment::{self, ExperimentError, Problem};
 
 /// Parameters that `[material]` may fix.
 const MATERIAL: [Parameter; 8] = [
@@ -28,15 +28,7 @@ const MOST_VALUES: i64 = 1_000_000;
 /// # Errors
 /// The first mistake found, with file, line and column.
 pub fn read(file: &Path) -> Result<SweepSpec, ExperimentError> {
-    let bytes = std::fs::read(file).map_err(|cause| match cause.kind() {
-        std::io::ErrorKind::NotFound => {
-            ExperimentError::of_file(file, Problem::MissingFile(file.display().to_string()))
-        }
-        _ => ExperimentError::of_file(file, Problem::Unreadable(cause.to_string())),
-    })?;
-    let text =
-        String::from_utf8(bytes).map_err(|_| ExperimentError::of_file(file, Problem::Encoding("UTF-8".to_owned())))?;
-    parse(file, &text)
+    parse(file, &experiment::text_of(file)?)
 }
 
 /// Reads a description that is already in memory; `file` is where it would be.

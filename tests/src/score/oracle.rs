@@ -186,7 +186,7 @@ pub fn gain(truth: &Truth, diagnosis: &Diagnosis, experiment: &Experiment, model
     }
     let library = models.of(&evidence.design.geometries, &|_, _| {}).ok()?;
     let chain = Chain { library, passages: evidence.design.passages() };
-    let prepared = Prepared::new(&evidence.design, &chain, experiment.sensor.noise_n, None)?;
+    let prepared = Prepared::new(&evidence.design, &chain, experiment.sensor.noise_n)?;
     let (before_n, oracle_n) = left_out(&prepared, &start(&told)?)?;
     let named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous);
     let found_n = known.filter(|_| named).map_or(before_n, |h| h.rmse_after_n);
@@ -217,15 +217,7 @@ fn left_out(prepared: &Prepared<'_>, told: &(Vec<Candidate>, DVector<f64>)) -> O
         .into_par_iter()
         .map(|group| {
             let used = design.series.iter().flat_map(|s| vec![s.group != group; s.nodes.len()]).collect();
-            let problem = Problem {
-                design,
-                chain: whole.chain,
-                contacts_mm: whole.contacts_mm.clone(),
-                back_n: whole.back_n.clone(),
-                whitening: whole.whitening.clone(),
-                used,
-                allowed: None,
-            };
+            let problem = Problem { used, ..whole.clone() };
             let fits = [problem.fit(&[], &prepared.base.x), problem.fit(&told.0, &told.1)];
             let [before, after] = fits.map(|fit| miss(whole, &fit, group));
             [before.0, after.0, before.1]

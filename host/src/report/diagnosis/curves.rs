@@ -1,8 +1,9 @@
 //! What was measured against what the base predicts, with what noise alone would make.
 
-use crate::diagnose::Evidence;
 use crate::diagnose::design::{Branch, Series as Run};
 use crate::diagnose::noise::Curve;
+use crate::diagnose::whiten::SIMULATED;
+use crate::diagnose::{Evidence, Z95};
 use crate::experiment::Experiment;
 use crate::report::Page;
 use crate::report::figure::{Series, Stroke};
@@ -10,10 +11,6 @@ use crate::report::figure::{Series, Stroke};
 use super::Drawn;
 use super::panel::{Band, Grid, Key, Panel, Row};
 
-/// Half width of a 95 % band of a normal distribution, in standard deviations.
-pub(super) const Z95: f64 = 1.96;
-/// Standard deviation of the simulated force's own error, relative, along each of three shapes; see [`crate::diagnose::whiten`].
-const SIMULATED: f64 = 0.001;
 /// Most plots beside each other.
 const COLUMNS: usize = 4;
 

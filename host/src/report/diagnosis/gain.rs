@@ -4,11 +4,10 @@ use lut_gen::effect::Spread;
 
 use crate::diagnose::fit::Fit;
 use crate::diagnose::search::Explanation;
-use crate::diagnose::{Diagnosis, Evidence, Verdict};
+use crate::diagnose::{Diagnosis, Evidence, Verdict, Z95};
 use crate::experiment::Experiment;
 use crate::report::{Page, number};
 
-use super::curves::Z95;
 use super::words;
 
 /// The sections.
