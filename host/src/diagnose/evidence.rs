@@ -1,13 +1,13 @@
 //! How large a residual is against what noise alone would make: thresholds from simulated clean twins of the data set.
 
 use nalgebra::{DMatrix, DVector};
-use rand::SeedableRng;
+use rand::{Rng, SeedableRng};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 use super::fit::Fit;
 use super::margin::{Margin, Variable};
-use super::noise::Noise;
+use super::noise::{Jitter, Noise};
 use super::whiten::Whitening;
 
 /// Clean twins that thresholds are taken from.
@@ -40,7 +40,9 @@ pub fn twins(whitening: &Whitening, noise: &Noise, used: &[bool], count: usize) 
     let mut out = DMatrix::zeros(whitening.residuals(), count);
     for j in 0..count {
         let sensor = factor(noise.sensor_freedom, &mut chance);
-        let jitter = [(); 3].map(|()| factor(noise.freedom, &mut chance));
+        let there = noise.posterior.at(chance.random()).unwrap_or(&noise.jitter);
+        let ratio = |of: fn(&Jitter) -> f64| if of(&noise.jitter) > 0.0 { of(there) / of(&noise.jitter) } else { 0.0 };
+        let jitter = [ratio(|j| j.contact_mm), ratio(|j| j.gain), ratio(|j| j.zero_n)];
         let mut draw = whitening.draw(sensor, jitter, || StandardNormal.sample(&mut chance));
         draw.iter_mut().zip(used).filter(|(_, used)| !**used).for_each(|(value, _)| *value = 0.0);
         out.set_column(j, &draw);

@@ -10,6 +10,7 @@ pub mod evidence;
 pub mod fault;
 pub mod fit;
 pub mod held_out;
+pub mod jitter;
 pub mod margin;
 pub mod model_file;
 pub mod noise;
@@ -35,6 +36,7 @@ use evidence::{Adequacy, Panel, Spaces};
 use fault::Fault;
 use fit::{Fit, Problem};
 use held_out::HeldOut;
+use jitter::Posterior;
 use margin::Margin;
 use noise::{Curve, Jitter, Noise, SensorNoise, Source};
 use plan::Proposal;
@@ -277,7 +279,7 @@ impl Diagnosis {
         verdict::conclude(self, (visible, !adequacy.passes()), &held, held_out.as_ref());
         let best = held.first().or(singles.first());
         let extended_curves = best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
-        let (base, noise, contacts_mm) = (base.clone(), *noise, problem.contacts_mm.clone());
+        let (base, noise, contacts_mm) = (base.clone(), noise.clone(), problem.contacts_mm.clone());
         drop(search);
         self.evidence = Some(Box::new(Evidence {
             design: design.clone(),
@@ -327,11 +329,12 @@ impl<'a> Prepared<'a> {
         let peak = |s: &design::Series| s.nodes.iter().map(|n| n.force_n).fold(0.0, f64::max);
         let largest = design.series.iter().map(peak).fold(0.0, f64::max);
         // before anything is known: a percent of the peak, contacts to a twentieth of a millimetre
+        let jitter = Jitter { contact_mm: 0.05, gain: 0.02, zero_n: 0.0 };
         let mut noise = Noise {
             source: Source::Stated,
             sensor: SensorNoise { sigma_n: 0.01 * largest, white: 0.5, correlation_s: 0.1, relative: 0.0 },
-            jitter: Jitter { contact_mm: 0.05, gain: 0.02, zero_n: 0.0 },
-            freedom: 5.0,
+            jitter,
+            posterior: Posterior::stated(jitter, 5.0),
             sensor_freedom: 50.0,
         };
         let mut contacts_mm = vec![0.0; design.series.len()];

@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::design::{Design, Node};
+use super::jitter::Posterior;
 
 /// Noise of one sample of the force: a part that is correlated in time and a white one, both with a part that grows with the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +40,7 @@ pub enum Source {
 }
 
 /// Noise of a data set.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
     /// Source.
     pub source: Source,
@@ -47,16 +48,12 @@ pub struct Noise {
     pub sensor: SensorNoise,
     /// Between spots.
     pub jitter: Jitter,
-    /// Degrees of freedom behind the jitter.
-    pub freedom: f64,
+    /// What else the jitter may be.
+    pub posterior: Posterior,
     /// Degrees of freedom behind the sensor noise.
     pub sensor_freedom: f64,
 }
 
-/// What jitter is expected before anything is measured, with the weight of one degree of freedom: a contact is found to a
-/// hundredth of a millimetre, a foam is uniform to a percent from spot to spot.
-const EXPECTED: Jitter = Jitter { contact_mm: 0.01, gain: 0.007, zero_n: 0.0 };
-const EXPECTED_FREEDOM: f64 = 1.0;
 /// Jitter when a noise is stated but nothing repeated; the report says so.
 const UNREPEATED: Jitter = Jitter { contact_mm: 0.05, gain: 0.01, zero_n: 0.0 };
 /// Degrees of freedom that a stated noise is taken for.
@@ -134,14 +131,15 @@ pub fn estimate(design: &Design, curves: &[Curve], stated_n: Option<f64>) -> Opt
             source: Source::Stated,
             sensor,
             jitter: UNREPEATED,
-            freedom: STATED_FREEDOM,
+            posterior: Posterior::stated(UNREPEATED, STATED_FREEDOM),
             sensor_freedom: STATED_FREEDOM,
         });
     }
     let sensor = most_likely(design, curves, &deviations);
-    let (jitter, freedom) = jitter(design, curves, &deviations, &sensor);
+    let posterior = Posterior::of(design, curves, &sensor)?;
     let nodes: usize = deviations.iter().map(|d| d.values.len().saturating_sub(3)).sum();
-    Some(Noise { source: Source::Replicates, sensor, jitter, freedom, sensor_freedom: 0.5 * nodes as f64 })
+    let sensor_freedom = 0.5 * nodes as f64;
+    Some(Noise { source: Source::Replicates, sensor, jitter: posterior.mean(), posterior, sensor_freedom })
 }
 
 fn deviations(design: &Design, curves: &[Curve]) -> Vec<Deviation> {
@@ -180,20 +178,34 @@ fn most_likely(design: &Design, curves: &[Curve], deviations: &[Deviation]) -> S
     let few: Vec<&Deviation> = deviations.iter().step_by(deviations.len().div_ceil(12)).collect();
     let peak = curves.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
     let mut best = (f64::INFINITY, SensorNoise { sigma_n: 1.0, white: 1.0, correlation_s: 0.02, relative: 0.0 });
+    let mut attempt = |unit: SensorNoise| {
+        let Some((scale, deviance)) = level(design, curves, &few, &unit) else { return best.1 };
+        if deviance < best.0 {
+            best = (deviance, SensorNoise { sigma_n: scale, relative: unit.relative * scale, ..unit });
+        }
+        best.1
+    };
+    let mut likeliest = None;
     for correlation_s in TIMES_S {
         for white in WHITE {
             for part in RELATIVE {
                 // at unit level, the relative part in proportion to the noise of a hundredth of the peak
                 let unit = SensorNoise { sigma_n: 1.0, white, correlation_s, relative: part / (0.01 * peak) };
-                let Some((scale, deviance)) = level(design, curves, &few, &unit) else { continue };
-                if deviance < best.0 {
-                    let sensor = SensorNoise { sigma_n: scale, relative: unit.relative * scale, ..unit };
-                    best = (deviance, sensor);
-                }
+                likeliest = Some(attempt(unit));
             }
         }
     }
-    best.1
+    // between the points of the grid: a correlation time that is a third too short makes a mean over a branch seem a sixth too sure
+    let Some(mut found) = likeliest else { return best.1 };
+    for share in [0.7, 1.4, 0.84, 1.19] {
+        let unit = |found: &SensorNoise| SensorNoise { sigma_n: 1.0, relative: found.relative / found.sigma_n, ..*found };
+        found = attempt(SensorNoise { correlation_s: share * found.correlation_s, ..unit(&found) });
+        found = attempt(SensorNoise { relative: share * found.relative / found.sigma_n, ..unit(&found) });
+        for white in [share * found.white, found.white + 0.1 * (share - 1.0)] {
+            found = attempt(SensorNoise { white: white.clamp(0.0, 1.0), ..unit(&found) });
+        }
+    }
+    found
 }
 
 /// Level of a noise of given shape, and twice its negative log-likelihood.
@@ -222,56 +234,4 @@ fn without_shapes(run: &Deviation, factor: &Factor) -> Option<(f64, f64)> {
     let fitted = normal.solve(&right).dot(&right);
     let information = 2.0 * normal.l_dirty().diagonal().map(f64::ln).sum();
     Some(((y.norm_squared() - fitted).max(0.0), information))
-}
-
-/// Jitter from the shapes that fit each run's deviation, less what sensor noise alone would make of them.
-fn jitter(design: &Design, curves: &[Curve], deviations: &[Deviation], sensor: &SensorNoise) -> (Jitter, f64) {
-    let mut spots: Vec<(usize, [f64; 3], [f64; 3], f64)> = Vec::new();
-    let mut zero = (0.0, 0.0, 0.0);
-    for run in deviations {
-        let series = &design.series[run.series];
-        let Some(factor) = sensor.covariance(&series.nodes, &curves[run.series].force_n).cholesky() else { continue };
-        let Some((found, variance)) = shapes(run, &factor) else { continue };
-        match spots.iter_mut().find(|(spot, ..)| *spot == series.spot) {
-            Some((_, sum, of, n)) => {
-                for k in 0..3 {
-                    sum[k] += found[k];
-                    of[k] += variance[k];
-                }
-                *n += 1.0;
-            }
-            None => spots.push((series.spot, found, variance, 1.0)),
-        }
-        zero = (zero.0 + found[2] * found[2], zero.1 + variance[2], zero.2 + 1.0);
-    }
-    let lost = lost_freedom(design, &spots);
-    let freedom = (spots.len() as f64 - lost).max(1.0);
-    // deviations were scaled up for the freedom that means cost, so that each of them has the full variance
-    let spread = |k: usize, expected: f64| {
-        let count = spots.len().max(1) as f64;
-        let raw = spots.iter().map(|(_, sum, of, n)| (sum[k] / n).powi(2) - of[k] / (n * n)).sum::<f64>() / count;
-        let known = raw.max(0.0) * freedom + expected * expected * EXPECTED_FREEDOM;
-        (known / (freedom + EXPECTED_FREEDOM)).sqrt()
-    };
-    let zero_n = ((zero.0 - zero.1) / f64::max(zero.2, 1.0)).max(0.0).sqrt();
-    let jitter = Jitter { contact_mm: spread(0, EXPECTED.contact_mm), gain: spread(1, EXPECTED.gain), zero_n };
-    (jitter, freedom + EXPECTED_FREEDOM)
-}
-
-/// Number of means that were taken off: one a set of spots that share their conditions.
-fn lost_freedom(design: &Design, spots: &[(usize, [f64; 3], [f64; 3], f64)]) -> f64 {
-    let mut groups: Vec<usize> =
-        design.series.iter().filter(|s| spots.iter().any(|(spot, ..)| *spot == s.spot)).map(|s| s.group).collect();
-    groups.sort_unstable();
-    groups.dedup();
-    groups.len() as f64
-}
-
-/// Amounts of the three shapes, and their variances under sensor noise.
-fn shapes(run: &Deviation, factor: &Factor) -> Option<([f64; 3], [f64; 3])> {
-    let y = factor.l_dirty().solve_lower_triangular(&run.values)?;
-    let x = factor.l_dirty().solve_lower_triangular(&run.shapes)?;
-    let inverse = (x.transpose() * &x).try_inverse()?;
-    let found = &inverse * (x.transpose() * y);
-    Some((std::array::from_fn(|k| found[k]), std::array::from_fn(|k| inverse[(k, k)])))
 }

@@ -126,7 +126,8 @@ fn whitened_residuals_have_unit_variance() {
         let curves = curves(&design);
         let sensor = SensorNoise { sigma_n: SIGMA_N, white: 0.0, correlation_s: TAU_S, relative: 0.0 };
         let jitter = Jitter { contact_mm: CONTACT_MM, gain: GAIN, zero_n: 0.0 };
-        let noise = Noise { source: Source::Stated, sensor, jitter, freedom: 1e6, sensor_freedom: 1e6 };
+        let posterior = Posterior::stated(jitter, 1e6);
+        let noise = Noise { source: Source::Stated, sensor, jitter, posterior, sensor_freedom: 1e6 };
         let whitening = Whitening::new(&design, &curves, &noise).unwrap();
         let measured = design.series.iter().flat_map(|s| s.nodes.iter().map(|n| n.force_n));
         let model = curves.iter().flat_map(|c| c.force_n.iter().copied());

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use palpate::diagnose::design::{Branch, Design, Series};
 use palpate::diagnose::evidence::{basis, rest_of};
 use palpate::diagnose::fit::{Candidate, Fit, Problem, predicted};
+use palpate::diagnose::jitter::Posterior;
 use palpate::diagnose::noise::{Jitter, Noise, SensorNoise, Source};
 use palpate::diagnose::search::Explanation;
 use palpate::diagnose::whiten::Whitening;
@@ -46,6 +47,12 @@ fn true_noise(spec: &Spec, session_s: f64) -> Noise {
     // rounding to steps of q is an error of variance q^2 / 12
     let rounding = n.quantum_n.powi(2) / 12.0;
     let whole = n.sensor_n.powi(2) + rounding;
+    let jitter = Jitter {
+        contact_mm: n.contact_jitter_mm,
+        gain: n.gain_jitter,
+        // a random walk of the zero, taken as independent from run to run, of its mean variance over the session
+        zero_n: n.drift_n_per_h * (0.5 * session_s / 3600.0).sqrt(),
+    };
     Noise {
         source: Source::Stated,
         sensor: SensorNoise {
@@ -54,13 +61,8 @@ fn true_noise(spec: &Spec, session_s: f64) -> Noise {
             correlation_s: n.correlation_s.max(1e-3),
             relative: n.proportional,
         },
-        jitter: Jitter {
-            contact_mm: n.contact_jitter_mm,
-            gain: n.gain_jitter,
-            // a random walk of the zero, taken as independent from run to run, of its mean variance over the session
-            zero_n: n.drift_n_per_h * (0.5 * session_s / 3600.0).sqrt(),
-        },
-        freedom: 1e3,
+        jitter,
+        posterior: Posterior::stated(jitter, 1e3),
         sensor_freedom: 1e3,
     }
 }

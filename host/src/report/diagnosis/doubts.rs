@@ -44,8 +44,8 @@ fn source(evidence: &Evidence) -> String {
     match noise.source {
         Source::Replicates => format!(
             "The noise was estimated from what repeats of one condition differ by, with {} degrees of freedom for the scatter between spots{} and {} for the sensor. The thresholds contain that uncertainty; that the noise of other conditions is of the same kind is assumed.",
-            number(noise.freedom.round()),
-            if noise.freedom < 6.0 { ", which is few," } else { "" },
+            number(noise.posterior.freedom.round()),
+            if noise.posterior.freedom < 6.0 { ", which is few," } else { "" },
             number(noise.sensor_freedom.round()),
         ),
         Source::Stated => format!(

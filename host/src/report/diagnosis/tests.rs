@@ -13,6 +13,7 @@ use crate::diagnose::fault::Fault;
 use crate::diagnose::fit::{Candidate, Coordinate, Fit};
 use crate::diagnose::held_out::HeldOut;
 use crate::diagnose::margin::{Margin, Variable};
+use crate::diagnose::jitter::Posterior;
 use crate::diagnose::noise::{Curve, Jitter, Noise, SensorNoise, Source};
 use crate::diagnose::{Evidence, Finding};
 use crate::experiment::{Base, BaseLaw, Indenter, Length, Sensor, Specimen};
@@ -162,7 +163,7 @@ fn evidence(held: Vec<Explanation>) -> Evidence {
             source: Source::Replicates,
             sensor: SensorNoise { sigma_n: 0.01, white: 0.5, correlation_s: 0.1, relative: 0.0 },
             jitter: Jitter { contact_mm: 0.02, gain: 0.01, zero_n: 0.0 },
-            freedom: 4.0,
+            posterior: Posterior::stated(Jitter { contact_mm: 0.02, gain: 0.01, zero_n: 0.0 }, 4.0),
             sensor_freedom: 30.0,
         },
         base: fit(Vec::new(), 1018.0),
