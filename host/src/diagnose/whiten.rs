@@ -49,6 +49,12 @@ pub(super) fn kernel(z: &DMatrix<f64>) -> DMatrix<f64> {
     scaled * eigen.eigenvectors.transpose()
 }
 
+/// What a zero wanders by in an hour, as a part of the largest force: a random walk over the session. Load cells are specified at a few
+/// hundredths of a percent of full scale an hour or per kelvin, and a palpation uses a tenth of full scale; a drift has to stand out of it.
+const WANDER: f64 = 0.003;
+/// Karhunen-Loeve modes of the walk that are kept: they hold 96 % of its variance.
+const MODES: usize = 5;
+
 impl Whitening {
     /// For a noise, at the forces of a fit of the base; `None` when a covariance is not positive definite.
     #[must_use]
@@ -90,9 +96,11 @@ impl Whitening {
         Some(out)
     }
 
-    /// Adds the error of the simulation: smooth over depth, for every geometry by itself.
+    /// Adds what all runs share: the error of the simulation, smooth over depth for every geometry by itself, and the wandering zero.
     fn share(&mut self, design: &Design, curves: &[Curve]) {
-        let mut columns = DMatrix::zeros(self.len, 3 * design.geometries.len());
+        let smooth = 3 * design.geometries.len();
+        let mut columns = DMatrix::zeros(self.len, smooth + MODES);
+        self.wander(design, curves, &mut columns.columns_mut(smooth, MODES));
         for (s, (series, curve)) in design.series.iter().zip(curves).enumerate() {
             let depth_mm = design.geometries[series.geometry].depth_mm;
             for (k, (node, force_n)) in series.nodes.iter().zip(&curve.force_n).enumerate() {
@@ -109,6 +117,25 @@ impl Whitening {
         }
         let kernel = kernel(&columns);
         self.shared = (columns, kernel);
+    }
+
+    /// Brownian motion of the zero over the session clock, mode by mode; nothing where no clock is known.
+    fn wander(&self, design: &Design, curves: &[Curve], columns: &mut nalgebra::DMatrixViewMut<'_, f64>) {
+        let Some(starts) = design.series.iter().map(|s| s.start_s).collect::<Option<Vec<f64>>>() else { return };
+        let first = starts.iter().copied().fold(f64::INFINITY, f64::min);
+        let length_s = starts.iter().copied().fold(first, f64::max) - first;
+        if length_s <= 0.0 {
+            return;
+        }
+        let peak_n = curves.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
+        let size_n = WANDER * peak_n * (length_s / 3600.0).sqrt();
+        for (s, series) in design.series.iter().enumerate() {
+            for mode in 0..MODES {
+                let wave = (mode as f64 + 0.5) * std::f64::consts::PI;
+                let value = size_n * 2.0_f64.sqrt() * (wave * (starts[s] - first) / length_s).sin() / wave;
+                columns.view_mut((self.first[s], mode), (series.nodes.len(), 1)).fill(value);
+            }
+        }
     }
 
     /// Number of residuals.
