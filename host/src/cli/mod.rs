@@ -8,6 +8,7 @@ pub mod flash;
 pub mod identify;
 pub mod log;
 pub mod lut;
+pub mod plan;
 pub mod progress;
 pub mod simulate;
 pub mod study;
@@ -41,6 +42,8 @@ enum Command {
     Identify(identify::Arguments),
     /// Find what the simulation of an experiment gets wrong, and name the cause
     Diagnose(diagnose::Arguments),
+    /// Rank the runs that are worth making next, by what they would decide
+    Plan(plan::Arguments),
     /// Write an experiment folder from a model with hidden effects and realistic noise
     Simulate(simulate::Arguments),
     /// Repeat a study of the thesis on your recordings or on a simulated foam, with pictures
@@ -64,6 +67,7 @@ pub fn main() -> ExitCode {
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),

@@ -28,11 +28,7 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
     let evidence = diagnosis.evidence.as_deref();
     let held_out = evidence.and_then(|e| e.held_out.as_ref());
     let extended = evidence.and_then(|e| e.held.first()).filter(|_| named(diagnosis.verdict));
-    let proposals: Vec<Value> = diagnosis
-        .proposals
-        .iter()
-        .map(|p| json!({ "what": p.what, "decides": p.decides, "distance": p.distance }))
-        .collect();
+    let proposals = proposals(diagnosis);
     let candidates: Vec<Value> =
         evidence.map_or_else(Vec::new, |e| e.singles.iter().map(|s| candidate(e, s)).collect());
     let faults: Vec<Value> =
@@ -59,6 +55,34 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "report": report,
         "seconds": diagnosis.seconds,
     })
+}
+
+/// What is worth doing next for one material, the best first; `distance` in standard deviations of all that is not known.
+#[must_use]
+pub fn plan(diagnosis: &Diagnosis) -> Value {
+    json!({
+        "material": diagnosis.material,
+        "verdict": diagnosis.verdict.word(),
+        "effects": diagnosis.findings.iter().map(|f| f.code).collect::<Vec<_>>(),
+        "ambiguous_with": diagnosis.findings.iter().map(|f| &f.ambiguous_with).collect::<Vec<_>>(),
+        "blind_to": diagnosis.blind_to,
+        "cannot_exclude": diagnosis.cancelling,
+        "proposals": proposals(diagnosis),
+        "reason": diagnosis.refusal.as_ref().map(ToString::to_string),
+        "seconds": diagnosis.seconds,
+    })
+}
+
+fn proposals(diagnosis: &Diagnosis) -> Vec<Value> {
+    let one = |p: &super::plan::Proposal| {
+        let motion = json!({
+            "rate_mm_per_s": p.motion.rate_mm_per_s, "depth_mm": p.motion.depth_mm, "hold_s": p.motion.hold_s,
+            "unload": p.motion.unload, "cycles": p.motion.cycles,
+            "times_height": p.motion.height, "times_radius": p.motion.radius,
+        });
+        json!({ "what": p.what, "decides": p.decides, "distance": p.distance, "motion": motion })
+    };
+    diagnosis.proposals.iter().map(one).collect()
 }
 
 /// What one effect alone explains, and which demands it meets. `leaves` is the largest margin over its threshold.

@@ -291,6 +291,17 @@ impl Design {
             .collect()
     }
 
+    /// Length of time (s) that every place of every run's path stands for, 0 for a corner.
+    #[must_use]
+    pub fn windows_s(&self) -> Vec<Vec<f64>> {
+        let of = |s: &Series| {
+            let mut windows = vec![0.0; s.path.len()];
+            s.at.iter().zip(&s.nodes).for_each(|(at, node)| windows[*at] = node.length_s);
+            windows
+        };
+        self.series.iter().map(of).collect()
+    }
+
     /// Name of a group: ball, rate and specimen.
     #[must_use]
     pub fn group_name(&self, experiment: &Experiment, group: usize) -> String {
@@ -367,7 +378,11 @@ fn nodes(recording: &Recording, motion: &Motion, contact_mm: f64, zero_mm: f64) 
     let placed = |(time_s, depth_mm): (f64, f64)| (time_s - start_s, depth_mm - zero_mm);
     let mut nodes: Vec<Node> = nodes.collect();
     lift(&mut nodes);
-    let mut corners = vec![placed((recording.time_s[begin], depth[begin]))];
+    // the ball came from farther away than what is compared: a machine that lags has lagged since
+    let mut corners: Vec<(f64, f64)> = vec![placed((recording.time_s[begin], depth[begin]))];
+    if loading.start < begin {
+        corners.push(placed((recording.time_s[loading.start], depth[loading.start])));
+    }
     let turns = [Some(last), motion.hold.as_ref().map(|hold| hold.end.saturating_sub(1))];
     corners.extend(turns.into_iter().flatten().filter_map(|at| corner(recording, at)).map(placed));
     (nodes, corners)

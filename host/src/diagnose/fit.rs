@@ -1,6 +1,8 @@
 //! Fits of the base model with effects to whitened residuals.
 
-use lut_gen::chain::{Chain, Model, Setting};
+use std::sync::Arc;
+
+use lut_gen::chain::{Chain, Model, Setting, Whole};
 use lut_gen::effect::{Effect, Quantity, Spread, contact_offset};
 use nalgebra::{DMatrix, DVector};
 
@@ -47,6 +49,8 @@ pub struct Problem<'a> {
     pub used: Vec<bool>,
     /// Errors that are allowed beside the noise, each column with unit variance.
     pub allowed: Option<Allowed>,
+    /// What finite elements of whole paths add to the chain near the point where a fit begins.
+    pub whole: Option<Arc<Whole>>,
 }
 
 /// Errors along some columns, whitened, each with unit variance.
@@ -242,6 +246,12 @@ impl Problem<'_> {
         residual
     }
 
+    /// The model of a point, with what finite elements add.
+    #[must_use]
+    pub fn model(&self, coordinates: &[Coordinate], candidates: &[Candidate], x: &DVector<f64>) -> Model {
+        Model { whole: self.whole.clone(), ..model(coordinates, candidates, x) }
+    }
+
     /// Fits the base with candidates from a point.
     #[must_use]
     pub fn fit(&self, candidates: &[Candidate], start: &DVector<f64>) -> Fit {
@@ -249,14 +259,14 @@ impl Problem<'_> {
         let bounds: Vec<(f64, f64)> = coordinates.iter().map(Coordinate::bounds).collect();
         let clamped = |x: &DVector<f64>| DVector::from_fn(x.len(), |i, _| x[i].clamp(bounds[i].0, bounds[i].1));
         let mut x = clamped(start);
-        let mut residual = self.residual(&model(&coordinates, candidates, &x));
+        let mut residual = self.residual(&self.model(&coordinates, candidates, &x));
         let mut square = residual.norm_squared();
         let mut jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
         let mut damping = 1e-3;
         for _ in 0..MOST_STEPS {
             let Some(step) = damped_step(&jacobian, &residual, damping, &x, &bounds) else { break };
             let next = clamped(&(&x + step));
-            let there = self.residual(&model(&coordinates, candidates, &next));
+            let there = self.residual(&self.model(&coordinates, candidates, &next));
             let its = there.norm_squared();
             if its < square {
                 let gain = square - its;
@@ -283,7 +293,7 @@ impl Problem<'_> {
             Coordinate::LnAlpha => (x - low).min(high - x) < 1e-3 * (high - low),
             _ => false,
         });
-        let model = model(&coordinates, candidates, &x);
+        let model = self.model(&coordinates, candidates, &x);
         let information = jacobian.tr_mul(&jacobian);
         let candidates = candidates.to_vec();
         Fit { candidates, coordinates, x, model, square, discounted: square, information, residual, jacobian, at_bound }
@@ -292,12 +302,14 @@ impl Problem<'_> {
     /// The fit found again with errors of its effects allowed for, and told without that allowance.
     #[must_use]
     pub fn refit(&self, fit: &Fit, allowed: &Allowed) -> Fit {
-        let tolerant = Problem { allowed: Some(allowed.clone()), ..self.clone() };
+        let whole = fit.model.whole.clone();
+        let tolerant = Problem { allowed: Some(allowed.clone()), whole: whole.clone(), ..self.clone() };
         let mut found = tolerant.fit(&fit.candidates, &fit.x);
         found.discounted = found.square + allowed.price;
         found.residual = self.residual(&found.model);
         found.square = found.residual.norm_squared();
-        found.jacobian = self.jacobian(&found.coordinates, &found.candidates, &found.x, &found.residual);
+        let plain = Problem { allowed: None, ..tolerant };
+        found.jacobian = plain.jacobian(&found.coordinates, &found.candidates, &found.x, &found.residual);
         found
     }
 
@@ -315,7 +327,7 @@ impl Problem<'_> {
             let step = if x[j] + coordinate.step() > high { -coordinate.step() } else { coordinate.step() };
             let mut moved = x.clone();
             moved[j] += step;
-            let there = self.residual(&model(coordinates, candidates, &moved));
+            let there = self.residual(&self.model(coordinates, candidates, &moved));
             out.set_column(j, &((residual - there) / step));
         }
         out

@@ -59,8 +59,7 @@ impl Posterior {
             for gain in ladder(GAINS) {
                 for part in ZEROS {
                     let jitter = Jitter { contact_mm, gain, zero_n: part * sensor.sigma_n };
-                    let expected =
-                        expectation(contact_mm, EXPECTED.contact_mm) + expectation(gain, EXPECTED.gain);
+                    let expected = expectation(contact_mm, EXPECTED.contact_mm) + expectation(gain, EXPECTED.gain);
                     let seen: Option<f64> = groups.iter().map(|group| group.log_likelihood(&jitter)).sum();
                     grid.extend(seen.map(|seen| (seen + expected, jitter)));
                 }
@@ -87,7 +86,8 @@ impl Posterior {
     /// Standard deviations whose squares are the posterior's means.
     #[must_use]
     pub fn mean(&self) -> Jitter {
-        let mean = |of: fn(&Jitter) -> f64| self.grid.iter().map(|(w, jitter)| w * of(jitter).powi(2)).sum::<f64>().sqrt();
+        let mean =
+            |of: fn(&Jitter) -> f64| self.grid.iter().map(|(w, jitter)| w * of(jitter).powi(2)).sum::<f64>().sqrt();
         Jitter { contact_mm: mean(|j| j.contact_mm), gain: mean(|j| j.gain), zero_n: mean(|j| j.zero_n) }
     }
 
@@ -142,9 +142,8 @@ fn groups(design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Vec<Group>
 fn amounts(design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Vec<Amounts> {
     let repeated = |s: usize| {
         let own = &design.series[s];
-        let alike = |other: &&super::design::Series| {
-            other.condition == own.condition && other.nodes.len() == own.nodes.len()
-        };
+        let alike =
+            |other: &&super::design::Series| other.condition == own.condition && other.nodes.len() == own.nodes.len();
         design.series.iter().filter(alike).any(|other| other.spot != own.spot)
     };
     (0..design.series.len()).filter(|s| repeated(*s)).filter_map(|s| Amounts::of(design, curves, sensor, s)).collect()

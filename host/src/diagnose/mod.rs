@@ -16,6 +16,7 @@ pub mod model_file;
 pub mod noise;
 mod placebo;
 pub mod plan;
+pub mod ripple;
 pub mod search;
 #[cfg(test)]
 mod tests;
@@ -40,6 +41,7 @@ use jitter::Posterior;
 use margin::Margin;
 use noise::{Curve, Jitter, Noise, SensorNoise, Source};
 use plan::Proposal;
+use ripple::Ripple;
 use search::{Explanation, Search};
 use whiten::Whitening;
 
@@ -153,8 +155,12 @@ pub struct Evidence {
     pub adequacy: Adequacy,
     /// Margins, as the readings of an [`Adequacy`] refer to them.
     pub margins: Vec<Margin>,
+    /// A ripple of the force, if there is one.
+    pub ripple: Option<Ripple>,
     /// Every candidate alone, the best first.
     pub singles: Vec<Explanation>,
+    /// What was tried with two effects, the best first.
+    pub pairs: Vec<Explanation>,
     /// Explanations that hold and none that is a hundred times more likely, the best first.
     pub held: Vec<Explanation>,
     /// Error on conditions that were left out.
@@ -267,16 +273,18 @@ impl Diagnosis {
             signatures,
             spaces,
         };
-        let (mut singles, mut held) = (Vec::new(), Vec::new());
+        let ripple = ripple::of(experiment, &design);
+        let (mut singles, mut pairs, mut held) = (Vec::new(), Vec::new(), Vec::new());
         if visible {
-            progress("effects", 0, 1);
+            progress("effects", 0, 2);
             singles = search.singles();
-            held = verdict::explanations(&search, &singles, progress);
+            (held, pairs) = verdict::explanations(&search, &singles, progress);
         }
+        self.messages.extend(ripple.map(|r| r.to_string()));
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &prepared, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(experiment);
         self.proposals = plan::proposals(experiment, &prepared, &search, &held, &self.blind_to);
-        verdict::conclude(self, (visible, !adequacy.passes()), &held, held_out.as_ref());
+        verdict::conclude(self, (visible, !adequacy.passes()), ripple.as_ref(), &held, held_out.as_ref());
         let best = held.first().or(singles.first());
         let extended_curves = best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
         let (base, noise, contacts_mm) = (base.clone(), noise.clone(), problem.contacts_mm.clone());
@@ -290,7 +298,9 @@ impl Diagnosis {
             extended_curves,
             adequacy,
             margins,
+            ripple,
             singles,
+            pairs,
             held,
             held_out,
             solves,
@@ -356,6 +366,7 @@ impl<'a> Prepared<'a> {
                 whitening,
                 used: used.clone(),
                 allowed: None,
+                whole: None,
             };
             let fitted = match &base {
                 None => search::base_fit(&problem, 0.05 * largest.max(1e-6)),

@@ -198,7 +198,8 @@ fn most_likely(design: &Design, curves: &[Curve], deviations: &[Deviation]) -> S
     // between the points of the grid: a correlation time that is a third too short makes a mean over a branch seem a sixth too sure
     let Some(mut found) = likeliest else { return best.1 };
     for share in [0.7, 1.4, 0.84, 1.19] {
-        let unit = |found: &SensorNoise| SensorNoise { sigma_n: 1.0, relative: found.relative / found.sigma_n, ..*found };
+        let unit =
+            |found: &SensorNoise| SensorNoise { sigma_n: 1.0, relative: found.relative / found.sigma_n, ..*found };
         found = attempt(SensorNoise { correlation_s: share * found.correlation_s, ..unit(&found) });
         found = attempt(SensorNoise { relative: share * found.relative / found.sigma_n, ..unit(&found) });
         for white in [share * found.white, found.white + 0.1 * (share - 1.0)] {

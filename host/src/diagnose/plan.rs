@@ -260,7 +260,8 @@ impl<'a> Bench<'a> {
 
     /// A model with the planned height and radius in it: what is declared moves, and errors of the old ones go.
     fn placed(&self, model: &lut_gen::chain::Model) -> lut_gen::chain::Model {
-        let mut placed = model.clone();
+        // what finite elements of other paths add is nothing here
+        let mut placed = lut_gen::chain::Model { whole: None, ..model.clone() };
         let geometry = &self.prepared.problem.design.geometries[self.design.series[0].geometry];
         if self.plan.radius != 1.0 {
             // a new ball has its own radius

@@ -8,6 +8,7 @@ use super::Diagnosis;
 use super::evidence::{Gauge, Panel};
 use super::fit::{Candidate, Fit};
 use super::held_out::HeldOut;
+use super::ripple::{Over, Ripple, SPOILS};
 use super::search::{Explanation, RATIO_100, Search};
 
 /// The stable word of an answer.
@@ -63,10 +64,6 @@ pub(crate) const Z95: f64 = 1.96;
 const POWER: f64 = 1.28;
 /// Twins that blind spots are found with.
 const FEW_TWINS: usize = 200;
-/// Most effects at once. Three together imitated what is outside the catalogue (a stiff skin as nonlinearity, compliance and an
-/// offset of the contact) more often than they were right.
-const MOST: usize = 2;
-
 /// Codes of which a plausible amount would not be seen.
 pub(super) fn blind_spots(
     candidates: &[Candidate],
@@ -108,25 +105,30 @@ pub(super) fn cancelling(experiment: &Experiment) -> Vec<&'static str> {
     ]
 }
 
-/// Explanations that hold and that none is a hundred times likelier than, with as few effects as will do.
+/// Explanations that hold and that none is a hundred times likelier than, with as few effects as will do; and all pairs that were tried.
 pub(super) fn explanations(
     search: &Search<'_>,
     singles: &[Explanation],
     progress: &super::Progress<'_>,
-) -> Vec<Explanation> {
-    let mut level: Vec<Explanation> = singles.to_vec();
-    for effects in 1..=MOST {
-        let held = alike(&level);
-        // where an explanation holds nothing is added to it: what it leaves is within what it may itself be wrong by, and a
-        // second name for that would be a wrong one
-        if !held.is_empty() || effects == MOST {
-            return held;
-        }
-        progress("effects together", effects, MOST);
-        let best: Vec<Explanation> = level.into_iter().filter(|e| e.beats_noise).collect();
-        level = search.one_more(&best);
+) -> (Vec<Explanation>, Vec<Explanation>) {
+    let held = alike(singles);
+    // where an explanation that may itself be wrong holds nothing is added to it: a second name for what it leaves would be a wrong one
+    if held.first().is_some_and(|best| !best.is_exact()) {
+        return (held, Vec::new());
     }
-    Vec::new()
+    progress("effects together", 1, 2);
+    let mut base: Vec<Explanation> = singles.iter().filter(|e| e.beats_noise).cloned().collect();
+    if let Some(best) = held.first() {
+        base.retain(|e| e.fit.candidates == best.fit.candidates);
+    }
+    let pairs = search.one_more(&base);
+    let together = alike(&pairs);
+    let better = match (held.first(), together.first()) {
+        (Some(one), Some(two)) => two.score() + RATIO_100 < one.score(),
+        (None, _) => true,
+        (Some(_), None) => false,
+    };
+    (if better { together } else { held }, pairs)
 }
 
 /// The best explanation that meets every demand, and all that leave no more than noise and are no hundred times less likely: a
@@ -147,14 +149,26 @@ fn alike(list: &[Explanation]) -> Vec<Explanation> {
 pub(super) fn conclude(
     diagnosis: &mut Diagnosis,
     (visible, in_margins): (bool, bool),
+    ripple: Option<&Ripple>,
     held: &[Explanation],
     held_out: Option<&HeldOut>,
 ) {
     let gains = held_out.is_none_or(|h| h.square_after < h.square_before);
-    let best = held.first().filter(|_| visible && gains);
+    if let Some(ripple) = ripple {
+        let word = match ripple.over {
+            Over::Time => "time",
+            Over::Depth => "depth",
+        };
+        if !diagnosis.shows_in.contains(&word) {
+            diagnosis.shows_in.insert(0, word);
+        }
+    }
+    // a large ripple makes the noise another one than was assumed, and names with it
+    let spoilt = ripple.is_some_and(|r| r.share > SPOILS);
+    let best = held.first().filter(|_| visible && gains && !spoilt);
     let Some(best) = best else {
         // what shows in no variable and has no name is within what one clean experiment of two hundred shows
-        diagnosis.verdict = if in_margins { Verdict::Unknown } else { Verdict::Clean };
+        diagnosis.verdict = if in_margins || ripple.is_some() { Verdict::Unknown } else { Verdict::Clean };
         return;
     };
     for (at, candidate) in best.fit.candidates.iter().enumerate() {

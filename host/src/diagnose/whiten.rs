@@ -50,8 +50,9 @@ pub(super) fn kernel(z: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// What a zero wanders by in an hour, as a part of the largest force: a random walk over the session. Load cells are specified at a few
-/// hundredths of a percent of full scale an hour or per kelvin, and a palpation uses a tenth of full scale; a drift has to stand out of it.
-const WANDER: f64 = 0.003;
+/// hundredths of a percent of full scale an hour or per kelvin, and a palpation uses a tenth of full scale: a drift has to
+/// stand out of half a percent.
+const WANDER: f64 = 0.005;
 /// Karhunen-Loeve modes of the walk that are kept: they hold 96 % of its variance.
 const MODES: usize = 5;
 

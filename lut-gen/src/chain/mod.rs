@@ -7,10 +7,14 @@
 mod library;
 mod passage;
 mod predict;
+mod whole;
 
 pub use library::{Geometry, Library, LibraryError, Need};
 pub use passage::Passage;
 pub use predict::{Chain, Prediction};
+pub use whole::{Whole, is_rough};
+
+use std::sync::Arc;
 
 use crate::effect::Effect;
 
@@ -34,13 +38,15 @@ pub struct Model {
     pub alpha: f64,
     /// Effects, in any order: the chain applies them in that of their stages.
     pub settings: Vec<Setting>,
+    /// What finite elements of the whole path add near this model, if they were asked.
+    pub whole: Option<Arc<Whole>>,
 }
 
 impl Model {
     /// The base alone.
     #[must_use]
     pub fn base(mu_mpa: f64, alpha: f64) -> Self {
-        Self { mu_mpa, alpha, settings: Vec::new() }
+        Self { mu_mpa, alpha, settings: Vec::new(), whole: None }
     }
 
     /// Settings of one form of an effect.

@@ -94,9 +94,25 @@ impl Chain {
             let key = (p.geometry, p.specimen, p.indenter);
             known.iter().find(|(k, _)| *k == key).map(|(_, elastic)| elastic)
         };
-        let each = self.passages.iter().zip(contact_mm);
-        each.map(|(p, contact)| of(p).map_or_else(Vec::new, |elastic| self.reading(model, p, *contact, elastic)))
-            .collect()
+        let each = self.passages.iter().enumerate().zip(contact_mm);
+        each.map(|((run, p), contact)| {
+            of(p).map_or_else(Vec::new, |elastic| {
+                let (_, force) = self.pressed(model, (run, p), *contact, elastic);
+                self.sensed(model, p, force)
+            })
+        })
+        .collect()
+    }
+
+    /// Depth of the ball (mm), where machine and clock have done theirs to the recorded one.
+    pub(super) fn ball_depth(&self, model: &Model, passage: &Passage, contact_mm: f64) -> Vec<f64> {
+        let model = Model { whole: None, ..model.clone() };
+        self.pressed(&model, (0, passage), contact_mm, &self.elastic(&model, passage)).0
+    }
+
+    /// Force (N) of the specimen on a ball that follows the depths of a passage.
+    pub(super) fn on_ball(&self, model: &Model, passage: &Passage) -> Vec<f64> {
+        self.specimen_force(model, passage, &passage.depth_mm, &self.elastic(model, passage))
     }
 
     fn elastic(&self, model: &Model, passage: &Passage) -> Elastic {
@@ -120,7 +136,14 @@ impl Chain {
         elastic
     }
 
-    fn reading(&self, model: &Model, passage: &Passage, contact_mm: f64, elastic: &Elastic) -> Prediction {
+    /// Depth of the ball (mm) and force on it (N) in one run.
+    fn pressed(
+        &self,
+        model: &Model,
+        (run, passage): (usize, &Passage),
+        contact_mm: f64,
+        elastic: &Elastic,
+    ) -> (Vec<f64>, Vec<f64>) {
         let time = &passage.time_s;
         let offset = model.first(&contact_offset::EFFECT, 0) - contact_mm;
         let mut recorded: Vec<f64> = passage.depth_mm.iter().map(|d| d + offset).collect();
@@ -130,19 +153,30 @@ impl Chain {
         for setting in model.of(&lag::RATE_LIMIT) {
             recorded = lag::limited(time, &recorded, setting.values[0]);
         }
-        let mm_per_n = model.first(&compliance::EFFECT, 0);
-        let mut force = self.specimen_force(model, passage, &recorded, elastic);
-        if mm_per_n != 0.0 {
-            let mut depth = recorded.clone();
-            for _ in 0..ROUNDS {
-                for ((d, x), f) in depth.iter_mut().zip(&recorded).zip(&force) {
-                    let slope = elastic.at(*d).1;
-                    *d += compliance::correction(*x, *d, *f, slope, mm_per_n);
-                }
-                force = self.specimen_force(model, passage, &depth, elastic);
+        let force_on = |depth_mm: &[f64]| {
+            let mut force = self.specimen_force(model, passage, depth_mm, elastic);
+            if let Some(whole) = &model.whole {
+                force
+                    .iter_mut()
+                    .zip(whole.missed_n(run, time.len(), model.mu_mpa))
+                    .for_each(|(f, missed)| *f += missed);
             }
+            force
+        };
+        let mm_per_n = model.first(&compliance::EFFECT, 0);
+        let mut force = force_on(&recorded);
+        if mm_per_n == 0.0 {
+            return (recorded, force);
         }
-        self.sensed(model, passage, force)
+        let mut depth = recorded.clone();
+        for _ in 0..ROUNDS {
+            for ((d, x), f) in depth.iter_mut().zip(&recorded).zip(&force) {
+                let slope = elastic.at(*d).1;
+                *d += compliance::correction(*x, *d, *f, slope, mm_per_n);
+            }
+            force = force_on(&depth);
+        }
+        (depth, force)
     }
 
     /// Force of the specimen on the ball over depths (mm) of the ball.

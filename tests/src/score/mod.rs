@@ -6,6 +6,7 @@
 pub mod control;
 pub mod coverage;
 mod detail;
+pub mod follow;
 pub mod oracle;
 pub mod outcome;
 pub mod rate;
@@ -13,13 +14,15 @@ pub mod suite;
 pub mod table;
 
 use lut_gen::chain::LibraryError;
+use palpate::diagnose::search::Explanation;
 use palpate::diagnose::{self, DiagnoseError, Diagnosis, Evidence, Finding, Models, Verdict};
 use palpate::experiment::Experiment;
 use palpate::identify;
 use palpate::simulate::{SimulateError, Solver, Spec};
 
-use crate::hidden::{Case, Design, Truth};
+use crate::hidden::{Case, Design, Truth, What};
 use coverage::Hit;
+use follow::Followed;
 use oracle::Gain;
 use outcome::Outcome;
 
@@ -106,6 +109,8 @@ pub struct Scored {
     pub outcome: Outcome,
     /// Held-out errors with the base, with what was found, and with what an oracle would have found; where something shows.
     pub gain: Option<Gain>,
+    /// What became of an ambiguous answer when its plan was followed.
+    pub followed: Option<Followed>,
     /// Parameters whose truth is known, and whether their intervals hold it.
     pub hits: Vec<Hit>,
     /// What the answer rests on, on one line: the likeliest single effects, noise and base against the truth.
@@ -134,10 +139,28 @@ impl Scored {
         };
         let outcome = Outcome::of(&truth, strength.as_deref(), &answer);
         let gain = oracle::gain(&truth, diagnosis, &experiment, models);
+        let followed =
+            if diagnosis.verdict == Verdict::Ambiguous && matches!(truth.what, What::Catalogue(..) | What::Pair(..)) {
+                Followed::of(case, &experiment, diagnosis, strength.as_deref(), (solver, models))?
+            } else {
+                None
+            };
         let hits = coverage::hits(&truth, &outcome, diagnosis, &experiment);
         let detail = diagnosis.evidence.as_deref().map_or_else(String::new, |e| detail(e, &made.truth));
         let other_s = start.elapsed().as_secs_f64() - answer.seconds;
-        Ok(Self { design: case.design, seed: case.seed, truth, strength, answer, outcome, gain, hits, detail, other_s })
+        Ok(Self {
+            design: case.design,
+            seed: case.seed,
+            truth,
+            strength,
+            answer,
+            outcome,
+            gain,
+            followed,
+            hits,
+            detail,
+            other_s,
+        })
     }
 
     /// True when every effect shows; false when there is none.
@@ -161,9 +184,12 @@ impl Scored {
             .iter()
             .map(|e| e.to_toml().replace('\n', " ").replace("[[effect]] code = ", ""))
             .collect();
+        let followed = self.followed.as_ref().map_or_else(String::new, |f| {
+            format!(" ==> after {} runs {} -> {}", f.runs.len(), f.answer.line(), f.outcome.word())
+        });
         let strength: Vec<String> = self.strength.iter().flatten().map(|s| format!("{s:.1}")).collect();
         format!(
-            "{} {} {:?} {:?} [{}] strength {} -> {} -> {} | {} | true mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
+            "{} {} {:?} {:?} [{}] strength {} -> {} -> {}{followed} | {} | true mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
             self.design.name(),
             self.seed,
             self.truth.what,
@@ -198,10 +224,11 @@ const TOLD: usize = 4;
 /// what it passes (n: noise, p: prediction, b: placebos; B: at a bound). Estimates stand before what is true.
 fn detail(e: &Evidence, spec: &Spec) -> String {
     let letter = |on: bool, letter: &'static str| if on { letter } else { "-" };
-    let tops = e.singles.iter().take(TOLD).map(|s| {
+    let top = |s: &Explanation| {
+        let codes: Vec<&str> = s.fit.candidates.iter().map(|c| c.effect.code).collect();
         format!(
             "{}:{:.0}/{:.2}{}{}{}{}",
-            s.fit.candidates.first().map_or("none", |c| c.effect.code),
+            codes.join("+"),
             e.base.square - s.fit.square,
             s.adequacy.worst(),
             letter(s.beats_noise, "n"),
@@ -209,11 +236,14 @@ fn detail(e: &Evidence, spec: &Spec) -> String {
             letter(s.beats_placebo, "b"),
             if s.fit.at_bound { "B" } else { "" },
         )
-    });
-    let tops: Vec<String> = tops.collect();
+    };
+    let tops: Vec<String> = e.singles.iter().take(TOLD).chain(e.pairs.iter().take(TOLD)).map(top).collect();
     let (n, t) = (&e.noise, &spec.noise);
+    let ripple = e.ripple.map_or_else(String::new, |r| {
+        format!(" ripple over {:?} {:.2} amplitude {:.5} share {:.2}", r.over, r.frequency, r.amplitude_n, r.share)
+    });
     format!(
-        "worst {:.2} | {} | sigma {:.4}/{:.4} contact {:.3}/{:.3} gain {:.4}/{:.4} time {:.2}/{:.2} white {:.1} relative {:.3}/{:.3} \
+        "worst {:.2}{ripple} | {} | sigma {:.4}/{:.4} contact {:.3}/{:.3} gain {:.4}/{:.4} time {:.2}/{:.2} white {:.1} relative {:.3}/{:.3} \
          | base mu {:.4} alpha {:.2} square {:.0} of {}",
         e.adequacy.worst(),
         tops.join(" "),

@@ -111,6 +111,7 @@ pub fn strength(
             whitening: whitening.clone(),
             used: vec![true; shift.len()],
             allowed: None,
+            whole: None,
         };
         let starts = [DVector::from_vec(vec![truth.0.ln(), truth.1.ln()]), base.x.rows(0, 2).into_owned()];
         let fits = starts.map(|x| problem.fit(&[], &x));

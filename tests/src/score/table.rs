@@ -5,6 +5,7 @@ use std::fmt::Write;
 use crate::hidden::{Design, NoiseKind, What};
 
 use super::Scored;
+use super::follow::Followed;
 use super::outcome::Outcome;
 use super::rate::{percent, share, upper95};
 
@@ -135,6 +136,15 @@ impl Score<'_> {
             "two effects, both visible: both named or in sets >= 85 %",
             share(both, cases),
             judged(cases, percent(both, cases) >= 85.0),
+        );
+        let (cases, resolved) = (
+            self.count(|s| s.outcome != Outcome::Wrong && s.followed.is_some()),
+            self.count(|s| s.outcome != Outcome::Wrong && s.followed.as_ref().is_some_and(Followed::resolved)),
+        );
+        row(
+            "ambiguous, the truth in the set: the right single names after at most two planned runs >= 80 %",
+            share(resolved, cases),
+            judged(cases, percent(resolved, cases) >= 80.0),
         );
         let (cases, gained) = self.gained();
         row(

@@ -12,8 +12,8 @@ use crate::diagnose::evidence::Adequacy;
 use crate::diagnose::fault::Fault;
 use crate::diagnose::fit::{Candidate, Coordinate, Fit};
 use crate::diagnose::held_out::HeldOut;
-use crate::diagnose::margin::{Margin, Variable};
 use crate::diagnose::jitter::Posterior;
+use crate::diagnose::margin::{Margin, Variable};
 use crate::diagnose::noise::{Curve, Jitter, Noise, SensorNoise, Source};
 use crate::diagnose::{Evidence, Finding};
 use crate::experiment::{Base, BaseLaw, Indenter, Length, Sensor, Specimen};
@@ -172,6 +172,8 @@ fn evidence(held: Vec<Explanation>) -> Evidence {
         base_curves: curves,
         adequacy,
         margins: vec![margin(Variable::HoldTime, "hold, 0 to 25 %"), margin(Variable::Radius, "ball 1, 0 to 33 %")],
+        ripple: None,
+        pairs: Vec::new(),
         singles: vec![explanation("relaxation", 18.0), explanation("friction", 518.0)],
         held_out: (!held.is_empty()).then_some(HeldOut {
             rmse_before_n: 0.1,

@@ -1,0 +1,310 @@
+//! Ripples: a line in the spectrum of the force, over time (hum of the mains, a motor) or over depth (stick and slip, a screw).
+//!
+//! Means over windows and replicates take a ripple for noise, and no effect of the catalogue makes one. What two repeats of a condition differ by
+//! holds it, whatever the model. Every branch of such a difference is freed of a polynomial and tapered; its power over that of its neighbours in
+//! frequency, averaged over all branches, is about the same everywhere unless there is a line.
+
+use std::ops::Range;
+
+use crate::experiment::motion;
+use crate::experiment::{Experiment, Recording};
+
+use super::design::{Design, Series};
+
+/// What a ripple is regular over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// Time.
+    Time,
+    /// Depth.
+    Depth,
+}
+
+/// A ripple.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ripple {
+    /// What it is regular over.
+    pub over: Over,
+    /// Hz, or periods a millimetre. What is faster than half the sampling rate appears at a lower frequency.
+    pub frequency: f64,
+    /// Amplitude in one run, N: the root of half of what two of them differ by.
+    pub amplitude_n: f64,
+    /// Its part of what the force scatters by about smooth curves.
+    pub share: f64,
+}
+
+/// Terms of the polynomial that a branch is freed of, and the least periods of a ripple in a branch: a polynomial of 8 terms follows 3.
+const TERMS: usize = 8;
+const PERIODS: f64 = 4.0;
+/// Fewest samples of a branch that is looked at.
+const SAMPLES: usize = 40;
+/// Neighbours in frequency (in units of one over the length) that are taken for the background, on both sides.
+const NEIGHBOURS: [f64; 8] = [-6.0, -5.0, -4.0, -3.0, 3.0, 4.0, 5.0, 6.0];
+/// Fewest frequencies among which one can stand out.
+const FREQUENCIES: usize = 30;
+/// Standard deviations of the logarithm by which a line stands out of all other frequencies: one clean experiment in some thousands does so
+/// among five hundred frequencies, as the averages' logarithms have lighter tails above than a normal distribution.
+const STANDS_OUT: f64 = 5.5;
+/// Least power over what is usual: with hundreds of branches the logarithms scatter so little that a bend of the spectrum would stand out.
+const LEAST: f64 = 2.0;
+/// From this part of the scatter on a ripple spoils what is said of noise.
+pub const SPOILS: f64 = 0.3;
+
+/// One branch, freed of its polynomial and tapered.
+struct Branch {
+    time_s: Vec<f64>,
+    values: Vec<f64>,
+    length_s: f64,
+    /// Highest frequency that can be told from lower ones, Hz.
+    nyquist_hz: f64,
+    /// mm/s; 0 in a hold.
+    rate_mm_per_s: f64,
+    variance: f64,
+}
+
+/// The line that stands out most, if any does.
+#[must_use]
+pub fn of(experiment: &Experiment, design: &Design) -> Option<Ripple> {
+    let branches = branches(experiment, design);
+    let time = line(&branches, Over::Time);
+    let depth = line(&branches, Over::Depth);
+    let best = time.into_iter().chain(depth).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(best.1)
+}
+
+/// Differences between each run and the next one of its condition, branch by branch.
+fn branches(experiment: &Experiment, design: &Design) -> Vec<Branch> {
+    let mut list = Vec::new();
+    for (at, series) in design.series.iter().enumerate() {
+        let repeats = |other: &&Series| other.condition == series.condition && other.spot != series.spot;
+        let Some(next) = design.series[at + 1..].iter().find(repeats) else { continue };
+        let (one, two) = (&experiment.runs[series.run].recording, &experiment.runs[next.run].recording);
+        let (Some(own), Some(other)) = (motion::of(one), motion::of(two)) else { continue };
+        let parts = [
+            (Some(own.loading), Some(other.loading), own.rate_mm_per_s),
+            (own.hold, other.hold, 0.0),
+            (own.unloading, other.unloading, own.rate_mm_per_s),
+        ];
+        for (own, other, rate) in parts {
+            if let (Some(own), Some(other)) = (own, other) {
+                let (time, difference) = difference((one, own), (two, other));
+                list.extend(Branch::of(&time, &difference, rate));
+            }
+        }
+    }
+    list
+}
+
+/// Force of one branch less that of another at the same time since its beginning: times (s) and values (N).
+fn difference(
+    (one, own): (&Recording, Range<usize>),
+    (two, other): (&Recording, Range<usize>),
+) -> (Vec<f64>, Vec<f64>) {
+    let clock = |r: &Recording, range: &Range<usize>, i: usize| r.time_s[i] - r.time_s[range.start];
+    let mut next = other.start;
+    let mut list: Vec<(f64, f64)> = Vec::new();
+    for i in own.clone() {
+        let time_s = clock(one, &own, i);
+        while next + 1 < other.end && clock(two, &other, next + 1) <= time_s + 1e-9 {
+            next += 1;
+        }
+        if next + 1 >= other.end {
+            break;
+        }
+        let (from, to) = (clock(two, &other, next), clock(two, &other, next + 1));
+        let share = if to > from { ((time_s - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        let there = two.force_n[next] + share * (two.force_n[next + 1] - two.force_n[next]);
+        list.push((time_s, one.force_n[i] - there));
+    }
+    list.into_iter().unzip()
+}
+
+impl Branch {
+    fn of(time_s: &[f64], force_n: &[f64], rate_mm_per_s: f64) -> Option<Self> {
+        if time_s.len() < SAMPLES {
+            return None;
+        }
+        let length_s = time_s[time_s.len() - 1] - time_s[0];
+        if length_s <= 0.0 {
+            return None;
+        }
+        let mut values = force_n.to_vec();
+        // Legendre-like columns, made orthogonal one after the other
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for power in 0..TERMS {
+            let mut column: Vec<f64> =
+                time_s.iter().map(|t| (2.0 * (t - time_s[0]) / length_s - 1.0).powi(power as i32)).collect();
+            for q in &columns {
+                let share = dot(q, &column);
+                column.iter_mut().zip(q).for_each(|(c, q)| *c -= share * q);
+            }
+            let norm = dot(&column, &column).sqrt();
+            column.iter_mut().for_each(|c| *c /= norm);
+            let share = dot(&column, &values);
+            values.iter_mut().zip(&column).for_each(|(v, c)| *v -= share * c);
+            columns.push(column);
+        }
+        let variance = dot(&values, &values) / (values.len() - TERMS) as f64;
+        let taper = |t: f64| 0.5 - 0.5 * (std::f64::consts::TAU * (t - time_s[0]) / length_s).cos();
+        values.iter_mut().zip(time_s).for_each(|(v, t)| *v *= taper(*t));
+        let nyquist_hz = 0.5 * (time_s.len() - 1) as f64 / length_s;
+        Some(Self { time_s: time_s.to_vec(), values, length_s, nyquist_hz, rate_mm_per_s, variance })
+    }
+
+    /// Squared amplitude of the wave of a frequency.
+    fn power(&self, hz: f64) -> f64 {
+        let (mut c, mut s) = (0.0, 0.0);
+        for (t, v) in self.time_s.iter().zip(&self.values) {
+            let (sin, cos) = (std::f64::consts::TAU * hz * t).sin_cos();
+            c += v * cos;
+            s += v * sin;
+        }
+        // the taper has mean 1/2, a wave's square mean 1/2
+        let scale = 4.0 / self.values.len() as f64;
+        scale * scale * (c * c + s * s)
+    }
+
+    /// Power over the geometric mean of the backgrounds on both sides, and the power itself; none where there is no room for them.
+    fn excess(&self, hz: f64) -> Option<(f64, f64)> {
+        let step = 1.0 / self.length_s;
+        if hz < PERIODS * step || hz > self.nyquist_hz - step {
+            return None;
+        }
+        let side = |sign: f64| {
+            let own = NEIGHBOURS.iter().filter(|k| **k * sign > 0.0).map(|k| hz + k * step);
+            let inside: Vec<f64> =
+                own.filter(|f| *f > 2.0 * step && *f < self.nyquist_hz).map(|f| self.power(f)).collect();
+            (inside.len() >= 2).then(|| inside.iter().sum::<f64>() / inside.len() as f64)
+        };
+        let background = match (side(-1.0), side(1.0)) {
+            (Some(a), Some(b)) => (a * b).sqrt(),
+            (Some(one), None) | (None, Some(one)) => one,
+            (None, None) => return None,
+        };
+        let power = self.power(hz);
+        (background > 0.0).then(|| (power / background, power))
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The frequency that stands out most of all others, by how much, if by enough.
+fn line(branches: &[Branch], over: Over) -> Option<(f64, Ripple)> {
+    let scale = |b: &Branch| if over == Over::Time { 1.0 } else { b.rate_mm_per_s };
+    let used: Vec<&Branch> = branches.iter().filter(|b| scale(b) > 0.0).collect();
+    let lowest = used.iter().map(|b| PERIODS / b.length_s / scale(b)).fold(f64::INFINITY, f64::min);
+    let highest = used.iter().map(|b| b.nyquist_hz / scale(b)).fold(0.0, f64::max);
+    let step = used.iter().map(|b| 1.0 / b.length_s / scale(b)).fold(f64::INFINITY, f64::min);
+    let count = ((highest - lowest) / step).floor();
+    if !count.is_finite() || count < FREQUENCIES as f64 {
+        return None;
+    }
+    // a frequency is looked at where at least half of the branches that any frequency has can tell of it
+    let mut seen: Vec<(f64, usize, f64, f64)> = Vec::new();
+    for k in 0..(count as usize).min(4000) {
+        let frequency = lowest + k as f64 * step;
+        let each: Vec<(f64, f64)> = used.iter().filter_map(|b| b.excess(frequency * scale(b))).collect();
+        let mean = |of: fn(&(f64, f64)) -> f64| each.iter().map(of).sum::<f64>() / each.len() as f64;
+        if !each.is_empty() {
+            seen.push((frequency, each.len(), mean(|e| e.0), mean(|e| e.1)));
+        }
+    }
+    let most = seen.iter().map(|s| s.1).max()?;
+    seen.retain(|s| 2 * s.1 >= most);
+    if seen.len() < FREQUENCIES {
+        return None;
+    }
+    let mut logs: Vec<f64> = seen.iter().map(|s| s.2.ln()).collect();
+    logs.sort_by(f64::total_cmp);
+    let at = |share: f64| logs[((logs.len() - 1) as f64 * share) as usize];
+    let (middle, deviation) = (at(0.5), at(0.84) - at(0.5));
+    let best = seen.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let by = (best.2.ln() - middle) / deviation.max(1e-3);
+    let variance = used.iter().map(|b| b.variance).sum::<f64>() / used.len() as f64;
+    let ripple = Ripple {
+        over,
+        frequency: best.0,
+        amplitude_n: (0.5 * best.3).sqrt(),
+        share: (0.5 * best.3 / variance.max(f64::MIN_POSITIVE)).min(1.0),
+    };
+    (by > STANDS_OUT && best.2 > LEAST * middle.exp()).then_some((by, ripple))
+}
+
+impl std::fmt::Display for Ripple {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (unit, over) = match self.over {
+            Over::Time => ("Hz (or a higher frequency that the sampling folds there)", "time"),
+            Over::Depth => ("periods a millimetre", "depth"),
+        };
+        write!(
+            f,
+            "the force ripples over {over} with {:.2} {unit}, amplitude {:.2e} N, {:.0} % of its scatter about smooth curves",
+            self.frequency,
+            self.amplitude_n,
+            100.0 * self.share
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use rand::{Rng, SeedableRng};
+    use rand_distr::StandardNormal;
+    use rand_pcg::Pcg64;
+
+    use super::*;
+
+    /// Ramps at three rates of a noise that is correlated over 0.1 s, with a wave of random phase in every run.
+    fn ramps(seed: u64, wave: impl Fn(f64, f64) -> f64, amplitude: f64) -> Vec<Branch> {
+        let mut chance = Pcg64::seed_from_u64(seed);
+        let mut list = Vec::new();
+        for rate in [0.5, 1.0, 2.0] {
+            for _ in 0..6 {
+                let count = (3.0 / rate * 50.0) as usize;
+                let time: Vec<f64> = (0..count).map(|k| k as f64 * 0.02).collect();
+                let keep = (-0.2_f64).exp();
+                let mut state: f64 = chance.sample(StandardNormal);
+                let phase: f64 = chance.random_range(0.0..6.28);
+                let force: Vec<f64> = time
+                    .iter()
+                    .map(|t| {
+                        state = keep * state + (1.0 - keep * keep).sqrt() * chance.sample::<f64, _>(StandardNormal);
+                        (rate * t).powf(1.5)
+                            + 0.01 * state
+                            + amplitude * (std::f64::consts::TAU * wave(*t, rate) + phase).sin()
+                    })
+                    .collect();
+                list.extend(Branch::of(&time, &force, rate));
+            }
+        }
+        list
+    }
+
+    /// The chance of one false line in 80 looks at a level of a few in ten thousand is below 5 %.
+    #[test]
+    fn noise_has_no_line() {
+        for seed in 0..40 {
+            for over in [Over::Time, Over::Depth] {
+                assert!(line(&ramps(seed, |t, _| t, 0.0), over).is_none(), "{seed} {over:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_is_found_with_its_frequency_and_what_it_is_regular_over() {
+        // two runs differ by a wave whose square is twice as large
+        let hum = ramps(1, |t, _| 7.3 * t, 0.005 * 2.0_f64.sqrt());
+        let found = line(&hum, Over::Time).unwrap();
+        assert!(found.1.over == Over::Time && (found.1.frequency - 7.3).abs() < 0.2, "{found:?}");
+        // the mean power holds the noise's own there
+        assert!((found.1.amplitude_n / 0.005 - 1.0).abs() < 0.3, "{found:?}");
+        assert!(line(&hum, Over::Depth).is_none_or(|other| other.0 < found.0));
+        let slip = ramps(2, |t, rate| 4.0 * rate * t, 0.005);
+        let found = line(&slip, Over::Depth).unwrap();
+        assert!((found.1.frequency - 4.0).abs() < 0.2, "{found:?}");
+        assert!(line(&slip, Over::Time).is_none_or(|other| other.0 < found.0));
+    }
+}

@@ -1,0 +1,139 @@
+//! What becomes of an ambiguous answer when the runs are made that it proposes.
+
+use palpate::diagnose::plan::Plan;
+use palpate::diagnose::{self, Diagnosis, Models, Verdict};
+use palpate::experiment::Experiment;
+use palpate::simulate::{RunTemplate, SimulatedExperiment, Solver, simulate};
+
+use crate::hidden::Case;
+
+use super::outcome::Outcome;
+use super::{Answer, ScoreError, known_models};
+
+/// Most runs that are made, one after the other.
+pub const MOST_RUNS: usize = 2;
+/// Spots that a planned run is made on, as the plan says.
+const SPOTS: usize = 2;
+/// Time between the cycles of a planned run, and after the session until it is made, s.
+const REST_S: f64 = 60.0;
+
+/// How following the plan ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// What was proposed and made.
+    pub runs: Vec<Plan>,
+    /// The last answer.
+    pub answer: Answer,
+    /// How good it is.
+    pub outcome: Outcome,
+}
+
+impl Followed {
+    /// Makes what an ambiguous diagnosis proposes first, diagnoses again, and once more if it is still ambiguous. None where nothing is
+    /// proposed.
+    ///
+    /// # Errors
+    /// [`ScoreError`]: when a solve fails.
+    pub fn of(
+        case: &Case,
+        experiment: &Experiment,
+        diagnosis: &Diagnosis,
+        strength: Option<&[f64]>,
+        (solver, models): (&Solver, &Models),
+    ) -> Result<Option<Self>, ScoreError> {
+        let mut all = experiment.clone();
+        let mut next = diagnosis.proposals.first().map(|p| p.motion);
+        let mut followed: Option<Self> = None;
+        let mut runs = Vec::new();
+        while let Some(plan) = next.take() {
+            runs.push(plan);
+            let more = planned(case, &all, &plan, runs.len(), solver)?;
+            append(&mut all, &more.experiment());
+            known_models(&all, models)?;
+            let found = diagnose::diagnose(&all, models, &|_, _, _| {})?;
+            let [one] = found.as_slice() else { return Err(ScoreError::Answers(found.len())) };
+            let answer = Answer::of(one);
+            if answer.verdict == Verdict::Ambiguous && runs.len() < MOST_RUNS {
+                next = one.proposals.first().map(|p| p.motion);
+            }
+            let outcome = Outcome::of(&case.truth(), strength, &answer);
+            followed = Some(Self { runs: runs.clone(), answer, outcome });
+        }
+        Ok(followed)
+    }
+
+    /// True when every effect has its one right name.
+    #[must_use]
+    pub fn resolved(&self) -> bool {
+        self.answer.verdict == Verdict::Named && matches!(self.outcome, Outcome::Exact | Outcome::Both)
+    }
+}
+
+/// The planned runs alone, with what is hidden, other chance and other spots.
+fn planned(
+    case: &Case,
+    so_far: &Experiment,
+    plan: &Plan,
+    round: usize,
+    solver: &Solver,
+) -> Result<SimulatedExperiment, ScoreError> {
+    let mut spec = case.spec();
+    spec.seed = spec.seed.wrapping_add(1_000_003 * round as u64);
+    let mut specimen = so_far.specimens[plan.specimen].name.clone();
+    let mut ball = so_far.indenters[plan.indenter].name.clone();
+    if plan.height != 1.0 {
+        let height_mm = plan.height * so_far.specimens[plan.specimen].height_mm.known().unwrap_or(1.0);
+        specimen = format!("{specimen} {height_mm:.1}");
+        // every specimen of a case is of one foam
+        if let Some(like) = spec.specimens.first().cloned() {
+            spec.specimens.push(palpate::simulate::TrueSpecimen { name: specimen.clone(), height_mm, ..like });
+        }
+    }
+    if plan.radius != 1.0 {
+        let radius_mm = plan.radius * so_far.indenters[plan.indenter].radius_mm.known().unwrap_or(1.0);
+        ball = format!("{ball} {radius_mm:.2}");
+        spec.indenters.push(palpate::simulate::TrueIndenter { name: ball.clone(), radius_mm });
+    }
+    spec.runs = vec![RunTemplate {
+        hold_s: plan.hold_s,
+        unload: plan.unload,
+        cycles: plan.cycles,
+        rest_s: REST_S,
+        replicates: SPOTS,
+        ..RunTemplate::ramp(&specimen, &ball, plan.depth_mm, plan.rate_mm_per_s)
+    }];
+    Ok(simulate(&spec, solver, &|_, _, _| {})?)
+}
+
+/// Puts runs behind those of an experiment: specimens and balls by name, spots of their own, later on the session clock.
+fn append(all: &mut Experiment, more: &Experiment) {
+    let spots = all.runs.iter().filter_map(|r| r.spot).max().unwrap_or(0);
+    let orders = all.runs.iter().filter_map(|r| r.order).max().unwrap_or(0);
+    let end = |r: &palpate::experiment::Run| Some(r.start_s? + r.recording.time_s.last()?);
+    let end_s = all.runs.iter().filter_map(end).fold(0.0, f64::max) + REST_S;
+    for run in &more.runs {
+        let mut run = run.clone();
+        run.specimen = run.specimen.map(|at| {
+            let own = &more.specimens[at];
+            all.specimens.iter().position(|s| s.name == own.name).unwrap_or_else(|| {
+                let mut own = own.clone();
+                // one foam, whatever the specimen is called
+                own.material.clone_from(&all.specimens[0].material);
+                all.specimens.push(own);
+                all.specimens.len() - 1
+            })
+        });
+        run.indenter = run.indenter.map(|at| {
+            let own = &more.indenters[at];
+            all.indenters.iter().position(|i| i.name == own.name).unwrap_or_else(|| {
+                all.indenters.push(own.clone());
+                all.indenters.len() - 1
+            })
+        });
+        run.file = format!("planned {} {}", all.runs.len(), run.file);
+        run.spot = run.spot.map(|spot| spot + spots);
+        run.order = run.order.map(|order| order + orders);
+        run.start_s = run.start_s.map(|start_s| start_s + end_s);
+        all.runs.push(run);
+    }
+}
