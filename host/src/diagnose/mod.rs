@@ -181,12 +181,26 @@ pub fn diagnose(
     models: &Models,
     progress: &Progress<'_>,
 ) -> Result<Vec<Diagnosis>, DiagnoseError> {
-    identify::materials(experiment).iter().map(|material| one(experiment, material, models, progress)).collect()
+    diagnose_without(&[], experiment, models, progress)
+}
+
+/// The same with a catalogue that lacks some codes: what they would explain should then be "unknown".
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_without(
+    codes: &[&str],
+    experiment: &Experiment,
+    models: &Models,
+    progress: &Progress<'_>,
+) -> Result<Vec<Diagnosis>, DiagnoseError> {
+    let each = identify::materials(experiment);
+    each.iter().map(|material| one(experiment, (material, codes), models, progress)).collect()
 }
 
 fn one(
     experiment: &Experiment,
-    material: &str,
+    (material, without): (&str, &[&str]),
     models: &Models,
     progress: &Progress<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
@@ -201,7 +215,7 @@ fn one(
                 diagnosis.verdict = Verdict::TooFewData;
                 diagnosis.refusal = Some(refusal);
             }
-            Ok(design) => diagnosis.examine(experiment, design, models, progress)?,
+            Ok(design) => diagnosis.examine(experiment, (design, without), models, progress)?,
         }
     }
     diagnosis.seconds = start.elapsed().as_secs_f64();
@@ -229,7 +243,7 @@ impl Diagnosis {
     fn examine(
         &mut self,
         experiment: &Experiment,
-        design: Design,
+        (design, without): (Design, &[&str]),
         models: &Models,
         progress: &Progress<'_>,
     ) -> Result<(), DiagnoseError> {
@@ -253,7 +267,8 @@ impl Diagnosis {
         let curves = Problem::curves(&design, &chain, &base.model, &problem.contacts_mm);
         let margins = margin::margins(problem, &curves);
         let twins = evidence::twins(&problem.whitening, noise, &problem.used, evidence::TWINS);
-        let candidates = search::candidates(&design);
+        let mut candidates = search::candidates(&design);
+        candidates.retain(|c| !without.contains(&c.effect.code));
         let signatures: Vec<DMatrix<f64>> = candidates.iter().map(|c| search::signature(problem, base, c)).collect();
         let spaces = Spaces::new(&signatures, &base.jacobian, &twins);
         let none = DMatrix::zeros(problem.whitening.residuals(), 0);

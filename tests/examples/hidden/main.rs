@@ -1,7 +1,7 @@
 //! Scores the diagnosis on experiments with hidden effects: `cargo run --release -p tests --example hidden -- --cases 100`.
 //!
 //! Without `--design` all four designs are scored, with `--cases` of each (100 unless stated). `--only CODE` scores one code ("clean",
-//! "matched", "mismatched", "pairs", "placebos" or an effect) at all levels by turns, `--seed` moves the first seed, `--skip` leaves
+//! "matched", "mismatched", "pairs", "placebos", "deleted" or an effect) at all levels by turns, `--seed` moves the first seed, `--skip` leaves
 //! out the first cases of each design, `--verbose` tells every case on a line, `--json FILE` writes every case, `--write` puts the tables into docs/hidden-effects.md.
 
 mod arguments;

@@ -93,7 +93,7 @@ pub(super) fn truth(case: &Case) -> Truth {
     let mut chance = chance(case, 4);
     let effects = match &what {
         What::Clean => Vec::new(),
-        What::Catalogue(code, level) | What::Outside(code, level) => {
+        What::Catalogue(code, level) | What::Outside(code, level) | What::Deleted(code, level) => {
             strength::effect(code, *level, &scales, &mut chance).into_iter().collect()
         }
         What::Placebo(variable) => {

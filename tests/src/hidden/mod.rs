@@ -20,6 +20,8 @@ pub enum What {
     Catalogue(&'static str, usize),
     /// An effect outside of it, likewise.
     Outside(&'static str, usize),
+    /// An effect of the catalogue at a level, and the diagnosis' catalogue lacks it.
+    Deleted(&'static str, usize),
     /// A smooth function without meaning, at 3 % of the peak.
     Placebo(Variable),
     /// Two effects of the catalogue at a level each.
@@ -162,7 +164,7 @@ mod tests {
                 What::Clean => "clean".to_owned(),
                 What::Pair(codes, _) => codes.join(" + "),
                 What::Placebo(variable) => format!("{variable:?}"),
-                What::Catalogue(code, level) | What::Outside(code, level) => {
+                What::Catalogue(code, level) | What::Outside(code, level) | What::Deleted(code, level) => {
                     assert!(*level < LEVELS);
                     assert!(truth.codes() == [*code], "{truth:?}");
                     (*code).to_owned()

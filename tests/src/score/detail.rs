@@ -22,7 +22,7 @@ impl Score<'_> {
             .to_owned();
         let mut keys = vec!["clean".to_owned()];
         keys.extend(CATALOGUE.iter().chain(&OUTSIDE).map(|code| (*code).to_owned()));
-        keys.push("placebo".to_owned());
+        keys.extend(["placebo".to_owned(), "deleted".to_owned()]);
         for key in keys {
             let own: Vec<&Scored> = self.list.iter().filter(|s| hidden(s) == Some(key.as_str())).collect();
             if own.is_empty() {
@@ -183,6 +183,7 @@ fn hidden(s: &Scored) -> Option<&'static str> {
     match s.truth.what {
         What::Clean => Some("clean"),
         What::Catalogue(code, _) | What::Outside(code, _) => Some(code),
+        What::Deleted(..) => Some("deleted"),
         What::Placebo(_) => Some("placebo"),
         What::Pair(..) => None,
     }

@@ -127,10 +127,14 @@ impl Scored {
     pub fn of(case: &Case, solver: &Solver, models: &Models) -> Result<Self, ScoreError> {
         let start = std::time::Instant::now();
         let truth = case.truth();
+        let without: Vec<&str> = match truth.what {
+            What::Deleted(code, _) => vec![code],
+            _ => Vec::new(),
+        };
         let made = case.make(solver)?;
         let experiment = made.experiment();
         known_models(&experiment, models)?;
-        let diagnoses = diagnose::diagnose(&experiment, models, &|_, _, _| {})?;
+        let diagnoses = diagnose::diagnose_without(&without, &experiment, models, &|_, _, _| {})?;
         let [diagnosis] = diagnoses.as_slice() else { return Err(ScoreError::Answers(diagnoses.len())) };
         let answer = Answer::of(diagnosis);
         let strength = match &diagnosis.evidence {

@@ -57,10 +57,12 @@ impl Outcome {
         match &truth.what {
             What::Clean if silent => Self::CleanRight,
             What::Clean => Self::FalseAlarm,
-            What::Placebo(_) | What::Outside(..) if silent => Self::OutsideClean,
-            What::Placebo(_) | What::Outside(..) if answer.verdict == Verdict::Unknown => Self::OutsideUnknown,
+            What::Placebo(_) | What::Deleted(..) | What::Outside(..) if silent => Self::OutsideClean,
+            What::Placebo(_) | What::Deleted(..) | What::Outside(..) if answer.verdict == Verdict::Unknown => {
+                Self::OutsideUnknown
+            }
             What::Outside(code, _) if other_form(code, &answer.findings) => Self::OtherForm,
-            What::Placebo(_) | What::Outside(..) => Self::Wrong,
+            What::Placebo(_) | What::Deleted(..) | What::Outside(..) => Self::Wrong,
             What::Catalogue(..) if silent && visible => Self::Missed,
             What::Catalogue(..) if silent => Self::SilentRight,
             What::Catalogue(..) if answer.verdict == Verdict::Unknown => Self::Unknown,

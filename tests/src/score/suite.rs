@@ -50,7 +50,7 @@ fn what(kind: u8, nth: usize, place: usize) -> What {
     }
 }
 
-/// The cases of a design that hide one code (or "clean", "matched", "mismatched", "pairs", "placebos"), at all levels by turns; `None` for an
+/// The cases of a design that hide one code (or "clean", "matched", "mismatched", "pairs", "placebos", "deleted"), at all levels by turns; `None` for an
 /// unknown word.
 #[must_use]
 pub fn cases_of(code: &str, design: Design, count: usize, first: u64) -> Option<Vec<Case>> {
@@ -62,6 +62,10 @@ pub fn cases_of(code: &str, design: Design, count: usize, first: u64) -> Option<
             "matched" => Some(case.hiding(What::Clean).in_noise(NoiseKind::Matched)),
             "mismatched" => Some(case.hiding(What::Clean).in_noise(NoiseKind::Mismatched)),
             "pairs" => Some(case.hiding(what(b'p', at, 0))),
+            "deleted" => {
+                let cell = (at * STEP) % (CATALOGUE.len() * 2);
+                Some(case.hiding(What::Deleted(CATALOGUE[cell / 2], 3 + cell % 2)))
+            }
             "placebos" => Some(case.hiding(what(b'x', at, 0))),
             _ => match (find(&CATALOGUE), find(&OUTSIDE)) {
                 (Some(code), _) => Some(case.hiding(What::Catalogue(code, at % LEVELS))),

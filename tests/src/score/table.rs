@@ -127,6 +127,14 @@ impl Score<'_> {
             measured,
             judged(cases, percent(unknown, cases) >= 90.0),
         );
+        let deleted = |s: &Scored| matches!(s.truth.what, What::Deleted(..)) && s.any_visible();
+        let (cases, unknown) =
+            (self.count(deleted), self.count(|s| deleted(s) && s.outcome == Outcome::OutsideUnknown));
+        row(
+            "deleted from the catalogue and visible: unknown >= 90 %",
+            share(unknown, cases),
+            judged(cases, percent(unknown, cases) >= 90.0),
+        );
         let placebo = |s: &Scored| matches!(s.truth.what, What::Placebo(_));
         let (cases, placebos) = (self.count(placebo), self.count(|s| placebo(s) && s.outcome == Outcome::Wrong));
         row("placebos named <= 1 %", share(placebos, cases), judged(cases, percent(placebos, cases) <= 1.0));
