@@ -28,8 +28,8 @@ static EXPERIMENT: LazyLock<Experiment> = LazyLock::new(|| {
         let ramp = RunTemplate::ramp("foam", "r4", 2.0, rate);
         spec.runs.push(RunTemplate { hold_s: 3.0, replicates: 2, ..ramp });
     }
-    // finer than the chain's mesh would be 1.5; 1.2 saves half of the test's time
-    spec.refinement = 1.2;
+    // another mesh than the chain's and than the tables'
+    spec.refinement = 0.8;
     spec.noise =
         Noise { sensor_n: 0.003, correlation_s: 0.1, contact_jitter_mm: 0.01, gain_jitter: 0.005, ..Noise::default() };
     let spec = spec.with(Effect::Relaxation(vec![(G, TAU_S)]));
@@ -51,7 +51,7 @@ fn parameters_are_found_again_with_the_effect_fixed_or_freed() {
         |model: &ExtendedModel, freed| identify::identify(&EXPERIMENT, model, freed, &MODELS, &|_, _, _| {}).unwrap();
     let [base, fixed] = [fit(&ExtendedModel::base("foam", 0.1, 8.0), false), fit(&model(G, TAU_S), false)];
     let freed = fit(&model(0.15, 0.5), true);
-    let error = |found: &identify::Identified| found.parameters[0].value / MU_MPA - 1.0;
+    let error = |found: &identify::Identified, at: usize, truth: f64| (found.parameters[at].value / truth - 1.0).abs();
     for (what, found) in [("base", &base), ("fixed", &fixed), ("freed", &freed)] {
         let [mu, alpha] = [&found.parameters[0], &found.parameters[1]];
         println!(
@@ -61,8 +61,13 @@ fn parameters_are_found_again_with_the_effect_fixed_or_freed() {
         assert_eq!(found.outcome, Outcome::Fitted);
         assert_eq!(found.starts.len(), 3);
     }
-    // a seventh of the force is gone where the base knows of no relaxation; gain and contact jitter leave 1 % of mu with the effect
-    assert!(error(&base).abs() > 0.08 && error(&fixed).abs() < 0.03 && error(&freed).abs() < 0.05);
+    // what the base knows nothing of goes into its exponent; gain and contact jitter leave 3 % of both with the effect
+    assert!(error(&base, 1, ALPHA) > 0.2, "the base is wrong");
+    for found in [&fixed, &freed] {
+        assert!(error(found, 0, MU_MPA) < 0.04 && error(found, 1, ALPHA) < 0.08);
+        let [mu, alpha] = [0, 1].map(|at| found.parameters[at].interval.unwrap());
+        assert!(mu.0 < MU_MPA && MU_MPA < mu.1 && alpha.0 < ALPHA && ALPHA < alpha.1);
+    }
     assert!(fixed.rmse_n < 0.4 * base.rmse_n && freed.rmse_n < 0.4 * base.rmse_n);
     let relaxation = &freed.effects[0].parameters;
     println!(
@@ -106,7 +111,7 @@ fn a_board_gains_by_a_table_of_the_extended_model() {
     assert_eq!((before.count, after.count), (6, 6));
     assert!(after.recognised >= 5 && after.mistaken == 0, "{after:?}");
     assert!(before.recognised <= 3, "{before:?}");
-    assert!(after.mu_error < 0.6 * before.mu_error && after.mu_spread < before.mu_spread, "{before:?} {after:?}");
+    assert!(after.mu_error < before.mu_error && after.force_error < 0.4 * before.force_error, "{before:?} {after:?}");
     assert_eq!(found.kept, ["relaxation (one-term): g1 0.3, tau1_s 1"]);
     assert!(found.left_out.is_empty() && found.freed.is_empty());
     let json = found.json();

@@ -129,6 +129,9 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     }
     if let Some(model) = &model {
         let own = extended::board::library(model, &grids).into_diagnostic()?;
+        if own.is_empty() {
+            eprintln!("the library has no entry of {}: none of its specimens' heights is asked for", model.material);
+        }
         library.retain(|one| own.iter().all(|other| one.name != other.name));
         library.extend(own);
     }

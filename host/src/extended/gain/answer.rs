@@ -16,6 +16,7 @@ fn tally(tally: &Tally) -> Value {
         "mistaken": tally.mistaken as f64 / tally.count.max(1) as f64,
         "identified": tally.identified as f64 / tally.count.max(1) as f64,
         "mu_error": finite(tally.mu_error), "alpha_error": finite(tally.alpha_error),
+        "force_error": finite(tally.force_error),
         "mu_spread": finite(tally.mu_spread), "alpha_spread": finite(tally.alpha_spread),
     })
 }
@@ -49,31 +50,44 @@ impl Gain {
         })
     }
 
-    /// Lines for a terminal.
+    /// What is compared: its name, before, after.
     #[must_use]
-    pub fn lines(&self) -> Vec<String> {
+    pub fn rows(&self) -> Vec<[String; 3]> {
         let [before, after] = self.tallies();
-        let row =
-            |what: &str, of: &dyn Fn(&Tally) -> String| format!("{what:24} {:>10} -> {}", of(&before), of(&after));
+        let row = |what: &str, of: &dyn Fn(&Tally) -> String| [what.to_owned(), of(&before), of(&after)];
         let percent = |x: f64| if x.is_finite() { format!("{} %", number(100.0 * x)) } else { "none".to_owned() };
-        let mut lines = vec![
-            format!("material                 {}; library: {}", self.material, self.library.join(", ")),
-            format!("palpations               {}: {}", self.trials.len(), self.left_out_runs),
+        vec![
             row("recognised", &|t| format!("{} of {}", t.recognised, t.count)),
             row("taken for a neighbour", &|t| format!("{} of {}", t.mistaken, t.count)),
             row("parameters given", &|t| format!("{} of {}", t.identified, t.count)),
             row("error of mu, rms", &|t| percent(t.mu_error)),
             row("error of alpha, rms", &|t| percent(t.alpha_error)),
-            format!("  relative to            {}", self.reference),
+            row("error of their force", &|t| percent(t.force_error)),
             row("spread of mu", &|t| percent(t.mu_spread)),
             row("spread of alpha", &|t| percent(t.alpha_spread)),
-        ];
+        ]
+    }
+
+    /// What of the model was used where, in sentences.
+    #[must_use]
+    pub fn uses(&self) -> Vec<String> {
         let parts =
             [("in the table", &self.kept), ("not in the table", &self.left_out), ("taken off recordings", &self.freed)];
-        for (what, list) in parts {
-            lines.extend(list.iter().map(|sentence| format!("{what:24} {sentence}")));
-        }
-        lines.push(format!("solves                   {} in {:.1} s", self.fe_solves, self.seconds));
+        parts.iter().flat_map(|(what, list)| list.iter().map(move |sentence| format!("{what:20} {sentence}"))).collect()
+    }
+
+    /// Lines for a terminal.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = vec![
+            format!("{:24} {}; library: {}", "material", self.material, self.library.join(", ")),
+            format!("{:24} {}: {}", "palpations", self.trials.len(), self.left_out_runs),
+        ];
+        let rows = self.rows();
+        lines.extend(rows.iter().map(|[what, before, after]| format!("{what:24} {before:>10} -> {after}")));
+        lines.push(format!("{:24} {}", "errors relative to", self.reference));
+        lines.extend(self.uses());
+        lines.push(format!("{:24} {} in {:.1} s", "solves", self.fe_solves, self.seconds));
         lines
     }
 }

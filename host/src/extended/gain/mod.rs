@@ -24,7 +24,7 @@ use crate::diagnose::fit::Problem;
 use crate::experiment::Experiment;
 
 use super::{ExtendedError, ExtendedModel, fitting};
-use palpation::Palpated;
+pub use palpation::Palpated;
 use table::{Arm, Tables};
 
 /// Why no gain is measured.
@@ -97,6 +97,8 @@ pub struct Tally {
     pub mu_error: f64,
     /// The same of the exponent.
     pub alpha_error: f64,
+    /// The same of the force at full depth that modulus and exponent stand for.
+    pub force_error: f64,
     /// Standard deviation of the modulus over all palpations, relative to its mean: a right model gives one value.
     pub mu_spread: f64,
     /// The same of the exponent.
@@ -171,7 +173,7 @@ pub fn gain(
             Arm { spec: declared.clone(), entry: entries[0], kept: Vec::new(), left_out: Vec::new() },
             Arm::extended(&model, &declared, entries[1], used)?,
         ];
-        let [before, after] = [tables.of(&arms[0])?, tables.of(&arms[1])?];
+        let [(before, base_peaks), (after, peaks)] = [tables.of(&arms[0])?, tables.of(&arms[1])?];
         for i in runs {
             let series = &design.series[i];
             let press = |freed: &[Setting], height_mm| {
@@ -184,16 +186,16 @@ pub fn gain(
                 before: palpation::judge(&before, &press(&[], heights[0]))?,
                 after: palpation::judge(&after, &press(&rig, heights[1]))?,
             });
-            own.push(entries);
+            own.push((entries, [base_peaks.clone(), peaks.clone()]));
         }
         tables.tell(&arms[1]);
     }
     if trials.is_empty() {
         return Err(GainError::Nothing("no run is left to be palpated".to_owned()));
     }
-    for (trial, entries) in trials.iter_mut().zip(&own) {
-        trial.before.refer(options.truth.unwrap_or(entries[0]));
-        trial.after.refer(options.truth.unwrap_or(entries[1]));
+    for (trial, (entries, peaks)) in trials.iter_mut().zip(&own) {
+        trial.before.refer(options.truth.unwrap_or(entries[0]), &peaks[0]);
+        trial.after.refer(options.truth.unwrap_or(entries[1]), &peaks[1]);
     }
     let freed = model.effects.iter().filter(|a| rig.iter().any(|s| s.effect == a.effect));
     Ok(Gain {
@@ -246,9 +248,8 @@ impl Gain {
 fn tally<'a>(all: impl Iterator<Item = &'a Palpated>) -> Tally {
     let all: Vec<&Palpated> = all.collect();
     let found: Vec<(f64, f64)> = all.iter().filter_map(|p| p.found).collect();
-    let errors: Vec<(f64, f64)> = all.iter().filter_map(|p| p.error).collect();
-    let rms =
-        |of: fn(&(f64, f64)) -> f64| (errors.iter().map(|e| of(e).powi(2)).sum::<f64>() / errors.len() as f64).sqrt();
+    let errors: Vec<[f64; 3]> = all.iter().filter_map(|p| p.error).collect();
+    let rms = |which: usize| (errors.iter().map(|e| e[which].powi(2)).sum::<f64>() / errors.len() as f64).sqrt();
     let spread = |of: fn(&(f64, f64)) -> f64| {
         let n = found.len() as f64;
         let mean = found.iter().map(of).sum::<f64>() / n;
@@ -259,8 +260,9 @@ fn tally<'a>(all: impl Iterator<Item = &'a Palpated>) -> Tally {
         recognised: all.iter().filter(|p| p.named == Some(0)).count(),
         mistaken: all.iter().filter(|p| p.named.is_some_and(|at| at > 0)).count(),
         identified: found.len(),
-        mu_error: rms(|e| e.0),
-        alpha_error: rms(|e| e.1),
+        mu_error: rms(0),
+        alpha_error: rms(1),
+        force_error: rms(2),
         mu_spread: spread(|f| f.0),
         alpha_spread: spread(|f| f.1),
     }

@@ -14,6 +14,7 @@ use crate::experiment::{Experiment, motion};
 use crate::extended::rig;
 
 use super::GainError;
+use super::table::Peaks;
 
 /// Samples a second of a board.
 const SAMPLES_HZ: f64 = 50.0;
@@ -39,8 +40,9 @@ pub struct Palpated {
     pub named: Option<usize>,
     /// Modulus (MPa) and exponent, if they were given.
     pub found: Option<(f64, f64)>,
-    /// Their relative errors.
-    pub error: Option<(f64, f64)>,
+    /// Their relative errors, and that of the force at full depth that they stand for: modulus and exponent make up for each other, the
+    /// force is what a palpation sees.
+    pub error: Option<[f64; 3]>,
     /// Mean difference to the nearest material, N, and the most that is accepted.
     pub error_n: f64,
     /// See `error_n`.
@@ -48,9 +50,10 @@ pub struct Palpated {
 }
 
 impl Palpated {
-    /// Fills in the errors relative to a modulus (MPa) and an exponent.
-    pub(super) fn refer(&mut self, (mu_mpa, alpha): (f64, f64)) {
-        self.error = self.found.map(|(m, a)| (m / mu_mpa - 1.0, a / alpha - 1.0));
+    /// Fills in the errors relative to a modulus (MPa) and an exponent, in a table of these peaks.
+    pub(super) fn refer(&mut self, (mu_mpa, alpha): (f64, f64), peaks: &Peaks) {
+        let force = peaks.force_n(mu_mpa, alpha);
+        self.error = self.found.map(|(m, a)| [m / mu_mpa - 1.0, a / alpha - 1.0, peaks.force_n(m, a) / force - 1.0]);
     }
 }
 

@@ -61,6 +61,27 @@ pub(super) fn declared(experiment: &Experiment, design: &Design, series: &Series
     }
 }
 
+/// Force at the largest depth a MPa of modulus, over the exponents of a table.
+#[derive(Debug, Clone)]
+pub(super) struct Peaks(Vec<(f64, f64)>);
+
+impl Peaks {
+    fn of(grid: &ForceGrid) -> Self {
+        let peak = |column: &Vec<f64>| column.last().copied().unwrap_or(0.0);
+        Self(grid.spec.alpha.iter().copied().zip(grid.force_per_mpa.iter().map(peak)).collect())
+    }
+
+    /// Force (N), straight between exponents and constant beyond them.
+    pub fn force_n(&self, mu_mpa: f64, alpha: f64) -> f64 {
+        let next = self.0.partition_point(|(a, _)| *a < alpha).clamp(1, self.0.len().max(2) - 1);
+        match (self.0.get(next - 1), self.0.get(next)) {
+            (Some((a, f)), Some((b, g))) => mu_mpa * (f + (g - f) * ((alpha - a) / (b - a)).clamp(0.0, 1.0)),
+            (Some((_, f)), None) => mu_mpa * f,
+            _ => f64::NAN,
+        }
+    }
+}
+
 /// Tables that were made, and the grids behind them.
 pub(super) struct Tables<'a> {
     options: &'a Options,
@@ -92,8 +113,8 @@ impl<'a> Tables<'a> {
         }
     }
 
-    /// The bytes of an arm's table.
-    pub fn of(&mut self, arm: &Arm) -> Result<Vec<u8>, GainError> {
+    /// The bytes of an arm's table, and its peaks.
+    pub fn of(&mut self, arm: &Arm) -> Result<(Vec<u8>, Peaks), GainError> {
         let (mu, alpha) = arm.entry;
         let mut spec =
             GridSpec { alpha: self.options.alpha.clone(), resolution: self.options.resolution, ..arm.spec.clone() };
@@ -125,7 +146,8 @@ impl<'a> Tables<'a> {
             .into_iter()
             .zip(factors())
             .flat_map(|(name, factor)| own.iter().map(move |unit| scaled(unit, &name, factor * mu)));
-        Ok(table::write(&[grid], Form::Factored, library.collect())?)
+        let peaks = Peaks::of(&grid);
+        Ok((table::write(&[grid], Form::Factored, library.collect())?, peaks))
     }
 }
 
