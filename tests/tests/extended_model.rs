@@ -96,7 +96,7 @@ fn a_model_that_does_not_belong_to_the_experiment_is_refused() {
 fn a_board_gains_by_a_table_of_the_extended_model() {
     let options = Options {
         truth: Some((MU_MPA, ALPHA)),
-        alpha: (0..7).map(|i| 2.0 + 2.0 * f64::from(i)).collect(),
+        alpha: (0..6).map(|i| 2.0 + 2.5 * f64::from(i)).collect(),
         // the tables' own error is then 1 % and less: far below a seventh of the force
         resolution: Resolution::Refined(0.6),
     };

@@ -188,6 +188,9 @@ fn unusable(experiment: &Experiment, material: &str) -> Outcome {
     if long { Outcome::NoContact } else { Outcome::TooFewPoints }
 }
 
+/// The model, mu and alpha with their intervals, and whether alpha lies at an edge.
+type Fitted = (lut_gen::chain::Model, [(f64, (f64, f64)); 2], bool);
+
 /// A parameter may lie this close to a bound, as a part of the range, and counts as on it.
 const ON_BOUND: f64 = 1e-3;
 
@@ -234,12 +237,7 @@ impl Identified {
     }
 
     /// Fits the effects' parameters as well, from those of the file.
-    fn freed(
-        &mut self,
-        problem: &Problem<'_>,
-        settings: &[Setting],
-        x: &DVector<f64>,
-    ) -> (lut_gen::chain::Model, [(f64, (f64, f64)); 2], bool) {
+    fn freed(&mut self, problem: &Problem<'_>, settings: &[Setting], x: &DVector<f64>) -> Fitted {
         let candidates: Vec<Candidate> =
             settings.iter().map(|s| Candidate { effect: s.effect, owner: s.owner }).collect();
         let list = fit::coordinates(problem.design, &candidates);

@@ -32,7 +32,7 @@ pub fn apply(model: &ExtendedModel, spec: &mut Spec) -> Result<Vec<String>, Exte
     let gain = model.effects.iter().find(|a| a.effect.code == "sensor-gain").map_or(1.0, |a| a.values[0]);
     let mut sentences = Vec::new();
     for added in &model.effects {
-        for twin in spec.effects.iter().filter(|e| e.code() == added.effect.code) {
+        if let Some(twin) = spec.effects.iter().find(|e| e.code() == added.effect.code) {
             let text = format!("{} is in the specification and in the model; expected it in one of them", twin.code());
             return Err(ExtendedError::Contradiction(text));
         }
