@@ -19,7 +19,7 @@ use lut_gen::model::Resolution;
 use lut_gen::table::LutError;
 
 use crate::diagnose::Models;
-use crate::diagnose::design::Design;
+use crate::diagnose::design::{Design, Series};
 use crate::diagnose::fit::Problem;
 use crate::experiment::Experiment;
 
@@ -153,50 +153,26 @@ pub fn gain(
     let chain = fitting::chain(&design, models, progress)?;
     let (prepared, _) = fitting::prepared(&design, &chain, experiment.sensor.noise_n, &settings)
         .ok_or_else(|| GainError::Covariance(material.clone()))?;
-    let marked = design.series.iter().any(|s| s.hold_out);
+    let bench = Bench {
+        experiment,
+        model: &model,
+        problem: &prepared.problem,
+        rig: model.rig(),
+        settings,
+        noise_n: prepared.noise.sensor.sigma_n,
+        marked: design.series.iter().any(|s| s.hold_out),
+        truth: options.truth,
+    };
     let mut tables = Tables::new(options, &material);
-    let rig = model.rig();
     let mut trials = Vec::new();
-    let mut own = Vec::new();
-    for (group, used) in conditions(&design, marked) {
+    for (group, used) in conditions(&design, bench.marked) {
         progress("palpations", group, design.groups);
-        let problem = Problem { used: seen(&design, (!marked).then_some(group)), ..prepared.problem.clone() };
-        let of = |s: &crate::diagnose::design::Series| {
-            s.group == group && (s.pressed_before_mm > 0.0) == used && (!marked || s.hold_out)
-        };
-        let runs: Vec<usize> = (0..design.series.len()).filter(|i| of(&design.series[*i])).collect();
-        let Some(first) = runs.first().map(|i| &design.series[*i]) else { continue };
-        let deepest = runs.iter().flat_map(|i| &design.series[*i].nodes).map(|n| n.depth_mm).fold(0.0, f64::max);
-        let declared = table::declared(experiment, &design, first, deepest);
-        let entries = [&[][..], &settings[..]].map(|effects: &[Setting]| entry(&problem, effects));
-        let arms = [
-            Arm { spec: declared.clone(), entry: entries[0], kept: Vec::new(), left_out: Vec::new() },
-            Arm::extended(&model, &declared, entries[1], used)?,
-        ];
-        let [(before, base_peaks), (after, peaks)] = [tables.of(&arms[0])?, tables.of(&arms[1])?];
-        for i in runs {
-            let series = &design.series[i];
-            let press = |freed: &[Setting], height_mm| {
-                palpation::press(experiment, &design, series, freed, height_mm, prepared.noise.sensor.sigma_n)
-            };
-            let heights = [0, 1].map(|arm: usize| arms[arm].spec.specimen.height_mm);
-            trials.push(Trial {
-                file: experiment.runs[series.run].file.clone(),
-                condition: design.group_name(experiment, group),
-                before: palpation::judge(&before, &press(&[], heights[0]))?,
-                after: palpation::judge(&after, &press(&rig, heights[1]))?,
-            });
-            own.push((entries, [base_peaks.clone(), peaks.clone()]));
-        }
-        tables.tell(&arms[1]);
+        trials.extend(bench.condition(group, used, &mut tables)?);
     }
     if trials.is_empty() {
         return Err(GainError::Nothing("no run is left to be palpated".to_owned()));
     }
-    for (trial, (entries, peaks)) in trials.iter_mut().zip(&own) {
-        trial.before.refer(options.truth.unwrap_or(entries[0]), &peaks[0]);
-        trial.after.refer(options.truth.unwrap_or(entries[1]), &peaks[1]);
-    }
+    let (rig, marked) = (&bench.rig, bench.marked);
     let freed = model.effects.iter().filter(|a| rig.iter().any(|s| s.effect == a.effect));
     Ok(Gain {
         library: tables.names(),
@@ -216,6 +192,59 @@ pub fn gain(
     })
 }
 
+/// What all palpations of an experiment share.
+struct Bench<'a> {
+    experiment: &'a Experiment,
+    model: &'a ExtendedModel,
+    problem: &'a Problem<'a>,
+    /// Effects of the model.
+    settings: Vec<Setting>,
+    /// Those of them that belong to the rig.
+    rig: Vec<Setting>,
+    noise_n: f64,
+    /// Runs are marked as held out.
+    marked: bool,
+    truth: Option<(f64, f64)>,
+}
+
+impl Bench<'_> {
+    /// Palpates the runs of a group of conditions, on fresh or used spots, with a table of the base and one of the extended model.
+    fn condition(&self, group: usize, used: bool, tables: &mut Tables<'_>) -> Result<Vec<Trial>, GainError> {
+        let design = self.problem.design;
+        let of = |s: &&Series| s.group == group && (s.pressed_before_mm > 0.0) == used && (!self.marked || s.hold_out);
+        let runs: Vec<&Series> = design.series.iter().filter(of).collect();
+        let Some(first) = runs.first() else { return Ok(Vec::new()) };
+        let deepest = runs.iter().flat_map(|s| &s.nodes).map(|n| n.depth_mm).fold(0.0, f64::max);
+        let declared = table::declared(self.experiment, design, first, deepest);
+        let problem = Problem { used: seen(design, (!self.marked).then_some(group)), ..self.problem.clone() };
+        let entries = [&[][..], &self.settings[..]].map(|effects: &[Setting]| entry(&problem, effects));
+        let arms = [
+            Arm { spec: declared.clone(), entry: entries[0], kept: Vec::new(), left_out: Vec::new() },
+            Arm::extended(self.model, &declared, entries[1], used)?,
+        ];
+        let made = [tables.of(&arms[0])?, tables.of(&arms[1])?];
+        tables.tell(&arms[1]);
+        let palpated = |arm: usize, series: &Series| -> Result<Palpated, GainError> {
+            let freed = if arm == 0 { &[][..] } else { &self.rig[..] };
+            let height_mm = arms[arm].spec.specimen.height_mm;
+            let press = palpation::press(self.experiment, design, series, freed, height_mm, self.noise_n);
+            let (bytes, peaks) = &made[arm];
+            let mut palpated = palpation::judge(bytes, &press)?;
+            palpated.refer(self.truth.unwrap_or(entries[arm]), peaks);
+            Ok(palpated)
+        };
+        let trial = |series: &&Series| -> Result<Trial, GainError> {
+            Ok(Trial {
+                file: self.experiment.runs[series.run].file.clone(),
+                condition: design.group_name(self.experiment, group),
+                before: palpated(0, series)?,
+                after: palpated(1, series)?,
+            })
+        };
+        runs.iter().map(trial).collect()
+    }
+}
+
 /// Groups of conditions that are palpated, fresh spots and used ones apart.
 fn conditions(design: &Design, marked: bool) -> Vec<(usize, bool)> {
     let mut list: Vec<(usize, bool)> =
@@ -227,7 +256,7 @@ fn conditions(design: &Design, marked: bool) -> Vec<(usize, bool)> {
 
 /// Nodes that a fit sees when a group is left out.
 fn seen(design: &Design, left_out: Option<usize>) -> Vec<bool> {
-    let of = |s: &crate::diagnose::design::Series| !s.hold_out && (design.groups < 2 || Some(s.group) != left_out);
+    let of = |s: &Series| !s.hold_out && (design.groups < 2 || Some(s.group) != left_out);
     design.series.iter().flat_map(|s| s.nodes.iter().map(move |n| !n.lifted && of(s))).collect()
 }
 
