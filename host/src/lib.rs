@@ -4,6 +4,7 @@ pub mod cli;
 pub mod demo;
 pub mod diagnose;
 pub mod experiment;
+pub mod extended;
 pub mod flash;
 pub mod identify;
 pub mod link;

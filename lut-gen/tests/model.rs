@@ -4,10 +4,12 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use lut_gen::contact::{Ball, Interface};
-use lut_gen::law::{Hyperfoam, Material, PronyTerm};
+use lut_gen::law::{Hyperfoam, Material, PronyTerm, Term};
 use lut_gen::model::{Axis, ForceModel, Indentation, ModelSpec, Resolution, Scale, Simulation, Specimen};
 use lut_gen::solve::Motion;
-use lut_gen::table::{ForceGrid, Form, GridSpec, display_displacement_mm, foams, library, lut, write};
+use lut_gen::table::{
+    ForceGrid, Form, GridSpec, SecondTerm, UsedSpot, display_displacement_mm, foams, library, lut, write,
+};
 use protocol::lut::{Role, Table, axis_name};
 
 const BALL: Ball = Ball { radius_mm: 4.0 };
@@ -244,4 +246,41 @@ fn a_grid_of_many_exponents_is_interpolated_within_its_bound() {
             spec.alpha[i]
         );
     }
+}
+
+/// What a diagnosis may add to a law is in the columns of a grid: Poisson's ratio and a second term as in a simulation of its own, and on
+/// a used spot the factor of the chain on the share of the energy.
+#[test]
+fn a_grid_may_be_of_an_extended_law() {
+    let second = SecondTerm { mu_ratio: 0.3, alpha: 4.0 };
+    let spec = GridSpec { nu: 0.2, second: Some(second), ..small_spec(12.7) };
+    let grid = ForceGrid::build(&spec, &|_, _| {}).unwrap();
+    let law = vec![Term { mu_mpa: 0.3, alpha: 10.0, nu: 0.2 }, Term { mu_mpa: 0.09, alpha: 4.0, nu: 0.2 }];
+    let case = Simulation {
+        material: Hyperfoam::new(law).unwrap().into(),
+        specimen: Specimen::of_height(12.7),
+        ball: BALL,
+        interface: Interface::default(),
+        motion: Motion::ramp(2.0, 1.0),
+        resolution: COARSE,
+    };
+    let curve = case.curve(&spec.depth_mm).unwrap();
+    for (per_mpa, force) in grid.force_per_mpa[1].iter().zip(&curve.force_n) {
+        // to Newton's tolerance
+        assert!((0.3 * per_mpa / force - 1.0).abs() < 1e-5);
+    }
+    assert!(grid.provenance.contains("hyperfoam N=2 nu=0.2 mu2/mu 0.3 alpha2 4;"), "{}", grid.provenance);
+    let used = GridSpec { used: Some(UsedSpot { loss: 0.3, scale: 0.5 }), ..spec };
+    let worn = ForceGrid::build(&used, &|_, _| {}).unwrap();
+    let ratios: Vec<f64> = worn.force_per_mpa[1].iter().zip(&grid.force_per_mpa[1]).map(|(a, b)| a / b).collect();
+    // hardly any energy at first, all of it at the end
+    assert!((ratios[0] - (1.0 - 0.3 * libm::erf(2.0))).abs() < 1e-3, "{}", ratios[0]);
+    assert!((ratios[19] - 1.0).abs() < 1e-12 && ratios.windows(2).all(|w| w[1] > w[0]), "{ratios:?}");
+    let said = lut(
+        &[grid, ForceGrid { spec: GridSpec { specimen: Specimen::of_height(19.05), ..used }, ..worn }],
+        Form::Factored,
+        vec![],
+    );
+    let text = "grid of height 19.05 mm has another law axis or ball than the first grid";
+    assert_eq!(said.unwrap_err().to_string(), text);
 }

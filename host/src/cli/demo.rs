@@ -7,6 +7,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::demo::{self, Options, Stage};
+use crate::extended::ExtendedModel;
 use crate::link::Disturbance;
 
 use super::progress::Progress;
@@ -29,6 +30,9 @@ pub struct Arguments {
     /// Use this table instead of computing one
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
+    /// Model file of `palpate diagnose --model`: its effects in table and foams, its material among these
+    #[arg(long, value_name = "FILE", conflicts_with = "table")]
+    model: Option<PathBuf>,
     /// Probability that the line flips a bit of a byte, to see that nothing is lost unnoticed
     #[arg(long, default_value_t = 0.0, value_name = "P", value_parser = probability)]
     line_noise: f64,
@@ -62,6 +66,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         seed: arguments.seed,
         out: arguments.out.clone(),
         table: arguments.table.clone(),
+        model: arguments.model.as_deref().map(ExtendedModel::read).transpose()?,
         line: Disturbance { flip: arguments.line_noise, ..Disturbance::default() },
         ..Options::default()
     };

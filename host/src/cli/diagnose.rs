@@ -1,12 +1,13 @@
 //! `palpate diagnose`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 
 use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models, Verdict, Z95};
-use crate::experiment;
+use crate::experiment::{self, Experiment};
+use crate::extended::ExtendedModel;
 use crate::report::{self, number};
 
 use super::progress::Progress;
@@ -22,6 +23,9 @@ pub struct Arguments {
     /// Folder of the HTML report with figures [default: out/diagnose; with --json none]
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// File for the extended model, if anything is named [default: model.toml beside the report]
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
 }
 
 /// Reads, diagnoses, tells.
@@ -46,24 +50,60 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
         written = Some(file.display().to_string());
     }
+    let beside = folder.as_ref().map(|folder| folder.join("model.toml"));
+    let models = match arguments.model.as_ref().or(beside.as_ref()) {
+        Some(file) => save(&experiment, &found, file)?,
+        None => vec![None; found.len()],
+    };
     if arguments.json {
-        let told = |one| diagnose::answer::json(one, written.as_deref());
+        let told = |(one, model): (&Diagnosis, &Option<String>)| {
+            let mut answer = diagnose::answer::json(one, written.as_deref());
+            answer["model"] = serde_json::json!(model);
+            answer
+        };
+        let found: Vec<(&Diagnosis, &Option<String>)> = found.iter().zip(&models).collect();
         match found.as_slice() {
-            [only] => println!("{}", told(only)),
-            all => println!("{}", serde_json::json!({ "materials": all.iter().map(told).collect::<Vec<_>>() })),
+            [only] => println!("{}", told(*only)),
+            all => {
+                println!("{}", serde_json::json!({ "materials": all.iter().copied().map(told).collect::<Vec<_>>() }))
+            }
         }
         return Ok(());
     }
     if found.is_empty() {
         println!("verdict          nothing to diagnose: the experiment holds no run that indents a soft specimen");
     }
-    for one in &found {
+    for (one, model) in found.iter().zip(&models) {
         print(one);
+        if let Some(file) = model {
+            println!("model            {file}");
+        }
     }
     if let Some(file) = written {
         println!("report           {file}");
     }
     Ok(())
+}
+
+/// Writes the extended model of every material that something was named for, and says where each is. Of several materials each has a
+/// file of its own, with its name in the file's.
+fn save(experiment: &Experiment, found: &[Diagnosis], file: &Path) -> miette::Result<Vec<Option<String>>> {
+    let mut written = Vec::new();
+    for one in found {
+        let Some(model) = ExtendedModel::of(experiment, one) else {
+            written.push(None);
+            continue;
+        };
+        let mut path = file.to_owned();
+        if found.len() > 1 {
+            let stem = file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+            let plain: String = one.material.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+            path.set_file_name(format!("{stem}-{plain}.toml"));
+        }
+        super::lut::save(&path, model.to_toml().as_bytes())?;
+        written.push(Some(path.display().to_string()));
+    }
+    Ok(written)
 }
 
 fn print(found: &Diagnosis) {

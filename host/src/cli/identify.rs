@@ -1,11 +1,13 @@
 //! `palpate identify`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use miette::{IntoDiagnostic, WrapErr};
 
+use crate::diagnose::Models;
 use crate::experiment;
+use crate::extended::{self, ExtendedModel};
 use crate::identify::newton::verdict::Standing;
 use crate::identify::spec::{Extra, FitSpec, FittedLaw, Loss, Method, Own};
 use crate::identify::{self, Identification};
@@ -24,6 +26,13 @@ pub struct Arguments {
     /// Folder of the HTML report with figures [default: out/identify; with --json none]
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// Fit mu and alpha with the effects of this model file (`palpate diagnose --model`) in the chain
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["report", "law", "terms", "relax", "free", "nu", "friction",
+        "platen_friction", "own", "loss", "method"])]
+    model: Option<PathBuf>,
+    /// Fit the parameters of the model's effects as well
+    #[arg(long, requires = "model")]
+    free_effects: bool,
     #[command(flatten)]
     fit: Fitted,
 }
@@ -161,6 +170,9 @@ impl Arguments {
 /// # Errors
 /// Bad input, a failing solve, or a report that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    if let Some(file) = &arguments.model {
+        return with_model(arguments, file);
+    }
     let experiment = experiment::read(&arguments.experiment)?;
     let spec = arguments.spec();
     let progress = Progress::new();
@@ -199,6 +211,48 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Fits with an extended model, and tells.
+fn with_model(arguments: &Arguments, file: &Path) -> miette::Result<()> {
+    let experiment = experiment::read(&arguments.experiment)?;
+    let model = ExtendedModel::read(file)?;
+    let progress = Progress::new();
+    let tell = |what: &str, done, total| progress.set(what, done, total);
+    let found = extended::identify::identify(&experiment, &model, arguments.free_effects, &Models::default(), &tell);
+    progress.end();
+    let found = found.into_diagnostic()?;
+    for message in &found.messages {
+        eprintln!("{message}");
+    }
+    if arguments.json {
+        println!("{}", found.json(&experiment, &file.display().to_string()));
+        return Ok(());
+    }
+    println!("material         {}", found.material);
+    println!("outcome          {}", found.outcome.word());
+    print_parameters("", &found.parameters);
+    for effect in &found.effects {
+        let owner = effect.owner.as_ref().map_or(String::new(), |name| format!(" of {name}"));
+        println!("effect           {} ({}){owner}", effect.code, effect.form);
+        print_parameters("  ", &effect.parameters);
+    }
+    if found.rmse_n.is_finite() {
+        let (left, noise) = (number(found.rmse_n), number(found.noise_n));
+        println!("residual         {left} N rms, noise {noise} N a sample ({})", found.noise_from);
+    }
+    println!("solves           {} in {:.1} s", found.fe_solves, found.seconds);
+    Ok(())
+}
+
+fn print_parameters(indent: &str, parameters: &[extended::identify::Parameter]) {
+    let width = 16 - indent.len();
+    for p in parameters {
+        let interval =
+            p.interval.map_or(String::new(), |(low, high)| format!("  95 %: {} to {}", number(low), number(high)));
+        let from = if p.fixed { "  from the file" } else { "" };
+        println!("{indent}{:width$} {:10}{interval}{from}", p.name, number(p.value));
+    }
 }
 
 fn print(found: &Identification) {

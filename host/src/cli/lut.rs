@@ -14,6 +14,7 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 use protocol::lut::{Material, Table};
 use serde_json::{Value, json};
 
+use crate::extended::{self, ExtendedModel};
 use crate::report::number;
 use crate::report::table::{middle_field, sample_curves};
 
@@ -44,6 +45,12 @@ pub struct Arguments {
     /// Rates of the indentation, mm/s; with relaxation one table section each, and they decide nothing without
     #[arg(long, value_name = "MM/S,..", value_delimiter = ',', default_values_t = [1.0])]
     rate_mm_s: Vec<f64>,
+    /// Model file of `palpate diagnose --model`: the table is regenerated from the extended model
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Number of the press on its spot, for a model that softens: from 2 on the table is of a used spot
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "model", value_parser = clap::value_parser!(u8).range(1..))]
+    cycle: u8,
     /// rows: one row an exponent, mu continuous; columns: all pairs, as in the thesis
     #[arg(long, value_enum, default_value_t = FormArgument::Rows)]
     form: FormArgument,
@@ -91,24 +98,18 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     }
     heights.sort_by(f64::total_cmp);
     heights.dedup();
-    let rates = rates(arguments)?;
-    let ball = Ball { radius_mm: arguments.ball_mm };
+    let model = arguments.model.as_deref().map(ExtendedModel::read).transpose()?;
+    let specs = specs(arguments, model.as_ref(), &heights)?;
+    let heights: Vec<f64> = specs.iter().map(|spec| spec.specimen.height_mm).collect();
+    let rates = rates(arguments, specs.iter().any(|spec| !spec.relaxation.is_empty()))?;
     let progress = Progress::new();
     let mut grids = Vec::new();
-    let base = match arguments.base {
-        BaseArgument::Bonded => Base::Bonded,
-        BaseArgument::Sliding => Base::Sliding,
-    };
-    for (rate_mm_s, height_mm) in rates.iter().flat_map(|rate| heights.iter().map(move |height| (rate, height))) {
-        let spec = GridSpec {
-            friction: arguments.friction,
-            relaxation: arguments.relax.clone(),
-            rate_mm_s: *rate_mm_s,
-            ..GridSpec::thesis(Specimen { base, ..Specimen::of_height(*height_mm) }, ball)
-        };
+    for (rate_mm_s, spec) in rates.iter().flat_map(|rate| specs.iter().map(move |spec| (rate, spec))) {
+        let spec = GridSpec { rate_mm_s: *rate_mm_s, ..spec.clone() };
+        let height_mm = spec.specimen.height_mm;
         let what = match rates.len() {
-            1 => format!("height {} mm", number(*height_mm)),
-            _ => format!("height {} mm at {} mm/s", number(*height_mm), number(*rate_mm_s)),
+            1 => format!("height {} mm", number(height_mm)),
+            _ => format!("height {} mm at {} mm/s", number(height_mm), number(*rate_mm_s)),
         };
         let grid = ForceGrid::build(&spec, &|done, total| progress.set(&what, done, total))
             .into_diagnostic()
@@ -125,6 +126,14 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     let mut library = Vec::new();
     for grid in grids.iter().step_by(heights.len()) {
         library.extend(table::library(&foams, &grid.spec).into_diagnostic()?);
+    }
+    if let Some(model) = &model {
+        let own = extended::board::library(model, &grids).into_diagnostic()?;
+        if own.is_empty() {
+            eprintln!("the library has no entry of {}: none of its specimens' heights is asked for", model.material);
+        }
+        library.retain(|one| own.iter().all(|other| one.name != other.name));
+        library.extend(own);
     }
     let bytes = table::write(&grids, form, library).into_diagnostic()?;
     save(&arguments.out, &bytes)?;
@@ -151,15 +160,51 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
+/// One grid a height, rising, with the effects of a model: heights are those declared, and become the model's. Says on standard error what of
+/// the model is in the table and what is not.
+fn specs(arguments: &Arguments, model: Option<&ExtendedModel>, heights: &[f64]) -> miette::Result<Vec<GridSpec>> {
+    let base = match arguments.base {
+        BaseArgument::Bonded => Base::Bonded,
+        BaseArgument::Sliding => Base::Sliding,
+    };
+    let ball = Ball { radius_mm: arguments.ball_mm };
+    let declared = heights.iter().map(|height_mm| GridSpec {
+        friction: arguments.friction,
+        relaxation: arguments.relax.clone(),
+        ..GridSpec::thesis(Specimen { base, ..Specimen::of_height(*height_mm) }, ball)
+    });
+    let Some(model) = model else { return Ok(declared.collect()) };
+    let (mut specs, mut told) = (Vec::new(), Vec::new());
+    for declared in declared {
+        let height = number(declared.specimen.height_mm);
+        let made = model.on_board(&declared, usize::from(arguments.cycle)).into_diagnostic()?;
+        told.extend(made.kept.iter().map(|words| (format!("in the table      {words}"), height.clone())));
+        told.extend(made.left_out.iter().map(|words| (format!("not in the table  {words}"), height.clone())));
+        specs.push(made.spec);
+    }
+    let mut said: Vec<&String> = Vec::new();
+    for (sentence, _) in &told {
+        if said.contains(&sentence) {
+            continue;
+        }
+        said.push(sentence);
+        let of: Vec<&str> = told.iter().filter(|t| t.0 == *sentence).map(|t| t.1.as_str()).collect();
+        let where_to = if of.len() < heights.len() { format!(" [height {} mm]", of.join(", ")) } else { String::new() };
+        eprintln!("{sentence}{where_to}");
+    }
+    specs.sort_by(|a, b| a.specimen.height_mm.total_cmp(&b.specimen.height_mm));
+    Ok(specs)
+}
+
 /// The rates that need a section: all with relaxation, rising and each once; the first without.
-fn rates(arguments: &Arguments) -> miette::Result<Vec<f64>> {
+fn rates(arguments: &Arguments, relaxing: bool) -> miette::Result<Vec<f64>> {
     let mut rates = arguments.rate_mm_s.clone();
     if let Some(rate) = rates.iter().find(|rate| !(0.01..=100.0).contains(*rate)) {
         return Err(miette!("--rate-mm-s is {rate}; expected a rate of 0.01 to 100 mm/s"));
     }
     rates.sort_by(f64::total_cmp);
     rates.dedup();
-    if arguments.relax.is_empty() {
+    if !relaxing {
         rates.truncate(1);
     }
     Ok(rates)

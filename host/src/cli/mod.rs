@@ -5,6 +5,7 @@ pub mod demo;
 pub mod diagnose;
 pub mod field;
 pub mod flash;
+pub mod gain;
 pub mod identify;
 pub mod log;
 pub mod lut;
@@ -44,6 +45,8 @@ enum Command {
     Diagnose(diagnose::Arguments),
     /// Rank the runs that are worth making next, by what they would decide
     Plan(plan::Arguments),
+    /// Measure what an extended model gains on a board: recognition and parameters, before and after
+    Gain(gain::Arguments),
     /// Write an experiment folder from a model with hidden effects and realistic noise
     Simulate(simulate::Arguments),
     /// Repeat a study of the thesis on your recordings or on a simulated foam, with pictures
@@ -68,6 +71,7 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Gain(arguments) => gain::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),

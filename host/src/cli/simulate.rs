@@ -7,6 +7,7 @@ use clap::Args;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use serde_json::{Value, json};
 
+use crate::extended::{ExtendedModel, truth};
 use crate::report::number;
 use crate::simulate::effect::Setting;
 use crate::simulate::{self, Effect, SimulatedExperiment, Solver};
@@ -22,6 +23,9 @@ pub struct Arguments {
     /// Folder for experiment.toml and one CSV a run
     #[arg(long, value_name = "FOLDER", required_unless_present = "example")]
     out: Option<PathBuf>,
+    /// Model file of `palpate diagnose --model`: its material for every foam of the specification, and its effects
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
     /// Write what is true into a file, which must not lie in the folder
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
@@ -59,6 +63,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let started = Instant::now();
     let mut spec = simulate::read(file)?;
+    if let Some(file) = &arguments.model {
+        let model = ExtendedModel::read(file)?;
+        for sentence in truth::apply(&model, &mut spec).into_diagnostic()? {
+            eprintln!("{sentence}");
+        }
+    }
     spec.seed = arguments.seed.unwrap_or(spec.seed);
     let progress = Progress::new();
     let solver = Solver::new();

@@ -28,6 +28,9 @@ pub enum DemoError {
         /// The material.
         name: String,
     },
+    /// The extended model does not fit the demo.
+    #[error(transparent)]
+    Model(#[from] crate::extended::ExtendedError),
     /// The conversation with the board failed.
     #[error(transparent)]
     Session(#[from] SessionError),

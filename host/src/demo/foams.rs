@@ -11,10 +11,10 @@ use super::{BALL_RADIUS_MM, DemoError, Stage, Watcher};
 use crate::plant::{Curve, Foam};
 
 /// Step of the curves, mm.
-const STEP_MM: f64 = 0.02;
+pub(super) const STEP_MM: f64 = 0.02;
 
 /// How much deeper than a palpation the curves go, mm: the arm overshoots by its stopping distance.
-const BEYOND_MM: f64 = 0.2;
+pub(super) const BEYOND_MM: f64 = 0.2;
 
 /// The real foams of the library with curves of their own: each at its own height, on another mesh than the table's, to a
 /// greater depth than `depth_mm`, that of the table.

@@ -6,6 +6,7 @@
 
 mod display;
 mod error;
+mod extended;
 mod figures;
 mod foams;
 mod listening;
@@ -27,6 +28,7 @@ pub use report::overview_svg;
 pub use summary::{Confusion, Summary};
 pub use table::{BALL_RADIUS_MM, demo_table};
 
+use crate::extended::ExtendedModel;
 use crate::link::{Disturbance, Disturbed, InProcess, Pace};
 use crate::log::{Recorder, library_names};
 use crate::plant::{Jitter, Noise, Source};
@@ -53,6 +55,8 @@ pub struct Options {
     pub out: PathBuf,
     /// A table to use instead of computing one.
     pub table: Option<PathBuf>,
+    /// An extended model: its effects in the table and in the foams, and its material among these.
+    pub model: Option<ExtendedModel>,
 }
 
 impl Default for Options {
@@ -66,6 +70,7 @@ impl Default for Options {
             line: Disturbance::default(),
             out: "out/demo".into(),
             table: None,
+            model: None,
         }
     }
 }
@@ -115,14 +120,21 @@ pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> 
     let table_bytes = match &options.table {
         Some(path) => std::fs::read(path).map_err(|source| DemoError::File { path: path.clone(), source })?,
         None => {
-            let bytes = demo_table(watch)?;
+            let bytes = match &options.model {
+                Some(model) => extended::table(model, options.rate_mm_s, watch)?,
+                None => demo_table(watch)?,
+            };
             let path = options.out.join("table.lut");
             std::fs::write(&path, &bytes).map_err(|source| DemoError::File { path, source })?;
             bytes
         }
     };
     let table = Table::parse(&table_bytes).map_err(crate::session::SessionError::from)?;
-    let foams = bench_foams(f64::from(table.depth_max_mm()), watch)?;
+    let depth_mm = f64::from(table.depth_max_mm());
+    let foams = match &options.model {
+        Some(model) => extended::bench(model, options.rate_mm_s, depth_mm, watch)?,
+        None => bench_foams(depth_mm, watch)?,
+    };
     let solved_s = started.elapsed().as_secs_f64();
 
     let board = SimulatedBoard::new(options.seed, options.jitter);

@@ -12,7 +12,6 @@ pub mod fit;
 pub mod held_out;
 pub mod jitter;
 pub mod margin;
-pub mod model_file;
 pub mod noise;
 mod placebo;
 pub mod plan;

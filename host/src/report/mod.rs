@@ -4,6 +4,7 @@
 pub mod diagnosis;
 pub mod field;
 pub mod figure;
+pub mod gain;
 pub mod identification;
 pub mod map;
 mod page;

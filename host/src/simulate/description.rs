@@ -6,6 +6,7 @@ use toml::Spanned;
 
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{self, Base, ExperimentError, Problem, Test};
+use crate::extended::{ExtendedModel, truth};
 
 use super::effect;
 use super::spec::{
@@ -38,6 +39,7 @@ pub fn parse(file: &Path, text: &str) -> Result<Spec, ExperimentError> {
     let root = Section::new(document, "the file".to_owned(), 0..0, root.get_ref());
     root.only(&[
         "name",
+        "model",
         "seed",
         "sample_hz",
         "refinement",
@@ -54,7 +56,8 @@ pub fn parse(file: &Path, text: &str) -> Result<Spec, ExperimentError> {
     let mut spec = Spec::new(&name, seed.unsigned_abs());
     spec.sample_hz = root.number("sample_hz", 1.0..=1e4, "1 to 10000 samples a second")?.unwrap_or(SAMPLE_HZ);
     spec.refinement = root.number("refinement", 0.3..=6.0, "a number of 0.3 to 6")?.unwrap_or(FINER);
-    spec.specimens = root.named("specimen")?.iter().map(specimen).collect::<Result<_, _>>()?;
+    let modelled = root.value("model").is_some();
+    spec.specimens = root.named("specimen")?.iter().map(|one| specimen(one, modelled)).collect::<Result<_, _>>()?;
     spec.indenters = root.named("indenter")?.iter().map(indenter).collect::<Result<_, _>>()?;
     let sections = root.array("run")?;
     if sections.is_empty() {
@@ -69,9 +72,25 @@ pub fn parse(file: &Path, text: &str) -> Result<Spec, ExperimentError> {
             known(&section, "indenter", indenter, spec.indenters.iter().map(|one| &one.name))?;
         }
     }
+    if let Some(section) = root.section("model", "[model]".to_owned())? {
+        extended(&section, file, &mut spec)?;
+    }
     super::check::check(&spec)
         .map_err(|error| ExperimentError::of_file(file, Problem::Contradiction(error.to_string())))?;
     Ok(spec)
+}
+
+/// `[model] file = "model.toml"`: an extended model, its path relative to the specification.
+fn extended(section: &Section<'_>, file: &Path, spec: &mut Spec) -> Result<(), ExperimentError> {
+    section.only(&["file"])?;
+    let expected = "the path of a model file, relative to this one";
+    let path = needed(section, "file", expected, section.text("file", expected)?)?;
+    let path = file.parent().map_or_else(|| path.into(), |folder| folder.join(path));
+    let model = ExtendedModel::read(&path)?;
+    truth::apply(&model, spec).map(|_| ()).map_err(|cause| {
+        let span = section.value("file").map_or(0..0, Spanned::span);
+        section.document.error(span, Problem::Contradiction(cause.to_string()))
+    })
 }
 
 /// A value that must be there.
@@ -91,7 +110,7 @@ fn number(
 
 const LENGTH: &str = "a length of 0.05 to 1000 mm";
 
-fn specimen((name, section): &(String, Section<'_>)) -> Result<TrueSpecimen, ExperimentError> {
+fn specimen((name, section): &(String, Section<'_>), modelled: bool) -> Result<TrueSpecimen, ExperimentError> {
     section.only(&[
         "law",
         "mu_MPa",
@@ -112,7 +131,8 @@ fn specimen((name, section): &(String, Section<'_>)) -> Result<TrueSpecimen, Exp
     let exponent = "an exponent of -50 to 50, not 0";
     let mut mu_mpa = number(section, "mu_MPa", 1e-6, 1e4, stiffness)?;
     let mut alpha = number(section, "alpha", -50.0, 50.0, exponent)?;
-    if law == rigid {
+    // a model gives foams theirs
+    if law == rigid || (modelled && law == TrueLaw::Hyperfoam) {
         (mu_mpa, alpha) = (mu_mpa.or(Some(1.0)), alpha.or(Some(2.0)));
     }
     let alpha = needed(section, "alpha", exponent, alpha)?;

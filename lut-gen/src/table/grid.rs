@@ -5,9 +5,28 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use crate::contact::{Ball, Interface};
-use crate::law::{Hyperfoam, Material, PronyTerm};
+use crate::effect::softening;
+use crate::law::{Hyperfoam, Material, PronyTerm, Term};
 use crate::model::{Axis, Curve, DepthProfile, ErrorBound, Resolution, Scale, Simulation, Specimen};
 use crate::solve::{Base, Motion, SolveError};
+
+/// A second term of the Hyperfoam energy that all materials of a grid share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecondTerm {
+    /// Its shear modulus over that of the first term.
+    pub mu_ratio: f64,
+    /// Its exponent.
+    pub alpha: f64,
+}
+
+/// A spot that was pressed before, at least to the depth of the table: [`softening::factor`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UsedSpot {
+    /// Largest part of the force that is lost, in [0, 1).
+    pub loss: f64,
+    /// Share of the largest energy over which it is lost, positive.
+    pub scale: f64,
+}
 
 /// What a grid covers.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +37,12 @@ pub struct GridSpec {
     pub ball: Ball,
     /// Coefficient of Coulomb friction between them.
     pub friction: f64,
+    /// Poisson's ratio of every material of the grid.
+    pub nu: f64,
+    /// Second term of their law, if they have one.
+    pub second: Option<SecondTerm>,
+    /// Softening of a spot that was pressed before; none on a fresh one.
+    pub used: Option<UsedSpot>,
     /// Relaxation of every material of the grid; none for elastic foams.
     pub relaxation: Vec<PronyTerm>,
     /// Rate of the indentation (mm/s); it decides nothing without relaxation.
@@ -44,6 +69,9 @@ impl GridSpec {
             specimen,
             ball,
             friction: 0.0,
+            nu: 0.0,
+            second: None,
+            used: None,
             relaxation: Vec::new(),
             rate_mm_s: 1.0,
             mu_mpa: even(0.0005, 0.3, 30),
@@ -101,7 +129,7 @@ impl ForceGrid {
         let profiles = plan.profiles(spec, own);
         Ok(Self {
             provenance: provenance(spec, own[0].stats.unknowns),
-            force_per_mpa: profiles.iter().map(|p| spec.depth_mm.iter().map(|&d| p.force_n(d)).collect()).collect(),
+            force_per_mpa: profiles.iter().map(|p| forces_n(spec, p)).collect(),
             error: plan.error(spec, own, &profiles, checks),
             spec: spec.clone(),
             solves: total,
@@ -179,6 +207,31 @@ impl Plan {
     }
 }
 
+/// Forces (N) of a profile at the depths of a grid, softened where the spot was pressed before.
+pub(super) fn forces_n(spec: &GridSpec, profile: &DepthProfile) -> Vec<f64> {
+    let mut forces: Vec<f64> = spec.depth_mm.iter().map(|&d| profile.force_n(d)).collect();
+    if let Some(used) = spec.used {
+        let energy = energies(spec, profile);
+        let whole = energy.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
+        for (force, stored) in forces.iter_mut().zip(&energy) {
+            *force *= softening::factor(used.loss, used.scale, stored / whole);
+        }
+    }
+    forces
+}
+
+/// Energy (N mm) stored at every depth of a grid, by Simpson's rule from depth to depth.
+fn energies(spec: &GridSpec, profile: &DepthProfile) -> Vec<f64> {
+    let (mut sum, mut before) = (0.0, 0.0);
+    let each = spec.depth_mm.iter().map(|&d| {
+        let middle = 0.5 * (before + d);
+        sum += (d - before) / 6.0 * (profile.force_n(before) + 4.0 * profile.force_n(middle) + profile.force_n(d));
+        before = d;
+        sum
+    });
+    each.collect()
+}
+
 /// One column of a grid. The force stays proportional to the modulus with friction and relaxation, so
 /// that the grid itself is solved with 1 MPa.
 pub(super) fn problem(
@@ -187,8 +240,11 @@ pub(super) fn problem(
     alpha: f64,
     resolution: Resolution,
 ) -> Result<Simulation, SolveError> {
+    let first = Term { mu_mpa, alpha, nu: spec.nu };
+    let second = spec.second.map(|s| Term { mu_mpa: s.mu_ratio * mu_mpa, alpha: s.alpha, nu: spec.nu });
+    let law = Hyperfoam::new(std::iter::once(first).chain(second).collect())?;
     Ok(Simulation {
-        material: Material::from(Hyperfoam::one_term(mu_mpa, alpha)?).relaxing(spec.relaxation.clone())?,
+        material: Material::from(law).relaxing(spec.relaxation.clone())?,
         specimen: spec.specimen,
         ball: spec.ball,
         interface: Interface { friction: spec.friction, adhesion: None },
@@ -233,10 +289,14 @@ fn provenance(spec: &GridSpec, unknowns: usize) -> String {
     let relaxation: Vec<String> =
         spec.relaxation.iter().map(|t| format!(", g {} k {} tau {} s", t.g, t.k, t.tau_s)).collect();
     let rate = if relaxation.is_empty() { String::new() } else { format!(" at {} mm/s", spec.rate_mm_s) };
+    let second = spec.second.map_or(String::new(), |s| format!(" mu2/mu {} alpha2 {}", s.mu_ratio, s.alpha));
+    let used = spec.used.map_or(String::new(), |u| format!(", used spot: loss {} scale {}", u.loss, u.scale));
     let friction = if spec.friction == 0.0 { "frictionless".to_owned() } else { format!("friction {}", spec.friction) };
     format!(
-        "lut-gen {}; hyperfoam N=1 nu=0{}{rate}; ball R {} mm, block W {} h {} mm, base {base}, {friction}; axisymmetric Q8R, {unknowns} unknowns",
+        "lut-gen {}; hyperfoam N={} nu={}{second}{}{rate}{used}; ball R {} mm, block W {} h {} mm, base {base}, {friction}; axisymmetric Q8R, {unknowns} unknowns",
         env!("CARGO_PKG_VERSION"),
+        1 + usize::from(spec.second.is_some()),
+        spec.nu,
         relaxation.concat(),
         spec.ball.radius_mm,
         spec.specimen.radius_mm,

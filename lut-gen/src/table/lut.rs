@@ -3,7 +3,7 @@
 use protocol::lut::{AxisSpec, MaterialSpec, Role, Scale, TableSpec, WriteError, axis_name};
 use rayon::prelude::*;
 
-use super::grid::problem;
+use super::grid::{forces_n, problem};
 use super::{Foam, ForceGrid, GridSpec, display_displacement_mm};
 use crate::model::Specimen;
 use crate::solve::SolveError;
@@ -90,6 +90,7 @@ fn material(foam: &Foam, spec: &GridSpec) -> Result<MaterialSpec, SolveError> {
     let specimen = Specimen { height_mm: foam.height_mm, ..spec.specimen };
     let curve = problem(&GridSpec { specimen, ..spec.clone() }, foam.mu_mpa, foam.alpha, spec.resolution)?
         .curve(&spec.depth_mm)?;
+    let force_n = forces_n(spec, &curve.profile);
     let displacement: Result<Vec<f64>, _> = (1..=DISPLAY_POINTS)
         .map(|i| display_displacement_mm(foam.mu_mpa, foam.alpha, foam.height_mm, DISPLAY_STEP_N * i as f64))
         .collect();
@@ -100,7 +101,7 @@ fn material(foam: &Foam, spec: &GridSpec) -> Result<MaterialSpec, SolveError> {
         height_mm: foam.height_mm,
         acceptance: ACCEPTANCE,
         rate_mm_s: if spec.relaxation.is_empty() { 0.0 } else { spec.rate_mm_s },
-        force_n: curve.force_n,
+        force_n,
         display_step_n: DISPLAY_STEP_N,
         displacement_mm: displacement?,
     })
@@ -193,6 +194,7 @@ fn fits_rate(first: &ForceGrid, heights: &[f64], rate: &[ForceGrid]) -> Result<(
         }
         let differs = [
             (spec.relaxation != first.spec.relaxation, "relaxation"),
+            (!same_law(&first.spec, spec), "law"),
             (spec.mu_mpa != first.spec.mu_mpa, "mu"),
             (spec.alpha != first.spec.alpha, "alpha"),
             (spec.depth_mm != first.spec.depth_mm || spec.ball != first.spec.ball, "depth"),
@@ -204,10 +206,16 @@ fn fits_rate(first: &ForceGrid, heights: &[f64], rate: &[ForceGrid]) -> Result<(
     Ok(())
 }
 
+/// The columns of two grids are those of one law.
+fn same_law(a: &GridSpec, b: &GridSpec) -> bool {
+    a.nu == b.nu && a.second == b.second && a.used == b.used
+}
+
 fn fits(first: &ForceGrid, before: &ForceGrid, grid: &ForceGrid) -> Result<(), LutError> {
     let (a, b) = (&first.spec, &grid.spec);
     let height_mm = b.specimen.height_mm;
     let differs = [
+        (!same_law(a, b), "law"),
         (a.mu_mpa != b.mu_mpa, "mu"),
         (a.alpha != b.alpha, "alpha"),
         (a.depth_mm != b.depth_mm || a.ball != b.ball, "depth"),

@@ -4,6 +4,6 @@ mod grid;
 mod library;
 mod lut;
 
-pub use grid::{ForceGrid, GridSpec};
+pub use grid::{ForceGrid, GridSpec, SecondTerm, UsedSpot};
 pub use library::{CAP_RADIUS_MM, Foam, display_displacement_mm, foams};
 pub use lut::{Form, LutError, library, lut, write};

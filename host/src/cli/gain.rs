@@ -1,0 +1,99 @@
+//! `palpate gain`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use miette::{IntoDiagnostic, WrapErr, miette};
+
+use crate::diagnose::Models;
+use crate::experiment::section::{Document, Section};
+use crate::experiment::{self, Experiment};
+use crate::extended::ExtendedModel;
+use crate::extended::gain::{self, Options};
+use crate::report;
+
+use super::progress::Progress;
+
+/// What an extended model gains on a board.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Folder with experiment.toml
+    experiment: PathBuf,
+    /// Model file of `palpate diagnose --model`
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// What is true of a simulated experiment (`palpate simulate --truth`): errors are then relative to it
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+    /// Folder of an HTML report
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// Reads, makes tables, palpates, tells.
+///
+/// # Errors
+/// Bad input, a failing solve.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let experiment = experiment::read(&arguments.experiment)?;
+    let model = ExtendedModel::read(&arguments.model)?;
+    let mut options = Options::default();
+    if let Some(file) = &arguments.truth {
+        options.truth = Some(truth(file, &experiment, &model.material)?);
+    }
+    let progress = Progress::new();
+    let found = gain::gain(&experiment, &model, &options, &Models::default(), &|what: &str, done, total| {
+        progress.set(what, done, total);
+    });
+    progress.end();
+    let found = found.map_err(|cause| miette!("{cause}"))?;
+    let mut written = None;
+    if let Some(folder) = &arguments.report {
+        let file = folder.join("report.html");
+        let cannot = || format!("cannot write the report to {}", file.display());
+        report::gain::page(&found).write(&file).into_diagnostic().wrap_err_with(cannot)?;
+        written = Some(file.display().to_string());
+    }
+    if arguments.json {
+        let mut answer = found.json();
+        answer["report"] = serde_json::json!(written);
+        println!("{answer}");
+    } else {
+        for line in found.lines() {
+            println!("{line}");
+        }
+        if let Some(file) = written {
+            println!("{:24} {file}", "report");
+        }
+    }
+    Ok(())
+}
+
+/// Modulus (MPa) and exponent of the specimen that the material is of, from the truth of a simulation.
+fn truth(file: &Path, experiment: &Experiment, material: &str) -> miette::Result<(f64, f64)> {
+    let text = experiment::text_of(file)?;
+    let document = Document { file, text: &text };
+    let root = document.table()?;
+    let root = Section::new(document, "the file".to_owned(), 0..0, root.get_ref());
+    let mut known = Vec::new();
+    for (name, section) in root.named("specimen")? {
+        if experiment.specimens.iter().any(|s| s.name == name && s.material == material) {
+            let number = |key, range, expected| -> miette::Result<f64> {
+                Ok(section.number(key, range, expected)?.ok_or_else(|| section.missing(key, expected))?)
+            };
+            return Ok((
+                number("mu_MPa", 1e-6..=1e4, "a shear modulus")?,
+                number("alpha", -50.0..=50.0, "an exponent")?,
+            ));
+        }
+        known.push(name);
+    }
+    let place = file.display();
+    Err(miette!(
+        "{place} describes no specimen of {material}; expected one of the experiment's, found {}",
+        known.join(", ")
+    ))
+}
