@@ -235,8 +235,7 @@ impl Design {
             },
         };
         // a margin for what contact and compliance add, in steps so that like experiments share their models
-        let (nu, deepest) =
-            if its.base_law == BaseLaw::Ogden { (RUBBER_NU, DEEPEST_RUBBER) } else { (0.0, DEEPEST) };
+        let (nu, deepest) = if its.base_law == BaseLaw::Ogden { (RUBBER_NU, DEEPEST_RUBBER) } else { (0.0, DEEPEST) };
         let wanted = (1.06 * deepest_mm).min(deepest * ball_mm).min(0.8 * height_mm);
         let depth_mm = (wanted / 0.25).ceil() * 0.25;
         let known = self.geometries.iter_mut().enumerate();

@@ -217,7 +217,9 @@ impl Geometry {
                 Ok(Part::Height(ForceModel::build(&ModelSpec { heights_mm, ..one }, &silent)?))
             }
             // of a base that hardly changes its volume another Poisson's ratio is no effect
-            1 if self.nu > 0.0 => Err(SolveError::parameter("nu of the base", self.nu, "must be 0 where it is to vary")),
+            1 if self.nu > 0.0 => {
+                Err(SolveError::parameter("nu of the base", self.nu, "must be 0 where it is to vary"))
+            }
             1 => {
                 let spec = ModelSpec { nus: Some(NUS), alpha_nodes: NU_ALPHAS, ..one };
                 Ok(Part::Poisson(ForceModel::build(&spec, &silent)?))

@@ -157,7 +157,9 @@ pub fn beef(figures: &Path) -> Outcome<Option<String>> {
     let shown = found.len();
     if let Some(pieces) = recorded::experiment("beef_diagnosed_pieces", "data/beef_ball")? {
         let more = all("", &pieces, &models)?;
-        found.extend(more.into_iter().map(|(_, one)| (format!("{}, with a second piece at other rates", one.material), one)));
+        found.extend(
+            more.into_iter().map(|(_, one)| (format!("{}, with a second piece at other rates", one.material), one)),
+        );
     }
     let mut out = answer(&found) + "\n";
     for (name, one) in found.iter().take(shown) {
