@@ -59,6 +59,9 @@ pub enum HysteresisError {
     NoStation,
 }
 
+/// Readings of one press at every station: on the way up, on the way back.
+type Readings = [(f64, f64)];
+
 /// A mean over presses, with its scatter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
@@ -115,8 +118,7 @@ impl Hysteresis {
             return Err(HysteresisError::TooFewPresses { presses: used.len() });
         }
         let count = used.len() as f64;
-        let over =
-            |values: &dyn Fn(&[(f64, f64)]) -> f64| -> Vec<f64> { used.iter().map(|press| values(press)).collect() };
+        let over = |values: &dyn Fn(&Readings) -> f64| -> Vec<f64> { used.iter().map(|press| values(press)).collect() };
         let mean = |list: &mut dyn Iterator<Item = f64>| list.sum::<f64>() / stations.len() as f64;
         let gap = Mean::of(&over(&|press| mean(&mut press.iter().map(|(up, back)| back - up))));
         let gaps = (0..stations.len()).map(|k| Mean::of(&over(&|press| press[k].1 - press[k].0))).collect();

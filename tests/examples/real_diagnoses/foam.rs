@@ -175,8 +175,11 @@ fn rms(model: &[f64], stress: &[f64], part: &Range<usize>) -> f64 {
     (square / part.len().max(1) as f64).sqrt()
 }
 
+/// Part of the stress that relaxes, and its time, s.
+type Term = (f64, f64);
+
 /// A model's prediction and its relaxation.
-fn fit(recording: &Recording, effects: Effects, fitted: &Range<usize>) -> Outcome<(Vec<f64>, Vec<(f64, f64)>)> {
+fn fit(recording: &Recording, effects: Effects, fitted: &Range<usize>) -> Outcome<(Vec<f64>, Vec<Term>)> {
     let columns = columns(recording, effects);
     let terms = |x: &[f64]| -> Vec<(f64, f64)> { x.chunks_exact(2).map(|t| (t[0], t[1].exp())).collect() };
     let of = |x: &[f64]| predicted(&relaxed(&columns, &recording.time_s, &terms(x)), &recording.stress_mpa, fitted);

@@ -1,12 +1,11 @@
 //! Thesis Table 1: identified parameters depend on the ball. Its experiment is pressed again with each candidate cause, and identified as the
 //! thesis did: one ball at a time, then both, by Eq. 14 with the contact taken as recorded.
 
+mod bench;
+mod cause;
+
 use std::path::Path;
 
-use lut_gen::chain::{Chain, Geometry, Library, Model, Need, Passage, Setting};
-use lut_gen::effect::{self, Effect};
-use lut_gen::model::Specimen;
-use lut_gen::solve::Base;
 use palpate::identify::simplex::{Bounds, Stop, descend};
 use palpate::report::figure::{Axis, Figure, Series, Stroke};
 use rand::SeedableRng;
@@ -16,173 +15,8 @@ use rayon::prelude::*;
 use tests::document::table;
 
 use super::{Outcome, picture};
-
-/// Stroke of thesis section 2.6 at 1 mm/s and 50 Hz.
-const DEPTH_MM: f64 = 4.0;
-const SAMPLES: usize = 200;
-const BALLS_MM: [f64; 2] = [4.0, 6.0];
-/// Beyond the stroke: a contact found late, and what compliance adds.
-const MARGIN_MM: f64 = 0.5;
-
-/// mu (MPa) and alpha.
-type Pair = (f64, f64);
-
-/// A foam as Table 1 has it.
-struct Foam {
-    name: &'static str,
-    /// Half an inch and three quarters: thesis section 5.4 tells the thickness of the same products, chapter 2 tells none.
-    height_mm: f64,
-    each: [Pair; 2],
-    both: Pair,
-}
-
-const FOAMS: [Foam; 2] = [
-    Foam { name: "EVA", height_mm: 12.7, each: [(0.220, 10.526), (0.278, 15.152)], both: (0.245, 12.424) },
-    Foam { name: "B1", height_mm: 19.05, each: [(0.193, 12.711), (0.226, 15.173)], both: (0.188, 11.1564) },
-];
-
-/// A candidate: an effect of one parameter, the others held, with the range of its amount.
-struct Cause {
-    name: &'static str,
-    code: &'static str,
-    form: Option<&'static str>,
-    owner: usize,
-    /// Values of all parameters; the first is replaced by the amount.
-    values: &'static [f64],
-    range: (f64, f64),
-    unit: &'static str,
-}
-
-const fn cause(
-    name: &'static str,
-    code: &'static str,
-    values: &'static [f64],
-    range: (f64, f64),
-    unit: &'static str,
-) -> Cause {
-    Cause { name, code, form: None, owner: 0, values, range, unit }
-}
-
-/// Codes of causes that are no effect of the catalogue: nothing, and a stiffness that differs between the two balls' sessions.
-const NOTHING: &str = "none";
-const SESSION: &str = "session";
-
-const CAUSES: [Cause; 17] = [
-    cause("contact found late (+) or early (-)", "contact-offset", &[0.0], (-0.4, 0.4), "mm"),
-    cause("slab higher (+) or lower (-) than in the model", "thickness", &[0.0], (-4.0, 5.0), "mm"),
-    Cause { form: Some("sliding-base"), ..cause("base slides", "thickness", &[0.0], (0.0, 1.0), "of free") },
-    cause("compliance of the machine", "compliance", &[0.0], (0.0, 0.2), "mm/N"),
-    cause("ball of 4 mm larger (+) or smaller (-)", "radius", &[0.0], (-0.6, 0.6), "mm"),
-    Cause { owner: 1, ..cause("ball of 6 mm larger (+) or smaller (-)", "radius", &[0.0], (-0.6, 0.6), "mm") },
-    cause("friction", "friction", &[0.0], (0.0, 1.0), "coefficient"),
-    cause("second term, alpha 3", "second-term", &[0.0, 3.0], (-0.3, 2.0), "of mu"),
-    cause("second term, alpha 22", "second-term", &[0.0, 22.0], (-0.3, 2.0), "of mu"),
-    cause("Poisson's ratio", "poisson", &[0.0], (0.0, 0.35), ""),
-    cause("relaxation, 0.3 s", "relaxation", &[0.0, 0.3], (0.0, 0.8), "of mu"),
-    cause("relaxation, 3 s", "relaxation", &[0.0, 3.0], (0.0, 0.8), "of mu"),
-    cause("adhesion", "adhesion", &[0.0], (0.0, 0.05), "N/mm"),
-    Cause { form: Some("filter"), ..cause("lag of the force reading", "lag", &[0.0], (0.0, 0.4), "s") },
-    cause("sensor nonlinearity", "sensor-nonlinearity", &[0.0], (-0.05, 0.05), "1/N"),
-    cause("foam, or gain, stiffer (+) under the ball of 6 mm", SESSION, &[0.0], (-0.3, 0.3), "of the force"),
-    cause("none", NOTHING, &[0.0], (0.0, 0.0), ""),
-];
-
-impl Cause {
-    fn setting(&self, amount: f64) -> Option<Setting> {
-        let effect: &'static Effect = effect::find(self.code, self.form)?;
-        let mut values = self.values.to_vec();
-        values[0] = amount;
-        Some(Setting { effect, owner: self.owner, values })
-    }
-}
-
-/// Force curves of a foam under both balls.
-struct Bench {
-    chain: Chain,
-    depths: Vec<f64>,
-    /// Exponents, and the curves of unit modulus at each.
-    units: Vec<(f64, [Vec<f64>; 2])>,
-}
-
-/// Exponents of the force models, and how many curves an identification chooses from: 0.7 % of the exponent apart.
-const LOW: f64 = 1.8;
-const HIGH: f64 = 26.0;
-const UNITS: usize = 400;
-/// First look at every so many of them.
-const COARSE: usize = 16;
-
-impl Bench {
-    fn of(foam: &Foam) -> Outcome<Self> {
-        let specimen = Specimen { height_mm: foam.height_mm, radius_mm: 36.0, base: Base::Bonded };
-        let one = |ball_mm| Geometry { specimen, ball_mm, depth_mm: DEPTH_MM + MARGIN_MM, nu: 0.0 };
-        let library = Library::build(&BALLS_MM.map(one), Need { effects: true }, &|_, _| {})?;
-        let depths: Vec<f64> = (0..=SAMPLES).map(|k| DEPTH_MM * k as f64 / SAMPLES as f64).collect();
-        let passage = |at: usize| Passage {
-            time_s: depths.clone(),
-            depth_mm: depths.clone(),
-            geometry: at,
-            indenter: at,
-            ..Passage::default()
-        };
-        let chain = Chain { library, passages: vec![passage(0), passage(1)] };
-        let mut bench = Self { chain, depths, units: Vec::new() };
-        let alpha = |k: usize| (LOW.ln() + (HIGH / LOW).ln() * k as f64 / (UNITS - 1) as f64).exp();
-        bench.units = (0..UNITS).map(|k| (alpha(k), bench.with((1.0, alpha(k)), None))).collect();
-        Ok(bench)
-    }
-
-    fn with(&self, (mu_mpa, alpha): Pair, setting: Option<Setting>) -> [Vec<f64>; 2] {
-        let mut model = Model::base(mu_mpa, alpha);
-        model.settings.extend(setting);
-        let mut both = self.chain.predict(&model, &[0.0, 0.0]).into_iter();
-        [both.next().unwrap_or_default(), both.next().unwrap_or_default()]
-    }
-
-    /// Recordings of a material with an amount of a cause.
-    fn pressed(&self, truth: Pair, cause: &Cause, amount: f64) -> [Vec<f64>; 2] {
-        let mut curves = self.with(truth, cause.setting(amount));
-        if cause.code == SESSION {
-            curves[1].iter_mut().for_each(|force| *force *= 1.0 + amount);
-        }
-        curves
-    }
-
-    /// Eq. 14 with the best modulus at one exponent, over the curves that are asked for and up to a depth: for a sum of absolute
-    /// differences that is a weighted median of force ratios.
-    fn eq14(&self, data: &[Vec<f64>; 2], asked: [bool; 2], unit: usize, depth_mm: f64) -> (f64, f64) {
-        let mut ratios: Vec<(f64, f64, f64)> = Vec::new();
-        for ball in (0..2).filter(|ball| asked[*ball]) {
-            let samples = self.depths.iter().zip(&self.units[unit].1[ball]).zip(&data[ball]);
-            ratios
-                .extend(samples.filter(|((d, f), _)| **d <= depth_mm && **f > 0.0).map(|((_, f), y)| (y / f, *f, *y)));
-        }
-        ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let half = 0.5 * ratios.iter().map(|r| r.1).sum::<f64>();
-        let mut sum = 0.0;
-        let middle = ratios.iter().find(|r| {
-            sum += r.1;
-            sum >= half
-        });
-        let mu = middle.map_or(f64::NAN, |r| r.0);
-        (ratios.iter().map(|(_, f, y)| (mu * f - y).abs()).sum(), mu)
-    }
-
-    /// The thesis' identification: the least of Eq. 14.
-    fn identify(&self, data: &[Vec<f64>; 2], asked: [bool; 2], depth_mm: f64) -> Pair {
-        let value = |unit: usize| self.eq14(data, asked, unit, depth_mm).0;
-        let least = |units: &mut dyn Iterator<Item = usize>| {
-            units.map(|unit| (unit, value(unit))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |best| best.0)
-        };
-        let near = least(&mut (0..UNITS).step_by(COARSE));
-        let best = least(&mut (near.saturating_sub(COARSE)..(near + COARSE + 1).min(UNITS)));
-        (self.eq14(data, asked, best, depth_mm).1, self.units[best].0)
-    }
-
-    /// From the ball of 4 mm, from that of 6 mm, from both.
-    fn table_1(&self, data: &[Vec<f64>; 2]) -> [Pair; 3] {
-        [[true, false], [false, true], [true, true]].map(|asked| self.identify(data, asked, DEPTH_MM))
-    }
-}
+use bench::{Bench, DEPTH_MM, apart, distance};
+use cause::{CAUSES, Cause, FOAMS, Foam, NOTHING, PLAIN, Pair};
 
 /// What a cause makes of Table 1.
 struct Found {
@@ -195,24 +29,6 @@ struct Found {
     table: [Pair; 3],
     /// Ratio of the exponents, ball of 6 mm over ball of 4 mm, from 2, 3 and 4 mm.
     ratios: [f64; 3],
-}
-
-/// Root mean square of the difference of two sets of curves, percent of each peak.
-fn distance(a: &[Vec<f64>; 2], b: &[Vec<f64>; 2]) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        let peak = y.iter().copied().fold(0.0, f64::max);
-        sum += x.iter().zip(y).map(|(x, y)| ((x - y) / peak).powi(2)).sum::<f64>();
-        count += x.len() as f64;
-    }
-    100.0 * (sum / count).sqrt()
-}
-
-/// Root mean square of the relative differences of pairs, percent.
-fn apart(found: &[Pair], printed: &[Pair]) -> f64 {
-    let square = |a: f64, b: f64| (a / b).ln().powi(2);
-    let each = found.iter().zip(printed).map(|(f, p)| square(f.0, p.0) + square(f.1, p.1));
-    100.0 * (each.sum::<f64>() / (2 * found.len()) as f64).sqrt()
 }
 
 /// Table 1's curves: what its single-ball parameters say of each ball. The recordings themselves were not published.
@@ -277,27 +93,6 @@ fn row(cause: &Cause, found: &Found) -> Vec<String> {
     ]
 }
 
-/// What a plain amount of each cause does to a foam of the joint parameters: change of alpha and mu from ball to ball.
-const PLAIN: [(usize, f64); 17] = [
-    (0, 0.05),
-    (1, 2.0),
-    (1, -2.0),
-    (2, 1.0),
-    (3, 0.02),
-    (4, -0.2),
-    (5, 0.2),
-    (6, 0.3),
-    (7, 0.3),
-    (8, 0.1),
-    (9, 0.1),
-    (10, 0.3),
-    (11, 0.3),
-    (12, 5e-4),
-    (13, 0.03),
-    (14, 0.002),
-    (15, 0.05),
-];
-
 fn plain(bench: &Bench, foam: &Foam) -> Vec<Vec<String>> {
     let one = |(at, amount): &(usize, f64)| {
         let cause = &CAUSES[*at];
@@ -339,13 +134,13 @@ fn chance(bench: &Bench, foam: &Foam) -> Outcome<Vec<Vec<String>>> {
         let draw = |seed: usize| {
             let mut source = Pcg64::seed_from_u64(SEED + seed as u64);
             let mut data: [Vec<f64>; 2] = Default::default();
-            for ball in 0..2 {
+            for (ball, recorded) in data.iter_mut().enumerate() {
                 let offset = contact_mm / root * unit.sample(&mut source);
                 let factor = 1.0 + gain / root * unit.sample(&mut source);
                 let mut curve = bench.pressed(foam.both, late, offset)[ball].clone();
                 let peak = curve.last().copied().unwrap_or(0.0);
                 curve.iter_mut().for_each(|f| *f = factor * *f + noise / root * peak * unit.sample(&mut source));
-                data[ball] = curve;
+                *recorded = curve;
             }
             let [small, large, both] = bench.table_1(&data);
             let outside = both.1 < small.1.min(large.1);

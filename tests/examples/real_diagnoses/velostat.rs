@@ -53,8 +53,11 @@ fn hold(file: &Path) -> Outcome<Hold> {
     })
 }
 
+/// Name, column over time and shape, whether it has a shape.
+type Law = (&'static str, fn(f64, f64) -> f64, bool);
+
 /// Laws of creep after a step, in the time held: their columns besides a constant.
-const LAWS: [(&str, fn(f64, f64) -> f64, bool); 3] = [
+const LAWS: [Law; 3] = [
     ("logarithm of time", |t, _| (t / UNIT_S).log10(), false),
     ("one exponential", |t, tau| 1.0 - (-(t - UNIT_S) / tau).exp(), true),
     ("power of time", |t, tau| (t / UNIT_S).powf(1.0 / tau), true),
