@@ -1,5 +1,6 @@
 //! Host side of Palpate.
 
+pub mod calibration;
 pub mod cli;
 pub mod demo;
 pub mod diagnose;

@@ -16,6 +16,7 @@ const GEOMETRY: Geometry = Geometry {
     specimen: Specimen { height_mm: 12.7, radius_mm: 25.0, base: Base::Bonded },
     ball_mm: 4.0,
     depth_mm: DEPTH_MM,
+    nu: 0.0,
 };
 
 static LIBRARY: LazyLock<Library> =

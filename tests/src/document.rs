@@ -28,6 +28,15 @@ pub fn replace_section(document: &str, name: &str, content: &str) -> Result<Stri
     Ok(format!("{}{}\n{}", &document[..open], content.trim_end(), &document[close..]))
 }
 
+/// A Markdown table.
+#[must_use]
+pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
+    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let head: Vec<String> = head.iter().map(|&cell| cell.to_owned()).collect();
+    let rule = format!("|{}\n", "---|".repeat(head.len()));
+    line(&head) + &rule + &rows.iter().map(|row| line(row)).collect::<String>()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use lut_gen::chain::{Geometry, Passage};
+use lut_gen::chain::{Geometry, Passage, RUBBER_NU};
 use lut_gen::model::Specimen as Block;
 use lut_gen::solve;
 
@@ -22,6 +22,8 @@ const LEAST_SAMPLES: usize = 12;
 const SAME_RATE: f64 = 0.05;
 /// Largest depth over ball radius that the force models are asked for: beyond, a ball is a shank.
 const DEEPEST: f64 = 1.2;
+/// The same where the specimen hardly changes its volume.
+const DEEPEST_RUBBER: f64 = 1.0;
 /// How far past the contact the recorded zero may lie, mm: depths that the force models must cover.
 const LATE_MM: f64 = 0.25;
 /// Recorded zeros within this distance (mm) of the contact were meant to be the contact.
@@ -169,6 +171,11 @@ impl Design {
             design.add(experiment, raw);
         }
         design.number();
+        if design.geometries.iter().any(|geometry| geometry.nu > 0.0) {
+            design.messages.push(format!(
+                "ogden: computed with Poisson's ratio {RUBBER_NU}, as near to incompressible as the force models go; another Poisson's ratio cannot be seen"
+            ));
+        }
         Ok(design)
     }
 
@@ -228,16 +235,17 @@ impl Design {
             },
         };
         // a margin for what contact and compliance add, in steps so that like experiments share their models
-        let wanted = (1.06 * deepest_mm).min(DEEPEST * ball_mm).min(0.8 * height_mm);
+        let (nu, deepest) = if its.base_law == BaseLaw::Ogden { (RUBBER_NU, DEEPEST_RUBBER) } else { (0.0, DEEPEST) };
+        let wanted = (1.06 * deepest_mm).min(deepest * ball_mm).min(0.8 * height_mm);
         let depth_mm = (wanted / 0.25).ceil() * 0.25;
         let known = self.geometries.iter_mut().enumerate();
         for (at, geometry) in known {
-            if geometry.specimen == block && geometry.ball_mm == ball_mm {
+            if geometry.specimen == block && geometry.ball_mm == ball_mm && geometry.nu == nu {
                 geometry.depth_mm = geometry.depth_mm.max(depth_mm);
                 return at;
             }
         }
-        self.geometries.push(Geometry { specimen: block, ball_mm, depth_mm });
+        self.geometries.push(Geometry { specimen: block, ball_mm, depth_mm, nu });
         self.geometries.len() - 1
     }
 

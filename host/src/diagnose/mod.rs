@@ -343,6 +343,9 @@ pub struct Prepared<'a> {
 /// Where the recorded zero is not the contact, predictions are linearised about contact points within this many standard deviations of
 /// their jitter; where it is, about the zero itself: a few hundredths of a millimetre of jitter bend no curve.
 const CONTACTS: f64 = 2.0;
+/// No contact point lies farther off than this share of the largest depth: without an end a base that is wrong and a jitter that grows with what it
+/// leaves drive each other (beef, held for 10 s: a jitter of kilometres, in which nothing was wrong).
+const FARTHEST: f64 = 0.1;
 /// Rounds in which noise, contact points and base are found, each from the others.
 const ROUNDS: usize = 3;
 
@@ -361,6 +364,8 @@ impl<'a> Prepared<'a> {
             posterior: Posterior::stated(jitter, 5.0),
             sensor_freedom: 50.0,
         };
+        let depths = design.series.iter().flat_map(|s| s.nodes.iter().map(|n| n.depth_mm));
+        let farthest_mm = FARTHEST * depths.fold(0.0, f64::max);
         let mut contacts_mm = vec![0.0; design.series.len()];
         let mut curves: Vec<Curve> = design
             .series
@@ -392,7 +397,8 @@ impl<'a> Prepared<'a> {
             let residual = problem.plain(&fitted.model);
             let spots = problem.whitening.contacts_mm(&residual, noise.jitter.contact_mm);
             // a base that is wrong would push the contact points where no jitter puts them, and every extension with them
-            let reach = if design.zero_is_contact { 0.0 } else { CONTACTS * noise.jitter.contact_mm };
+            let reach =
+                if design.zero_is_contact { 0.0 } else { (CONTACTS * noise.jitter.contact_mm).min(farthest_mm) };
             contacts_mm = design.series.iter().map(|s| spots[s.spot].clamp(-reach, reach)).collect();
             curves = Problem::curves(design, chain, &fitted.model, &contacts_mm);
             let at_zero: Vec<Curve> = curves

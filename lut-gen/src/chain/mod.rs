@@ -9,7 +9,7 @@ mod passage;
 mod predict;
 mod whole;
 
-pub use library::{Geometry, Library, LibraryError, Need};
+pub use library::{Geometry, Library, LibraryError, Need, RUBBER_NU};
 pub use passage::Passage;
 pub use predict::{Chain, Prediction};
 pub use whole::{Whole, is_rough};

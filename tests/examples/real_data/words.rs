@@ -5,14 +5,7 @@ use palpate::identify::fit::{Parameter, RunFit};
 use palpate::identify::grip::Grip;
 use palpate::identify::newton::verdict::Standing;
 use palpate::report::number;
-
-/// A Markdown table.
-pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
-    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let head: Vec<String> = head.iter().map(|&cell| cell.to_owned()).collect();
-    let rule = format!("|{}\n", "---|".repeat(head.len()));
-    line(&head) + &rule + &rows.iter().map(|row| line(row)).collect::<String>()
-}
+pub use tests::document::table;
 
 /// Value and interval of a parameter, with a word where it is not identified.
 pub fn parameter(found: &Identification, name: &str) -> String {
