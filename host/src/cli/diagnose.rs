@@ -31,6 +31,17 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let experiment = experiment::read(&arguments.experiment)?;
     let progress = Progress::new();
+    // The display is asked first: it costs no finite elements.
+    let display = diagnose::display::diagnose(&experiment, &|what: &str, done, total| progress.set(what, done, total));
+    if let Some(display) = &display {
+        let others = experiment.runs.iter().any(|run| run.test != experiment::Test::Display);
+        progress.end();
+        report_display(arguments, &experiment, display, others)?;
+        if !others {
+            return Ok(());
+        }
+    }
+    let progress = Progress::new();
     let models = Models::default();
     let found = diagnose::diagnose(&experiment, &models, &|what: &str, done, total| progress.set(what, done, total));
     progress.end();
@@ -45,6 +56,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             .into_diagnostic()
             .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
         written = Some(file.display().to_string());
+    }
+    if let (true, Some(display)) = (arguments.json, &display) {
+        let told: Vec<_> = found.iter().map(|one| diagnose::answer::json(one, written.as_deref())).collect();
+        println!("{}", serde_json::json!({ "materials": told, "display": diagnose::display::answer::json(display, None) }));
+        return Ok(());
     }
     if arguments.json {
         let told = |one| diagnose::answer::json(one, written.as_deref());
@@ -62,6 +78,34 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     if let Some(file) = written {
         println!("report           {file}");
+    }
+    Ok(())
+}
+
+/// Writes and tells what was found about a display; with other runs beside it, JSON comes later, in one object.
+fn report_display(
+    arguments: &Arguments,
+    experiment: &experiment::Experiment,
+    found: &diagnose::display::Diagnosis,
+    others: bool,
+) -> miette::Result<()> {
+    let mut written = None;
+    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/diagnose")));
+    if let Some(folder) = &folder {
+        let file = folder.join(if others { "display.html" } else { "report.html" });
+        report::display::page(experiment, found)
+            .write(&file)
+            .into_diagnostic()
+            .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
+        written = Some(file.display().to_string());
+    }
+    if !arguments.json {
+        print!("{}", report::display::summary(found));
+        if let Some(file) = written {
+            println!("report           {file}");
+        }
+    } else if !others {
+        println!("{}", diagnose::display::answer::json(found, written.as_deref()));
     }
     Ok(())
 }
