@@ -59,7 +59,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     if let (true, Some(display)) = (arguments.json, &display) {
         let told: Vec<_> = found.iter().map(|one| diagnose::answer::json(one, written.as_deref())).collect();
-        println!("{}", serde_json::json!({ "materials": told, "display": diagnose::display::answer::json(display, None) }));
+        println!(
+            "{}",
+            serde_json::json!({ "materials": told, "display": diagnose::display::answer::json(display, None) })
+        );
         return Ok(());
     }
     if arguments.json {

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::experiment;
 use crate::report::number;
 use crate::simulate::effect::Setting;
-use crate::simulate::{self, display, Effect, SimulatedExperiment, Solver};
+use crate::simulate::{self, Effect, SimulatedExperiment, Solver, display};
 
 use super::progress::Progress;
 
@@ -104,7 +104,10 @@ fn run_display(arguments: &Arguments, text: &str, file: &Path, folder: &Path) ->
     let codes: Vec<&str> = spec.effects.iter().map(|effect| effect.code()).collect();
     let folder = folder.display().to_string();
     if arguments.json {
-        println!("{}", json!({ "folder": folder, "name": spec.name, "seed": spec.seed, "runs": runs, "effects": codes }));
+        println!(
+            "{}",
+            json!({ "folder": folder, "name": spec.name, "seed": spec.seed, "runs": runs, "effects": codes })
+        );
     } else {
         println!("experiment       {}, seed {}", spec.name, spec.seed);
         println!("runs             {runs} of a display");

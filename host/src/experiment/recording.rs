@@ -97,7 +97,8 @@ impl Recording {
         if DISPLAY_PAIRS.iter().any(complete) {
             return Ok(());
         }
-        let pairs: Vec<String> = DISPLAY_PAIRS.iter().map(|(told, measured)| format!("{told} with {measured}")).collect();
+        let pairs: Vec<String> =
+            DISPLAY_PAIRS.iter().map(|(told, measured)| format!("{told} with {measured}")).collect();
         let problem = format!("a display run needs at least one pair of columns: {}", pairs.join(", or "));
         Err(ExperimentError::of_file(file, Problem::Contradiction(problem)))
     }

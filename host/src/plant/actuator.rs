@@ -74,8 +74,7 @@ impl Actuator {
         // Friction takes speed away but never reverses it, which also holds a resting shaft.
         let taken = self.flaws.friction_v * SPRING * dt_s;
         let limit = self.flaws.rate_mm_s;
-        self.rate_mm_s =
-            if free.abs() <= taken { 0.0 } else { (free - taken * free.signum()).clamp(-limit, limit) };
+        self.rate_mm_s = if free.abs() <= taken { 0.0 } else { (free - taken * free.signum()).clamp(-limit, limit) };
         let moved = self.position_mm + self.rate_mm_s * dt_s;
         self.position_mm = moved.clamp(STROKE_MM.0, STROKE_MM.1);
         if self.position_mm != moved {

@@ -48,11 +48,8 @@ impl Core {
             turned += (current_a - *element_a) / half_a;
         }
         let air_t = ideal_t * self.gap_mm.0 / self.gap_mm.1;
-        let steel_t = if self.saturation_t.is_finite() {
-            self.saturation_t * (air_t / self.saturation_t).tanh()
-        } else {
-            air_t
-        };
+        let steel_t =
+            if self.saturation_t.is_finite() { self.saturation_t * (air_t / self.saturation_t).tanh() } else { air_t };
         steel_t - self.remanence_t * turned / ELEMENTS as f64
     }
 }

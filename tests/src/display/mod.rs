@@ -44,8 +44,7 @@ pub const HIDDEN: [&str; 12] = [
     "gap",
 ];
 /// Effects that no catalogue names.
-pub const OUTSIDE: [&str; 5] =
-    ["outside-ripple", "outside-wobble", "outside-viscous", "outside-clip", "outside-eddy"];
+pub const OUTSIDE: [&str; 5] = ["outside-ripple", "outside-wobble", "outside-viscous", "outside-clip", "outside-eddy"];
 /// Pairs, first the ones in one channel.
 pub const PAIRS: [(&str, &str); 6] = [
     ("rate-limit", "delay"),

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use nalgebra::DVector;
 use palpate::diagnose::Verdict;
 use palpate::diagnose::display::channel::Channel;
-use palpate::diagnose::display::design::Design;
+use palpate::diagnose::display::design::{Design, Explained};
 use palpate::diagnose::display::{self, Diagnosis};
 
 use super::{Case, Plan, code};
@@ -132,7 +132,13 @@ fn outcome(case: &Case, found: &Diagnosis, named: &[Vec<&'static str>]) -> Outco
     }
     let unknown = found.channels.iter().any(|c| c.verdict == Verdict::Unknown);
     match (case.hidden.is_empty(), named.is_empty(), left.is_empty() && total > 0) {
-        (true, ..) => if unknown { Outcome::FalseAlarm } else { Outcome::Clean },
+        (true, ..) => {
+            if unknown {
+                Outcome::FalseAlarm
+            } else {
+                Outcome::Clean
+            }
+        }
         (_, _, true) if unknown => Outcome::Unknown,
         (_, _, true) if sets => Outcome::InSet,
         (_, _, true) => Outcome::Exact,
@@ -159,7 +165,9 @@ fn strength(case: &Case, found: &Diagnosis) -> f64 {
     let mut square = 0.0;
     for channel in Channel::ALL {
         let its = found.channels.iter().find(|c| c.channel == channel).and_then(|c| c.evidence.as_deref());
-        let (Some(evidence), Ok(a), Ok(b)) = (its, Design::of(&with, channel), Design::of(&without, channel)) else {
+        let (Some(evidence), Ok(a), Ok(b)) =
+            (its, Design::of(&with, channel, &Explained::new()), Design::of(&without, channel, &Explained::new()))
+        else {
             continue;
         };
         if a.samples() != b.samples() || a.samples() != evidence.design.samples() {

@@ -21,9 +21,7 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
     // where names compete, only a run that separates them is the next one
     let open: Vec<_> = all().filter(|c| c.verdict == Verdict::Ambiguous).map(|c| c.channel).collect();
     let next = proposals.iter().find(|(channel, _)| open.is_empty() || open.contains(channel));
-    let told = |(channel, p): &(super::channel::Channel, &super::plan::Proposal)| {
-        json!({ "channel": channel.word(), "what": p.what, "decides": p.decides, "distance": p.distance })
-    };
+    let told = |(channel, p): &(super::channel::Channel, &super::plan::Proposal)| json!({ "channel": channel.word(), "what": p.what, "decides": p.decides, "distance": p.distance });
     let judged = all().find(|c| !c.findings.is_empty()).or(diagnosis.channels.first());
     let evidence = judged.and_then(|c| c.evidence.as_deref().map(|e| (c, e)));
     json!({
@@ -84,7 +82,7 @@ fn channel(one: &ChannelDiagnosis) -> Value {
         "noise": evidence.map(|e| json!({
             "sigma": e.noise.sensor.sigma, "white": e.noise.sensor.white, "correlation_s": e.noise.sensor.correlation_s,
             "relative": e.noise.sensor.relative, "gain_jitter": e.noise.jitter.gain, "zero_jitter": e.noise.jitter.zero,
-            "time_jitter_s": e.noise.jitter.time_s, "unit": one.channel.unit(),
+            "slide_jitter": e.noise.jitter.slide, "unit": one.channel.unit(),
         })),
         "candidates": evidence.map_or_else(Vec::new, |e| e.singles.iter().map(|s| candidate(e, s)).collect()),
         "held_out": evidence.and_then(|e| held_out(one, e)),

@@ -3,6 +3,7 @@
 use crate::experiment::{Experiment, GAP_MM, Run, Test};
 
 use super::channel::Channel;
+use super::smooth;
 
 /// One run of a channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,6 +83,9 @@ pub enum Unusable {
     },
 }
 
+/// Inputs by file.
+pub type Explained = std::collections::BTreeMap<String, Vec<f64>>;
+
 /// Samples without which nothing can be said.
 const LEAST_SAMPLES: usize = 40;
 /// Inputs that differ by less than this share of the range, root mean square, are the same command.
@@ -92,16 +96,22 @@ const DEAD: f64 = 0.02;
 const INTERRUPTED: f64 = 10.0;
 
 impl Design {
-    /// The runs of a channel.
+    /// The runs of a channel. `explained`: inputs (by file) that are known better than they were measured, because their own channel was
+    /// explained; a reading's noise would otherwise pass for motion.
     ///
     /// # Errors
     /// [`Unusable`].
-    pub fn of(experiment: &Experiment, channel: Channel) -> Result<Self, Unusable> {
+    pub fn of(experiment: &Experiment, channel: Channel, explained: &Explained) -> Result<Self, Unusable> {
         let mut messages = Vec::new();
         let mut series: Vec<Series> = Vec::new();
         let runs: Vec<&Run> = experiment.runs.iter().filter(|run| run.test == Test::Display).collect();
         for run in runs {
-            let Some(one) = one(run, channel) else { continue };
+            let Some(mut one) = one(run, channel) else { continue };
+            match explained.get(&run.file).filter(|input| input.len() == one.input.len()) {
+                Some(input) => one.input.clone_from(input),
+                None if channel.input_is_measured() => one.input = smooth::smoothed(&one.time_s, &one.input),
+                None => {}
+            }
             if let Some(at_s) = interrupted(&one.time_s) {
                 messages.push(format!("{}: recording interrupted at {at_s:.2} s; the run is left out", run.file));
             } else {

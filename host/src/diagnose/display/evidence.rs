@@ -87,11 +87,8 @@ impl Panel {
     #[must_use]
     pub fn new(margins: &[Margin], base: &Fit, whitening: &Whitening, noise: &Noise) -> Self {
         let columns: Vec<DVector<f64>> = margins.iter().map(|m| m.direction.clone()).collect();
-        let raw = if columns.is_empty() {
-            DMatrix::zeros(whitening.residuals(), 0)
-        } else {
-            DMatrix::from_columns(&columns)
-        };
+        let raw =
+            if columns.is_empty() { DMatrix::zeros(whitening.residuals(), 0) } else { DMatrix::from_columns(&columns) };
         let directions = orthogonal(&raw, &base.jacobian);
         let drawn = twins(whitening, noise, &directions);
         let scatter: Vec<f64> = whitening.response(&directions).variances().iter().map(|v| v.sqrt()).collect();

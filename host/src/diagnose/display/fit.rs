@@ -187,7 +187,15 @@ impl Problem<'_> {
             let is_null = |limit: f64| c.null.is_some_and(|null| (c.of(null) - limit).abs() < near);
             (x - low < near && !is_null(low)) || (high - x < near && !is_null(high))
         });
-        Fit { law: at(from, &list, &x), square: residual.norm_squared(), coordinates: list, x, residual, jacobian, at_bound }
+        Fit {
+            law: at(from, &list, &x),
+            square: residual.norm_squared(),
+            coordinates: list,
+            x,
+            residual,
+            jacobian,
+            at_bound,
+        }
     }
 }
 

@@ -27,8 +27,7 @@ pub fn of(search: &Search<'_>, held: &[Explanation]) -> Option<HeldOut> {
     let problem = search.problem;
     let design = problem.design;
     let marked = design.series.iter().any(|s| s.hold_out);
-    let groups: Vec<Option<usize>> =
-        if marked { vec![None] } else { (0..design.conditions.len()).map(Some).collect() };
+    let groups: Vec<Option<usize>> = if marked { vec![None] } else { (0..design.conditions.len()).map(Some).collect() };
     if !marked && groups.len() < 2 {
         return None;
     }

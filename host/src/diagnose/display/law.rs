@@ -10,6 +10,9 @@ use super::effect::{
 /// Current below which the magnet's line bends to zero, A (assumed; Table 6 begins at 1.5 A).
 pub const KNEE_A: f64 = 0.4;
 
+/// Response time of the fluid, s (1 to 6 ms).
+const RESPONSE_S: f64 = 3e-3;
+
 /// Longest step in which friction and speed are taken as constant, s.
 const STEP_S: f64 = 2e-3;
 
@@ -120,9 +123,15 @@ impl Law {
         let left_t = self.two(&remanence::EFFECT).map(|parts| remanence::left(&series.input, parts));
         let line = |a: f64| factor * (slope * a + step_t * (a / KNEE_A).tanh());
         let limit_t = self.one(&saturation::EFFECT);
+        let mut before_t = None;
         let each = series.input.iter().enumerate().map(|(k, a)| {
             let core_t = limit_t.map_or(line(*a), |limit| saturation::bent(line(*a), limit));
-            core_t + left_t.as_ref().map_or(0.0, |left| left[k]) + zero_t
+            let rest_t = core_t + left_t.as_ref().map_or(0.0, |left| left[k]);
+            let span_s = if k > 0 { series.time_s[k] - series.time_s[k - 1] } else { 0.0 };
+            let now_t =
+                before_t.map_or(rest_t, |before: f64| rest_t + (before - rest_t) * (-span_s / RESPONSE_S).exp());
+            before_t = Some(now_t);
+            now_t + zero_t
         });
         each.collect()
     }
@@ -203,10 +212,7 @@ impl Shaft {
             ((w * t).cosh(), (w * t).sinh() / w)
         };
         let decay = (-s * t).exp();
-        [
-            [decay * (c + s * sine), decay * sine],
-            [-decay * self.spring * sine, decay * (c - s * sine)],
-        ]
+        [[decay * (c + s * sine), decay * sine], [-decay * self.spring * sine, decay * (c - s * sine)]]
     }
 }
 
@@ -244,7 +250,17 @@ mod tests {
         let input = time_s.iter().map(|t| if *t < 0.1 { 0.0 } else { height_mm }).collect();
         let compared = vec![true; time_s.len()];
         let file = "step.csv".to_owned();
-        Series { file, output: Vec::new(), time_s, input, compared, gap_ratio: 1.0, gap_mm: 0.0, condition: 0, hold_out: false }
+        Series {
+            file,
+            output: Vec::new(),
+            time_s,
+            input,
+            compared,
+            gap_ratio: 1.0,
+            gap_mm: 0.0,
+            condition: 0,
+            hold_out: false,
+        }
     }
 
     fn with(effect: &'static Effect, value: f64) -> Law {

@@ -58,6 +58,8 @@ struct Place {
 }
 
 const LEVELS: usize = 6;
+/// Bins that show what repeats along the range.
+const FINE: usize = 24;
 const CLOCKS: usize = 8;
 /// Edges of the bins of time since the last change, s.
 const SINCE_S: [f64; 7] = [0.03, 0.07, 0.15, 0.4, 1.0, 3.0, 10.0];
@@ -95,6 +97,7 @@ pub fn margins(problem: &Problem<'_>) -> Vec<Margin> {
     };
     let level = |p: &Place| ((p.level * LEVELS as f64) as usize).min(LEVELS - 1);
     add(Variable::Level, LEVELS, &|_, p| Some(level(p)));
+    add(Variable::Level, FINE, &|_, p| Some((p.level * FINE as f64) as usize));
     add(Variable::Direction, 5, &|_, p| Some(p.direction));
     add(Variable::Direction, 4 * LEVELS, &|_, p| (p.direction < 4).then(|| p.direction * LEVELS + level(p)));
     add(Variable::Rate, 2 * (RATES.len() + 1), &|_, p| {
@@ -159,7 +162,8 @@ pub fn placebos(problem: &Problem<'_>, count: usize, mut uniform: impl FnMut() -
                         2 => p.clock,
                         _ => (1.0 + p.since_s / 0.05).ln() / 5.0,
                     };
-                    let sign = if variable == 1 { signs[p.direction] } else { signs[8 + design.series[s].condition % 56] };
+                    let sign =
+                        if variable == 1 { signs[p.direction] } else { signs[8 + design.series[s].condition % 56] };
                     column[design.first(s) + k] = design.span * sign * (waves * along + phase).cos();
                 }
             }

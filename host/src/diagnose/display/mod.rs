@@ -15,6 +15,7 @@ pub mod margin;
 pub mod noise;
 pub mod plan;
 pub mod search;
+mod smooth;
 mod verdict;
 pub mod whiten;
 
@@ -24,7 +25,7 @@ use crate::diagnose::Verdict;
 use crate::experiment::{Experiment, Test};
 
 use channel::Channel;
-use design::{Design, Unusable};
+use design::{Design, Explained, Unusable};
 use evidence::{Adequacy, Panel, Spaces};
 use fit::{Estimate, Fit, Problem};
 use held_out::HeldOut;
@@ -128,7 +129,8 @@ pub fn diagnose(experiment: &Experiment, progress: &super::Progress<'_>) -> Opti
     let start = Instant::now();
     let mut channels = Vec::new();
     for channel in Channel::ALL {
-        match Design::of(experiment, channel) {
+        let explained = if channel == Channel::Flux { explained(&channels) } else { Explained::new() };
+        match Design::of(experiment, channel, &explained) {
             Err(Unusable::Absent) => {}
             Err(cause) => channels.push(refused(channel, cause)),
             Ok(design) => {
@@ -138,6 +140,14 @@ pub fn diagnose(experiment: &Experiment, progress: &super::Progress<'_>) -> Opti
         }
     }
     Some(Diagnosis { verdict: verdict::together(&channels), channels, seconds: start.elapsed().as_secs_f64() })
+}
+
+/// The coil's current as its own channel explains it; nothing where it does not.
+fn explained(channels: &[ChannelDiagnosis]) -> Explained {
+    let current = channels.iter().find(|c| c.channel == Channel::Current && c.verdict != Verdict::Unknown);
+    let Some(evidence) = current.and_then(|c| c.evidence.as_deref()) else { return Explained::new() };
+    let law = evidence.held.first().map_or(&evidence.base.law, |best| &best.fit.law);
+    evidence.design.series.iter().map(|series| (series.file.clone(), law.predict(series))).collect()
 }
 
 fn empty(channel: Channel, verdict: Verdict) -> ChannelDiagnosis {
@@ -179,7 +189,8 @@ fn examined(design: Design) -> ChannelDiagnosis {
     let catalogue = (0..effects.len()).map(|at| spaces.read(at, &base.residual)).fold(f64::NEG_INFINITY, f64::max);
     let visible = !adequacy.passes() || catalogue > spaces.threshold;
     out.shows_in = adequacy.shows_in.iter().map(|v| v.word()).collect();
-    let search = Search { problem: &problem, noise: &noise, panel: &panel, effects, base: base.clone(), signatures, spaces };
+    let search =
+        Search { problem: &problem, noise: &noise, panel: &panel, effects, base: base.clone(), signatures, spaces };
     out.blind_to = verdict::blind_spots(&search);
     let (mut singles, mut held) = (Vec::new(), Vec::new());
     if visible {
@@ -200,7 +211,7 @@ const ROUNDS: usize = 2;
 fn prepared(design: &Design) -> Option<(Problem<'_>, Fit, Noise)> {
     // before anything is known: a hundredth of the span, white
     let sensor = SensorNoise { sigma: 0.01 * design.span.max(1e-9), white: 0.5, correlation_s: 0.1, relative: 0.0 };
-    let jitter = Jitter { gain: design.channel.expected_gain(), zero: 0.0, time_s: 0.0 };
+    let jitter = Jitter { gain: design.channel.expected_gain(), zero: 0.0, slide: 0.0 };
     let mut noise = Noise { sensor, jitter, freedom: 5.0, sensor_freedom: 50.0 };
     let used: Vec<bool> = design.series.iter().map(|s| !s.hold_out).collect();
     let mut law = Law::nominal(design.channel);

@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::channel::Channel;
 use super::design::Design;
-use super::whiten::{Innovations, shapes};
+use super::whiten::{Innovations, levels, shapes};
 
 /// Noise of one sample: a part that is correlated in time and a white one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,12 +15,12 @@ pub struct SensorNoise {
     pub white: f64,
     /// Correlation time of the rest, s.
     pub correlation_s: f64,
-    /// Added in quadrature: this times the output.
+    /// Added in quadrature: this times the output, or times what [`Channel::weight`] says.
     pub relative: f64,
 }
 
 impl SensorNoise {
-    /// Standard deviation at an output.
+    /// Standard deviation at a weight.
     #[must_use]
     pub fn level(&self, output: f64) -> f64 {
         self.sigma.hypot(self.relative * output)
@@ -33,8 +34,8 @@ pub struct Jitter {
     pub gain: f64,
     /// Of the zero, in the channel's unit.
     pub zero: f64,
-    /// Of the time between what is told and what is measured, s.
-    pub time_s: f64,
+    /// Of what slides: time of the position (s), the current's reading for the flux (A).
+    pub slide: f64,
 }
 
 /// Noise of a channel.
@@ -56,6 +57,8 @@ const TIMES_S: [f64; 7] = [0.01, 0.03, 0.08, 0.2, 0.5, 1.2, 3.0];
 const WHITE: [f64; 4] = [0.02, 0.2, 0.5, 0.9];
 /// Parts in proportion to the output, at the largest output over that at 0.
 const RELATIVE: [f64; 4] = [0.0, 1.0, 4.0, 20.0];
+/// Correlation times about the best of the grid.
+const FINER: [f64; 5] = [0.7, 0.85, 1.0, 1.2, 1.45];
 /// Runs that the shape of a noise is found from.
 const ENOUGH: usize = 10;
 
@@ -94,7 +97,11 @@ fn deviations(design: &Design, predicted: &[Vec<f64>]) -> Vec<Deviation> {
         let scale = (count / (count - 1.0)).sqrt();
         for &s in &runs {
             let values = (0..predicted[s].len()).map(|k| if k < least { scale * (rest(s, k) - mean[k]) } else { 0.0 });
-            list.push(Deviation { run: s, values: values.collect(), shapes: shapes(&design.series[s], &predicted[s]) });
+            list.push(Deviation {
+                run: s,
+                values: values.collect(),
+                shapes: shapes(design.channel, &design.series[s], &predicted[s]),
+            });
         }
     }
     list
@@ -108,8 +115,9 @@ fn whitened(
     noise: &SensorNoise,
 ) -> (DVector<f64>, DMatrix<f64>, Innovations) {
     let output = &predicted[one.run];
-    let innovations = Innovations::new(&design.series[one.run], output, noise);
-    let level = |k: usize| noise.level(output[k]);
+    let levels = levels(design.channel, &design.series[one.run], output, noise);
+    let innovations = Innovations::new(&design.series[one.run], &levels, noise);
+    let level = |k: usize| levels[k];
     let mut values = one.values.clone();
     innovations.apply(&mut values, level);
     let mut shapes = one.shapes.clone();
@@ -124,16 +132,34 @@ fn whitened(
 /// Sensor noise of the largest likelihood over a grid, its level in closed form, jitter removed as free parameters.
 fn most_likely(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation]) -> Option<SensorNoise> {
     let few: Vec<&Deviation> = deviations.iter().step_by(deviations.len().div_ceil(ENOUGH)).collect();
-    let peak = predicted.iter().flatten().fold(0.0_f64, |a, y| a.max(y.abs()));
+    let weights =
+        design.series.iter().zip(predicted).flat_map(|(series, output)| {
+            (0..output.len()).map(move |k| design.channel.weight(series, output, k).abs())
+        });
+    let peak = weights.fold(0.0, f64::max);
     let mut best: Option<(f64, SensorNoise)> = None;
+    let mut ask = |correlation_s: f64, white: f64, relative: f64| {
+        let unit = SensorNoise { sigma: 1.0, white, correlation_s, relative };
+        let Some((level, deviance)) = likelihood(design, predicted, &few, &unit) else { return best };
+        if best.is_none_or(|(least, _)| deviance < least) {
+            best = Some((deviance, SensorNoise { sigma: level, relative: relative * level, ..unit }));
+        }
+        best
+    };
     for correlation_s in TIMES_S {
         for white in WHITE {
             for part in RELATIVE {
-                let unit = SensorNoise { sigma: 1.0, white, correlation_s, relative: part / peak.max(1e-12) };
-                let Some((level, deviance)) = likelihood(design, predicted, &few, &unit) else { continue };
-                if best.is_none_or(|(least, _)| deviance < least) {
-                    best = Some((deviance, SensorNoise { sigma: level, relative: unit.relative * level, ..unit }));
-                }
+                ask(correlation_s, white, part / peak.max(1e-12));
+            }
+        }
+    }
+    // means over many samples scatter as the root of the correlation time: the grid alone would leave a quarter of error
+    for _ in 0..2 {
+        let (_, found) = ask(TIMES_S[0], WHITE[0], 0.0)?;
+        let relative = found.relative / found.sigma;
+        for time in FINER {
+            for white in [0.4, 1.0, 1.8] {
+                ask(found.correlation_s * time, (found.white * white).clamp(0.005, 0.97), relative);
             }
         }
     }
@@ -142,12 +168,7 @@ fn most_likely(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation]
 }
 
 /// Level of a noise of given shape, and twice its negative log-likelihood.
-fn likelihood(
-    design: &Design,
-    predicted: &[Vec<f64>],
-    runs: &[&Deviation],
-    unit: &SensorNoise,
-) -> Option<(f64, f64)> {
+fn likelihood(design: &Design, predicted: &[Vec<f64>], runs: &[&Deviation], unit: &SensorNoise) -> Option<(f64, f64)> {
     let (mut square, mut log, mut count) = (0.0, 0.0, 0.0);
     for run in runs {
         let (y, x, innovations) = whitened(design, predicted, run, unit);
@@ -172,12 +193,7 @@ fn amounts(y: &DVector<f64>, x: &DMatrix<f64>) -> Option<(DVector<f64>, nalgebra
 }
 
 /// Jitter from the shapes that fit each run's deviation, less what sensor noise alone would make of them.
-fn jitter(
-    design: &Design,
-    predicted: &[Vec<f64>],
-    deviations: &[Deviation],
-    sensor: &SensorNoise,
-) -> (Jitter, f64) {
+fn jitter(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation], sensor: &SensorNoise) -> (Jitter, f64) {
     let mut sums = [(0.0, 0.0); 3];
     for run in deviations {
         let (y, x, _) = whitened(design, predicted, run, sensor);
@@ -199,8 +215,12 @@ fn jitter(
         let raw = if weight > 0.0 { (sum / weight).max(0.0) } else { 0.0 };
         ((raw * freedom + expected * expected * EXPECTED_FREEDOM) / (freedom + EXPECTED_FREEDOM)).sqrt()
     };
-    let time_s = if design.channel.timing_s() > 0.0 { spread(2, 0.0) } else { 0.0 };
-    (Jitter { gain: spread(0, design.channel.expected_gain()), zero: spread(1, 0.0), time_s }, freedom + EXPECTED_FREEDOM)
+    let slides = matches!(design.channel, Channel::Position | Channel::Flux);
+    let slide = if slides { spread(2, 0.0) } else { 0.0 };
+    (
+        Jitter { gain: spread(0, design.channel.expected_gain()), zero: spread(1, 0.0), slide },
+        freedom + EXPECTED_FREEDOM,
+    )
 }
 
 fn ln_determinant(factor: &nalgebra::Cholesky<f64, nalgebra::Dyn>) -> f64 {

@@ -38,7 +38,8 @@ struct Planned {
 pub fn proposals(search: &Search<'_>, held: &[Explanation], blind: &[&'static str]) -> Vec<Proposal> {
     let mut list: Vec<Proposal> = Vec::new();
     for planned in planned(search.problem.design) {
-        let (decides, distance) = if held.len() > 1 { apart(search, held, &planned) } else { shown(search, blind, &planned) };
+        let (decides, distance) =
+            if held.len() > 1 { apart(search, held, &planned) } else { shown(search, blind, &planned) };
         if distance > LEAST {
             list.push(Proposal { what: planned.what, decides, distance });
         }
@@ -133,7 +134,11 @@ fn planned(design: &Design) -> Vec<Planned> {
     for share in [0.1, 0.3, 1.0] {
         let height = share * range;
         list.push((format!("steps of {} and back, every 1.5 s", told(height)), 9.0, Box::new(square(height, 1.5))));
-        list.push((format!("a slow triangle of {}, 4 s each way", told(height)), 16.0, Box::new(triangle(height, 4.0))));
+        list.push((
+            format!("a slow triangle of {}, 4 s each way", told(height)),
+            16.0,
+            Box::new(triangle(height, 4.0)),
+        ));
     }
     list.push((format!("a fast triangle of {}, 0.4 s each way", told(range)), 6.0, Box::new(triangle(range, 0.4))));
     if design.channel != Channel::Position {

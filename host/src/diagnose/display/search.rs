@@ -169,7 +169,8 @@ impl Search<'_> {
         for before in than.iter().take(EXTENDED) {
             for effect in &self.effects {
                 let own = before.fit.effects();
-                let mut key: Vec<_> = own.iter().map(|e| (e.code, e.form)).chain([(effect.code, effect.form)]).collect();
+                let mut key: Vec<_> =
+                    own.iter().map(|e| (e.code, e.form)).chain([(effect.code, effect.form)]).collect();
                 key.sort_unstable();
                 if own.iter().any(|e| e.code == effect.code) || seen.contains(&key) {
                     continue;

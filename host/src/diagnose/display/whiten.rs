@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::channel::{Channel, slope};
 use super::design::{Design, Series};
 use super::noise::{Noise, SensorNoise};
 use crate::diagnose::whiten::kernel;
@@ -16,13 +17,13 @@ pub struct Innovations {
 }
 
 impl Innovations {
-    /// Of a run whose predicted output gives the level of its noise. Samples that are not compared give 0.
+    /// Of a run with the level of its noise at every sample. Samples that are not compared give 0.
     #[must_use]
-    pub fn new(series: &Series, predicted: &[f64], noise: &SensorNoise) -> Self {
+    pub fn new(series: &Series, level: &[f64], noise: &SensorNoise) -> Self {
         let (mut variance, mut before_s) = (1.0 - noise.white, f64::NAN);
         let mut log_deviation = 0.0;
-        let mut steps = Vec::with_capacity(predicted.len());
-        for (k, output) in predicted.iter().enumerate() {
+        let mut steps = Vec::with_capacity(level.len());
+        for (k, level) in level.iter().enumerate() {
             let now_s = series.time_s[k];
             let kept = if before_s.is_nan() { 0.0 } else { (-(now_s - before_s) / noise.correlation_s).exp() };
             variance = kept * kept * variance + (1.0 - kept * kept) * (1.0 - noise.white);
@@ -35,7 +36,7 @@ impl Innovations {
             let whole = (variance + noise.white).max(1e-6);
             let gain = variance / whole;
             variance *= 1.0 - gain;
-            let deviation = noise.level(*output) * whole.sqrt();
+            let deviation = level * whole.sqrt();
             log_deviation += deviation.ln();
             // the state is kept in units of the level, which may change from sample to sample
             steps.push((kept, gain, 1.0 / deviation));
@@ -81,6 +82,9 @@ pub struct Whitening {
 /// sensors are no straighter than a thousandth.
 const LAW: f64 = 0.001;
 
+/// What a recorded gap may be wrong by, mm: shims and calipers are no better.
+const SHIM_MM: f64 = 0.02;
+
 impl Whitening {
     /// For a noise, at what the base predicts.
     #[must_use]
@@ -89,10 +93,10 @@ impl Whitening {
         let mut jitter = Vec::new();
         for (s, (series, output)) in design.series.iter().zip(predicted).enumerate() {
             let first = design.first(s);
-            let level: Vec<f64> = output.iter().map(|y| noise.sensor.level(*y)).collect();
-            let innovations = Innovations::new(series, output, &noise.sensor);
-            let mut columns = shapes(series, output);
-            for (j, scale) in [noise.jitter.gain, noise.jitter.zero, noise.jitter.time_s].into_iter().enumerate() {
+            let level = levels(design.channel, series, output, &noise.sensor);
+            let innovations = Innovations::new(series, &level, &noise.sensor);
+            let mut columns = shapes(design.channel, series, output);
+            for (j, scale) in [noise.jitter.gain, noise.jitter.zero, noise.jitter.slide].into_iter().enumerate() {
                 let mut column: Vec<f64> = columns.column(j).iter().map(|x| x * scale).collect();
                 innovations.apply(&mut column, |k| level[k]);
                 columns.set_column(j, &DVector::from_vec(column));
@@ -177,7 +181,7 @@ impl Whitening {
 pub struct Response {
     /// Covariance that the sensor noise alone gives them.
     pub white: DMatrix<f64>,
-    /// Columns: gain, zero and time of every run by turns.
+    /// Columns: gain, zero and slide of every run by turns.
     pub jitter: DMatrix<f64>,
     /// Columns: shapes of the law's own error.
     pub law: DMatrix<f64>,
@@ -192,37 +196,39 @@ impl Response {
     }
 }
 
-/// Output, 1, and what a second of time makes of the output: what the three kinds of jitter look like.
+/// Level of the noise at every sample.
 #[must_use]
-pub fn shapes(series: &Series, output: &[f64]) -> DMatrix<f64> {
+pub fn levels(channel: Channel, series: &Series, output: &[f64], noise: &SensorNoise) -> Vec<f64> {
+    (0..output.len()).map(|k| noise.level(channel.weight(series, output, k))).collect()
+}
+
+/// Output, 1, and what slides ([`Channel::slide`]): what the three kinds of jitter look like.
+#[must_use]
+pub fn shapes(channel: Channel, series: &Series, output: &[f64]) -> DMatrix<f64> {
     DMatrix::from_fn(output.len(), 3, |k, j| match j {
         0 => output[k],
         1 => 1.0,
-        _ => slope(&series.time_s, output, k),
+        _ => channel.slide(series, output, k),
     })
 }
 
-fn slope(time_s: &[f64], output: &[f64], k: usize) -> f64 {
-    let (a, b) = (k.saturating_sub(1), (k + 1).min(output.len() - 1));
-    let span_s = time_s[b] - time_s[a];
-    if span_s > 0.0 { (output[b] - output[a]) / span_s } else { 0.0 }
-}
-
-/// What the base law may itself be wrong by: smooth over the output, and the time stamps.
+/// What the base law may itself be wrong by: smooth over the output, along time, and between gaps.
 fn errors(design: &Design, predicted: &[Vec<f64>]) -> DMatrix<f64> {
     let all = predicted.iter().flatten();
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
     let span = (high - low).max(1e-12);
     let timing_s = design.channel.timing_s();
-    let mut columns = DMatrix::zeros(design.samples(), if timing_s > 0.0 { 4 } else { 3 });
+    let mut columns = DMatrix::zeros(design.samples(), 5);
     for (s, (series, output)) in design.series.iter().zip(predicted).enumerate() {
         for (k, y) in output.iter().enumerate() {
             let (row, x) = (design.first(s) + k, 2.0 * (y - low) / span - 1.0);
             for (j, shape) in [1.0, 1.5 * x * x - 0.5, 2.5 * x.powi(3) - 1.5 * x].into_iter().enumerate() {
                 columns[(row, j)] = LAW * span * shape;
             }
-            if timing_s > 0.0 {
-                columns[(row, 3)] = timing_s * slope(&series.time_s, output, k);
+            columns[(row, 3)] = timing_s * slope(&series.time_s, output, k);
+            if series.gap_mm > 0.0 {
+                // what is common to all gaps is the line's slope
+                columns[(row, 4)] = SHIM_MM * y * (series.gap_ratio - 1.0) / series.gap_mm;
             }
         }
     }

@@ -24,9 +24,14 @@ pub fn sentence(channel: &ChannelDiagnosis) -> String {
     match channel.verdict {
         Verdict::Clean => format!("The {what} is as simulated, within the noise of these runs."),
         Verdict::Named => format!("The {what} differs from its simulation by {}.", named()),
-        Verdict::Ambiguous => format!("The {what} differs from its simulation by {}; these runs cannot tell which.", named()),
+        Verdict::Ambiguous => {
+            format!("The {what} differs from its simulation by {}; these runs cannot tell which.", named())
+        }
         Verdict::Unknown => {
-            format!("The {what} differs from its simulation, and no effect of the catalogue explains it; it shows in {}.", channel.shows_in.join(", "))
+            format!(
+                "The {what} differs from its simulation, and no effect of the catalogue explains it; it shows in {}.",
+                channel.shows_in.join(", ")
+            )
         }
         Verdict::TooFewData | Verdict::Refused => format!("The {what} is not judged."),
     }
@@ -113,16 +118,26 @@ fn section(page: &mut Page, channel: &ChannelDiagnosis) {
     candidates(page, evidence);
     for finding in channel.findings.iter().filter(|f| !f.ambiguous_with.is_empty()) {
         if let Some(its) = effect::find(finding.code, Some(finding.form)) {
-            page.paragraph(&format!("What decides between {} and {}: {}.", finding.code, finding.ambiguous_with.join(", "), its.separated_by));
+            page.paragraph(&format!(
+                "What decides between {} and {}: {}.",
+                finding.code,
+                finding.ambiguous_with.join(", "),
+                its.separated_by
+            ));
         }
     }
     if !channel.blind_to.is_empty() {
-        page.paragraph(&format!("A plausible amount of these would not be seen here: {}.", channel.blind_to.join(", ")));
+        page.paragraph(&format!(
+            "A plausible amount of these would not be seen here: {}.",
+            channel.blind_to.join(", ")
+        ));
     }
     if !channel.proposals.is_empty() {
         page.heading("Next run");
         let told = channel.proposals.iter();
-        let told = told.map(|p| format!("{}: would tell {} ({:.0} standard deviations)", p.what, p.decides.join(", "), p.distance));
+        let told = told.map(|p| {
+            format!("{}: would tell {} ({:.0} standard deviations)", p.what, p.decides.join(", "), p.distance)
+        });
         page.list(&told.collect::<Vec<_>>());
     }
 }
@@ -151,7 +166,11 @@ fn curves(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) {
         }
         (whole.size, rest.size) = ((860.0, 260.0), (860.0, 200.0));
         let noise = evidence.noise.sensor;
-        let caption = format!("Noise of one sample: {} {unit} at rest, correlated over {} s.", number(noise.sigma), number(noise.correlation_s));
+        let caption = format!(
+            "Noise of one sample: {} {unit} at rest, correlated over {} s.",
+            number(noise.sigma),
+            number(noise.correlation_s)
+        );
         page.figure(&whole.svg(), "");
         page.figure(&rest.svg(), &caption);
     }
@@ -218,7 +237,14 @@ fn candidates(page: &mut Page, evidence: &Evidence) {
         .collect();
     page.heading("Every effect alone");
     page.table(
-        &["effect", "explains", "leaves (largest margin over its threshold)", "beats noise", "predicts", "beats placebos"],
+        &[
+            "effect",
+            "explains",
+            "leaves (largest margin over its threshold)",
+            "beats noise",
+            "predicts",
+            "beats placebos",
+        ],
         &rows,
     );
 }

@@ -82,7 +82,13 @@ fn run(section: &Section<'_>) -> Result<DisplayRun, ExperimentError> {
 
 fn noise(section: &Section<'_>) -> Result<DisplayNoise, ExperimentError> {
     section.only(&[
-        "position_mm", "force_share", "current_A", "flux_T", "correlation_s", "gain_jitter", "heavy_tails",
+        "position_mm",
+        "force_share",
+        "current_A",
+        "flux_T",
+        "correlation_s",
+        "gain_jitter",
+        "heavy_tails",
     ])?;
     let usual = DisplayNoise::default();
     let of = |key: &str, most: f64, usual: f64| -> Result<f64, ExperimentError> {
@@ -126,7 +132,6 @@ const EFFECTS: [(&str, Keys); 14] = [
     ("outside-clip", &[("current_A", 0.01, 10.0, None)]),
     ("outside-eddy", &[("seconds", 0.0, 10.0, None)]),
 ];
-
 
 fn effect(section: &Section<'_>) -> Result<DisplayEffect, ExperimentError> {
     let all = EFFECTS;

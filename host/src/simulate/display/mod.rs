@@ -219,7 +219,9 @@ impl DisplaySpec {
         for run in &experiment.runs {
             std::fs::write(&run.path, csv(run)).map_err(|cause| named(&run.path, cause))?;
             text.push_str(&format!("\n[[run]]\nfile = \"{}\"\ntest = \"display\"\n", run.file));
-            for (key, value) in [("order", run.order.map(|n| n.to_string())), ("start_s", run.start_s.map(|s| format!("{s:?}")))] {
+            for (key, value) in
+                [("order", run.order.map(|n| n.to_string())), ("start_s", run.start_s.map(|s| format!("{s:?}")))]
+            {
                 if let Some(value) = value {
                     text.push_str(&format!("{key} = {value}\n"));
                 }

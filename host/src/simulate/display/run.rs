@@ -59,7 +59,9 @@ pub(super) fn recorded(spec: &DisplaySpec, run: &DisplayRun, number: u64) -> Rec
     let mut recording = Recording::default();
     recording.line = (2..ticks + 2).collect();
     let columns = match run.subject {
-        Subject::Position => position(spec, run, &time_s, (converter, Chance::new(spec, number, 0.1 * spec.noise.gain_jitter))),
+        Subject::Position => {
+            position(spec, run, &time_s, (converter, Chance::new(spec, number, 0.1 * spec.noise.gain_jitter)))
+        }
         Subject::Force => force(spec, run, &time_s, (converter, Chance::new(spec, number, spec.noise.gain_jitter))),
         Subject::Coil => coil(spec, run, &time_s, (converter, Chance::new(spec, number, 0.1 * spec.noise.gain_jitter))),
     };
@@ -76,7 +78,12 @@ pub(super) fn recorded(spec: &DisplaySpec, run: &DisplayRun, number: u64) -> Rec
 
 type Columns = Vec<(&'static str, Vec<f64>)>;
 
-fn position(spec: &DisplaySpec, run: &DisplayRun, time_s: &[f64], (mut converter, mut chance): (Converter, Chance)) -> Columns {
+fn position(
+    spec: &DisplaySpec,
+    run: &DisplayRun,
+    time_s: &[f64],
+    (mut converter, mut chance): (Converter, Chance),
+) -> Columns {
     let mut flaws = ActuatorFlaws::NONE;
     let (mut delay_s, mut play_mm, mut ripple, mut wobble) = (0.0, 0.0, (0.0, 1.0), (0.0, 1.0));
     for effect in &spec.effects {
@@ -100,7 +107,8 @@ fn position(spec: &DisplaySpec, run: &DisplayRun, time_s: &[f64], (mut converter
     for (k, t) in time_s.iter().enumerate() {
         let along_mm = felt_mm + mode.0 + ripple.0 * (TAU * felt_mm / ripple.1).sin();
         let read_mm = f64::from(shaft_mm(converter.ratio(potentiometer.ratio(along_mm)), &law));
-        measured.push(rounded(chance.gain * read_mm + spec.noise.position_mm * (chance.noise.next() + chance.zero), 1e-4));
+        measured
+            .push(rounded(chance.gain * read_mm + spec.noise.position_mm * (chance.noise.next() + chance.zero), 1e-4));
         if k + 1 == time_s.len() {
             break;
         }
@@ -121,7 +129,12 @@ fn position(spec: &DisplaySpec, run: &DisplayRun, time_s: &[f64], (mut converter
     vec![("command_mm", command), ("position_mm", measured)]
 }
 
-fn force(spec: &DisplaySpec, run: &DisplayRun, time_s: &[f64], (mut converter, mut chance): (Converter, Chance)) -> Columns {
+fn force(
+    spec: &DisplaySpec,
+    run: &DisplayRun,
+    time_s: &[f64],
+    (mut converter, mut chance): (Converter, Chance),
+) -> Columns {
     let mut flaws = FsrFlaws { noise: 0.0, ..FsrFlaws::NONE };
     let (mut memory, mut viscous_s) = ((0.0, 1.0), 0.0);
     for effect in &spec.effects {
@@ -159,7 +172,12 @@ fn force(spec: &DisplaySpec, run: &DisplayRun, time_s: &[f64], (mut converter, m
     vec![("reference_N", reference), ("force_N", measured)]
 }
 
-fn coil(spec: &DisplaySpec, run: &DisplayRun, time_s: &[f64], (mut converter, mut chance): (Converter, Chance)) -> Columns {
+fn coil(
+    spec: &DisplaySpec,
+    run: &DisplayRun,
+    time_s: &[f64],
+    (mut converter, mut chance): (Converter, Chance),
+) -> Columns {
     let (mut core, mut heat, mut clip_a, mut eddy_s) = (Core::default(), f64::INFINITY, f64::INFINITY, 0.0);
     let mut offset_mm = 0.0;
     for effect in &spec.effects {

@@ -25,7 +25,7 @@ pub const EFFECT: Effect = Effect {
         Quantity {
             name: "coercive_A",
             null: None,
-            bounds: (0.01, 5.0),
+            bounds: (0.05, 5.0),
             plausible: 0.3,
             starts: &[0.1, 0.4],
             logarithmic: true,
