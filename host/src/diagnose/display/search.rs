@@ -230,28 +230,40 @@ fn discounted(residual: &DVector<f64>, errors: &DMatrix<f64>) -> f64 {
     (residual - errors * (kernel(errors) * errors.tr_mul(residual))).norm_squared()
 }
 
-/// Sum of squares of every command as the others predict it, to first order about the fit.
+/// Sum of squares of every command as the others predict it, to first order about the fit. Where there is one command only, its thirds stand
+/// for commands: what a step up shows is then predicted from the step down.
 fn left_out(problem: &Problem<'_>, fit: &Fit) -> f64 {
     let design = problem.design;
+    let commands = design.conditions.len();
+    let parts = if commands > 1 { 1 } else { 3 };
     let whole = fit.jacobian.tr_mul(&fit.jacobian);
     let mut sum = 0.0;
-    for condition in 0..design.conditions.len() {
+    for group in 0..commands * parts {
+        let (condition, part) = (group / parts, group % parts);
         let rows: Vec<usize> = (0..design.series.len())
             .filter(|s| design.series[*s].condition == condition)
-            .flat_map(|s| design.first(s)..design.first(s) + design.series[s].time_s.len())
+            .flat_map(|s| {
+                let (first, count) = (design.first(s), design.series[s].time_s.len());
+                first + part * count / parts..first + (part + 1) * count / parts
+            })
             .collect();
-        let own = DMatrix::from_fn(rows.len(), fit.jacobian.ncols(), |i, j| fit.jacobian[(rows[i], j)]);
-        let residual = DVector::from_fn(rows.len(), |i, _| fit.residual[rows[i]]);
-        let mut rest = &whole - own.tr_mul(&own);
-        for (i, c) in fit.coordinates.iter().enumerate() {
-            // a parameter that only this command shows stays where it is
-            let span = c.of(c.bounds.1) - c.of(c.bounds.0);
-            rest[(i, i)] += 4.0 / span.powi(2) + 1e-9 * whole[(i, i)];
-        }
-        let moved = rest.cholesky().map(|c| c.solve(&own.tr_mul(&residual)));
-        sum += moved.map_or(f64::INFINITY, |m| (&residual + &own * m).norm_squared());
+        sum += predicted_square(fit, &whole, &rows);
     }
     sum
+}
+
+/// Sum of squares of some rows as all others predict them. `whole` is the information of all.
+fn predicted_square(fit: &Fit, whole: &DMatrix<f64>, rows: &[usize]) -> f64 {
+    let own = DMatrix::from_fn(rows.len(), fit.jacobian.ncols(), |i, j| fit.jacobian[(rows[i], j)]);
+    let residual = DVector::from_fn(rows.len(), |i, _| fit.residual[rows[i]]);
+    let mut rest = whole - own.tr_mul(&own);
+    for (i, c) in fit.coordinates.iter().enumerate() {
+        // a parameter that only these rows show stays where it is
+        let span = c.of(c.bounds.1) - c.of(c.bounds.0);
+        rest[(i, i)] += 4.0 / span.powi(2) + 1e-9 * whole[(i, i)];
+    }
+    let moved = rest.cholesky().map(|c| c.solve(&own.tr_mul(&residual)));
+    moved.map_or(f64::INFINITY, |m| (&residual + &own * m).norm_squared())
 }
 
 /// Largest reading of a plausible amount, over the threshold: whether a design could see an effect.
