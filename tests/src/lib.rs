@@ -3,6 +3,7 @@
 
 pub mod bench;
 pub mod bounding;
+pub mod display;
 pub mod document;
 pub mod golden;
 pub mod hidden;

@@ -35,6 +35,17 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let experiment = experiment::read(&arguments.experiment)?;
     let progress = Progress::new();
+    // The display is asked first: it costs no finite elements.
+    let display = diagnose::display::diagnose(&experiment, &|what: &str, done, total| progress.set(what, done, total));
+    if let Some(display) = &display {
+        let others = experiment.runs.iter().any(|run| run.test != experiment::Test::Display);
+        progress.end();
+        report_display(arguments, &experiment, display, others)?;
+        if !others {
+            return Ok(());
+        }
+    }
+    let progress = Progress::new();
     let models = Models::default();
     let found = diagnose::diagnose(&experiment, &models, &|what: &str, done, total| progress.set(what, done, total));
     progress.end();
@@ -55,12 +66,20 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         Some(file) => save(&experiment, &found, file)?,
         None => vec![None; found.len()],
     };
+    let told = |(one, model): (&Diagnosis, &Option<String>)| {
+        let mut answer = diagnose::answer::json(one, written.as_deref());
+        answer["model"] = serde_json::json!(model);
+        answer
+    };
+    if let (true, Some(display)) = (arguments.json, &display) {
+        let told: Vec<_> = found.iter().zip(&models).map(told).collect();
+        println!(
+            "{}",
+            serde_json::json!({ "materials": told, "display": diagnose::display::answer::json(display, None) })
+        );
+        return Ok(());
+    }
     if arguments.json {
-        let told = |(one, model): (&Diagnosis, &Option<String>)| {
-            let mut answer = diagnose::answer::json(one, written.as_deref());
-            answer["model"] = serde_json::json!(model);
-            answer
-        };
         let found: Vec<(&Diagnosis, &Option<String>)> = found.iter().zip(&models).collect();
         match found.as_slice() {
             [only] => println!("{}", told(*only)),
@@ -104,6 +123,34 @@ fn save(experiment: &Experiment, found: &[Diagnosis], file: &Path) -> miette::Re
         written.push(Some(path.display().to_string()));
     }
     Ok(written)
+}
+
+/// Writes and tells what was found about a display; with other runs beside it, JSON comes later, in one object.
+fn report_display(
+    arguments: &Arguments,
+    experiment: &experiment::Experiment,
+    found: &diagnose::display::Diagnosis,
+    others: bool,
+) -> miette::Result<()> {
+    let mut written = None;
+    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/diagnose")));
+    if let Some(folder) = &folder {
+        let file = folder.join(if others { "display.html" } else { "report.html" });
+        report::display::page(experiment, found)
+            .write(&file)
+            .into_diagnostic()
+            .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
+        written = Some(file.display().to_string());
+    }
+    if !arguments.json {
+        print!("{}", report::display::summary(found));
+        if let Some(file) = written {
+            println!("report           {file}");
+        }
+    } else if !others {
+        println!("{}", diagnose::display::answer::json(found, written.as_deref()));
+    }
+    Ok(())
 }
 
 fn print(found: &Diagnosis) {

@@ -1,16 +1,17 @@
 //! `palpate simulate`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use serde_json::{Value, json};
 
+use crate::experiment;
 use crate::extended::{ExtendedModel, truth};
 use crate::report::number;
 use crate::simulate::effect::Setting;
-use crate::simulate::{self, Effect, SimulatedExperiment, Solver};
+use crate::simulate::{self, Effect, SimulatedExperiment, Solver, display};
 
 use super::progress::Progress;
 
@@ -18,10 +19,10 @@ use super::progress::Progress;
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Specification (TOML); print one with --example
-    #[arg(required_unless_present = "example")]
+    #[arg(required_unless_present_any = ["example", "example_display"])]
     spec: Option<PathBuf>,
     /// Folder for experiment.toml and one CSV a run
-    #[arg(long, value_name = "FOLDER", required_unless_present = "example")]
+    #[arg(long, value_name = "FOLDER", required_unless_present_any = ["example", "example_display"])]
     out: Option<PathBuf>,
     /// Model file of `palpate diagnose --model`: its material for every foam of the specification, and its effects
     #[arg(long, value_name = "FILE")]
@@ -35,6 +36,9 @@ pub struct Arguments {
     /// Print a commented specification and end
     #[arg(long)]
     example: bool,
+    /// Print a commented specification of a display experiment and end
+    #[arg(long)]
+    example_display: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -49,6 +53,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         print!("{}", simulate::EXAMPLE);
         return Ok(());
     }
+    if arguments.example_display {
+        print!("{}", display::EXAMPLE);
+        return Ok(());
+    }
     let (Some(file), Some(folder)) = (&arguments.spec, &arguments.out) else {
         return Err(miette!("a specification and --out FOLDER are needed"));
     };
@@ -61,8 +69,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             folder.display()
         ));
     }
+    let text = experiment::text_of(file)?;
+    if display::is_display(&text) {
+        return run_display(arguments, &text, file, folder);
+    }
     let started = Instant::now();
-    let mut spec = simulate::read(file)?;
+    let mut spec = simulate::parse(file, &text)?;
     if let Some(file) = &arguments.model {
         let model = ExtendedModel::read(file)?;
         for sentence in truth::apply(&model, &mut spec).into_diagnostic()? {
@@ -86,6 +98,31 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         println!("{}", summary(&made, folder.display().to_string(), seconds));
     } else {
         print(&made, &folder.display().to_string(), seconds);
+    }
+    Ok(())
+}
+
+/// Writes an experiment with a display.
+fn run_display(arguments: &Arguments, text: &str, file: &Path, folder: &Path) -> miette::Result<()> {
+    let mut spec = display::parse(file, text)?;
+    spec.seed = arguments.seed.unwrap_or(spec.seed);
+    spec.write(folder).into_diagnostic()?;
+    if let Some(truth) = &arguments.truth {
+        std::fs::write(truth, text).into_diagnostic().wrap_err_with(|| format!("cannot write {}", truth.display()))?;
+    }
+    let runs: usize = spec.runs.iter().map(|run| run.replicates).sum();
+    let codes: Vec<&str> = spec.effects.iter().map(|effect| effect.code()).collect();
+    let folder = folder.display().to_string();
+    if arguments.json {
+        println!(
+            "{}",
+            json!({ "folder": folder, "name": spec.name, "seed": spec.seed, "runs": runs, "effects": codes })
+        );
+    } else {
+        println!("experiment       {}, seed {}", spec.name, spec.seed);
+        println!("runs             {runs} of a display");
+        println!("effects          {}", if codes.is_empty() { "none".to_owned() } else { codes.join(", ") });
+        println!("folder           {folder}");
     }
     Ok(())
 }

@@ -6,6 +6,7 @@
 
 pub mod answer;
 pub mod design;
+pub mod display;
 pub mod evidence;
 pub mod fault;
 pub mod fit;

@@ -267,7 +267,7 @@ mod tests {
                 let time: Vec<f64> = (0..count).map(|k| k as f64 * 0.02).collect();
                 let keep = (-0.2_f64).exp();
                 let mut state: f64 = chance.sample(StandardNormal);
-                let phase: f64 = chance.random_range(0.0..6.28);
+                let phase: f64 = chance.random_range(0.0..std::f64::consts::TAU);
                 let force: Vec<f64> = time
                     .iter()
                     .map(|t| {

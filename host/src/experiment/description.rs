@@ -261,6 +261,9 @@ fn run(
     let columns = self::columns(section, columns.clone())?;
     let format = self::format(section, format.clone())?;
     let mut recording = recording::read(&path, &Need::of(test), &columns, &format)?;
+    if test == Test::Display {
+        recording.check_pairs(&path)?;
+    }
     crop(section, &mut recording)?;
     if test == Test::Tension {
         recording.turn_to_push();

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 pub use description::{Format, Mapping};
 pub use error::{Column, ExperimentError, Problem};
-pub use recording::Recording;
+pub use recording::{DISPLAY_PAIRS, GAP_MM, Recording};
 
 /// A length that the experimenter may not know.
 #[derive(Debug, Clone, Copy, PartialEq)]

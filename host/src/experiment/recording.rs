@@ -43,6 +43,18 @@ impl Recording {
         }
     }
 
+    /// The numbers of a column by its name in the contract.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        let found = match name {
+            "time_s" => &self.time_s,
+            "depth_mm" => &self.depth_mm,
+            "force_N" => &self.force_n,
+            other => self.others.get(other)?,
+        };
+        (!found.is_empty()).then_some(found.as_slice())
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.line.len()
@@ -79,6 +91,18 @@ impl Recording {
         }
     }
 
+    /// A display run without what it was told, or without what was measured, says nothing.
+    pub(super) fn check_pairs(&self, file: &Path) -> Result<(), ExperimentError> {
+        let complete = |(told, measured): &(&str, &str)| self.column(told).is_some() && self.column(measured).is_some();
+        if DISPLAY_PAIRS.iter().any(complete) {
+            return Ok(());
+        }
+        let pairs: Vec<String> =
+            DISPLAY_PAIRS.iter().map(|(told, measured)| format!("{told} with {measured}")).collect();
+        let problem = format!("a display run needs at least one pair of columns: {}", pairs.join(", or "));
+        Err(ExperimentError::of_file(file, Problem::Contradiction(problem)))
+    }
+
     /// Depth above the specimen's height is a wrong unit, direction or zero.
     pub(super) fn check_depth(&self, file: &Path, height_mm: f64) -> Result<(), ExperimentError> {
         let Some(at) = self.depth_mm.iter().position(|&depth| depth > height_mm) else {
@@ -90,9 +114,18 @@ impl Recording {
     }
 }
 
+/// Columns of a display run: what it was told and what was measured, in pairs of which a run has at least one.
+pub const DISPLAY_PAIRS: [(&str, &str); 4] =
+    [("command_mm", "position_mm"), ("reference_N", "force_N"), ("command_A", "current_A"), ("current_A", "flux_T")];
+
+/// Gap of a display's magnet: a column of its own, the same in all rows.
+pub const GAP_MM: &str = "gap_mm";
+
 /// Columns that a kind of test cannot do without.
 pub(super) struct Need {
     columns: &'static [(&'static str, &'static str)],
+    /// Columns that may be missing but must hold numbers where they are there.
+    numbers: &'static [&'static str],
 }
 
 impl Need {
@@ -108,7 +141,13 @@ impl Need {
                 ("force_N", "depth without force says nothing"),
             ],
         };
-        Self { columns }
+        let numbers: &[_] = match test {
+            Test::Display => {
+                &["command_mm", "position_mm", "reference_N", "force_N", "command_A", "current_A", "flux_T", GAP_MM]
+            }
+            _ => &[],
+        };
+        Self { columns, numbers }
     }
 
     fn includes(&self, wanted: &str) -> bool {
@@ -265,6 +304,9 @@ fn fields(header: &csv::StringRecord, need: &Need, columns: &BTreeMap<String, Ma
             let header = name.clone();
             fields.push(Field { index, wanted: header.clone(), header, factor: 1.0, required: false });
         }
+    }
+    for field in &mut fields {
+        field.required |= need.numbers.contains(&field.wanted.as_str());
     }
     Ok(fields)
 }

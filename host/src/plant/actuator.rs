@@ -7,6 +7,28 @@ pub struct Actuator {
     position_mm: f64,
     rate_mm_s: f64,
     rest_mm: f64,
+    flaws: ActuatorFlaws,
+}
+
+/// What a real actuator adds to the thesis' plant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ActuatorFlaws {
+    /// Dry friction, as the command that it holds at rest, V.
+    pub friction_v: f64,
+    /// Largest speed, mm/s.
+    pub rate_mm_s: f64,
+}
+
+impl ActuatorFlaws {
+    /// Neither friction nor a limit of speed: the thesis' plant.
+    pub const NONE: Self = Self { friction_v: 0.0, rate_mm_s: f64::INFINITY };
+}
+
+impl Default for ActuatorFlaws {
+    /// Those of the bench.
+    fn default() -> Self {
+        Self { friction_v: FRICTION_V, rate_mm_s: RATE_MM_S }
+    }
 }
 
 /// Stiffness over mass, 1/s^2.
@@ -15,8 +37,8 @@ const SPRING: f64 = 86.0;
 /// Damping over mass, 1/s.
 const DAMPER: f64 = 23.4;
 
-/// Dry friction over mass, mm/s^2: a command of 0.03 V does not move a resting shaft (assumed).
-const FRICTION: f64 = 0.03 * SPRING;
+/// Dry friction: a command of 0.03 V does not move a resting shaft (assumed).
+const FRICTION_V: f64 = 0.03;
 
 /// Speed limit of the spindle, mm/s (assumed; the thesis names none).
 const RATE_MM_S: f64 = 25.0;
@@ -27,7 +49,12 @@ const STROKE_MM: (f64, f64) = (0.0, 20.0);
 impl Actuator {
     /// A shaft at rest at `rest_mm`, where zero command keeps it.
     pub fn new(rest_mm: f64) -> Self {
-        Actuator { position_mm: rest_mm, rate_mm_s: 0.0, rest_mm }
+        Actuator::with(rest_mm, ActuatorFlaws::default())
+    }
+
+    /// The same with stated flaws.
+    pub fn with(rest_mm: f64, flaws: ActuatorFlaws) -> Self {
+        Actuator { position_mm: rest_mm, rate_mm_s: 0.0, rest_mm, flaws }
     }
 
     /// Shaft position, mm.
@@ -45,9 +72,9 @@ impl Actuator {
         let drive = SPRING * (self.rest_mm + command_v - self.position_mm) - DAMPER * self.rate_mm_s;
         let free = self.rate_mm_s + drive * dt_s;
         // Friction takes speed away but never reverses it, which also holds a resting shaft.
-        let taken = FRICTION * dt_s;
-        self.rate_mm_s =
-            if free.abs() <= taken { 0.0 } else { (free - taken * free.signum()).clamp(-RATE_MM_S, RATE_MM_S) };
+        let taken = self.flaws.friction_v * SPRING * dt_s;
+        let limit = self.flaws.rate_mm_s;
+        self.rate_mm_s = if free.abs() <= taken { 0.0 } else { (free - taken * free.signum()).clamp(-limit, limit) };
         let moved = self.position_mm + self.rate_mm_s * dt_s;
         self.position_mm = moved.clamp(STROKE_MM.0, STROKE_MM.1);
         if self.position_mm != moved {

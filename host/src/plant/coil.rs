@@ -5,6 +5,7 @@
 pub struct Coil {
     current_a: f64,
     celsius: f64,
+    heat_j_k: f64,
 }
 
 /// Resistance at 20 C, Ohm.
@@ -27,11 +28,16 @@ const ROOM_C: f64 = 25.0;
 
 impl Default for Coil {
     fn default() -> Self {
-        Coil { current_a: 0.0, celsius: ROOM_C }
+        Coil::with(HEAT_J_K)
     }
 }
 
 impl Coil {
+    /// A coil of another heat capacity, J/K; infinite: it does not warm.
+    pub fn with(heat_j_k: f64) -> Self {
+        Coil { current_a: 0.0, celsius: ROOM_C, heat_j_k }
+    }
+
     /// Current, A.
     pub fn current_a(&self) -> f64 {
         self.current_a
@@ -49,7 +55,7 @@ impl Coil {
         let rest = volt / ohm;
         self.current_a = (rest + (self.current_a - rest) * (-ohm / HENRY * dt_s).exp()).max(0.0);
         let watt = self.current_a * self.current_a * ohm;
-        self.celsius += dt_s * (watt - (self.celsius - ROOM_C) / THERMAL_K_W) / HEAT_J_K;
+        self.celsius += dt_s * (watt - (self.celsius - ROOM_C) / THERMAL_K_W) / self.heat_j_k;
     }
 }
 

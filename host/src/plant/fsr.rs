@@ -15,6 +15,32 @@ pub struct Fsr {
     /// Time under load, s.
     loaded_s: f64,
     reading_noise: f64,
+    flaws: FsrFlaws,
+}
+
+/// What a real sensor adds to the line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FsrFlaws {
+    /// Half width of the hysteresis, fraction of the force.
+    pub hysteresis: f64,
+    /// Creep, fraction of the reading per decade of time under load.
+    pub creep: f64,
+    /// Exponent of conductance over force; 1 is the line. The two agree at 3 N.
+    pub power: f64,
+    /// Noise of one reading, fraction.
+    pub noise: f64,
+}
+
+impl FsrFlaws {
+    /// The thesis' line, without noise.
+    pub const NONE: Self = Self { hysteresis: 0.0, creep: 0.0, power: 1.0, noise: 0.0 };
+}
+
+impl Default for FsrFlaws {
+    /// Those of the bench.
+    fn default() -> Self {
+        Self { hysteresis: HYSTERESIS, creep: CREEP, power: 1.0, noise: NOISE }
+    }
 }
 
 /// 100 gf in N.
@@ -32,6 +58,9 @@ const NOISE: f64 = 0.005;
 /// Conductance without load, mS (data sheet: above 10 MOhm).
 const OPEN_MS: f64 = 1e-4;
 
+/// Force at which a bent sensor reads as the line does, N.
+const PIVOT_N: f64 = 3.0;
+
 /// Force below which the sensor counts as untouched and its creep recovers, N.
 const TOUCHED_N: f64 = 0.05;
 
@@ -46,28 +75,38 @@ impl Fsr {
             held_n: 0.0,
             loaded_s: 0.0,
             reading_noise: 0.0,
+            flaws: FsrFlaws::default(),
         }
+    }
+
+    /// The same sensor with other flaws.
+    #[must_use]
+    pub fn with(mut self, flaws: FsrFlaws) -> Self {
+        self.flaws = flaws;
+        self
     }
 
     /// Lets `dt_s` pass under a force.
     pub fn step(&mut self, force_n: f64, dt_s: f64) {
         // Play: what the sensor feels lags by a fixed share of the force, on either side.
-        let play = HYSTERESIS * force_n.max(0.0);
+        let play = self.flaws.hysteresis * force_n.max(0.0);
         self.held_n = self.held_n.clamp(force_n - play, force_n + play).max(0.0);
         self.loaded_s = if force_n > TOUCHED_N { self.loaded_s + dt_s } else { 0.0 };
     }
 
     /// Draws the noise of the next reading.
     pub fn next_sample(&mut self) {
-        self.reading_noise = NOISE * self.noise.normal();
+        self.reading_noise = self.flaws.noise * self.noise.normal();
     }
 
     /// Conductance, mS.
     pub fn conductance_ms(&self) -> f64 {
         // Decades since a tenth of a second.
         let decades = (1.0 + self.loaded_s / 0.1).log10();
-        let gain = (1.0 + CREEP * decades) * (1.0 + self.reading_noise);
-        (gain * (self.slope_ms * self.held_n / UNIT_N + self.offset_ms)).max(OPEN_MS)
+        let gain = (1.0 + self.flaws.creep * decades) * (1.0 + self.reading_noise);
+        let bent = self.flaws.power != 1.0;
+        let felt_n = if bent { PIVOT_N * (self.held_n / PIVOT_N).powf(self.flaws.power) } else { self.held_n };
+        (gain * (self.slope_ms * felt_n / UNIT_N + self.offset_ms)).max(OPEN_MS)
     }
 
     /// Voltage over the fixed resistor, fraction of the reference.

@@ -23,15 +23,15 @@ mod specimen;
 mod transducer;
 mod truth;
 
-pub use actuator::Actuator;
+pub use actuator::{Actuator, ActuatorFlaws};
 pub use arm::Arm;
 pub use bench::Bench;
 pub use coil::Coil;
 pub use converter::Converter;
 pub use curve::Curve;
 pub use finger::{Finger, Touch};
-pub use fluid::Fluid;
-pub use fsr::Fsr;
+pub use fluid::{Core, Fluid};
+pub use fsr::{Fsr, FsrFlaws};
 pub use load_cell::LoadCell;
 pub use noise::{Noise, Source};
 pub use potentiometer::Potentiometer;

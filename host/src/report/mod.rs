@@ -2,6 +2,7 @@
 //! or colour.
 
 pub mod diagnosis;
+pub mod display;
 pub mod field;
 pub mod figure;
 pub mod gain;

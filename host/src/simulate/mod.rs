@@ -23,6 +23,7 @@ mod chance;
 mod check;
 mod condition;
 mod description;
+pub mod display;
 pub mod effect;
 mod error;
 mod folder;

@@ -1,0 +1,235 @@
+//! The runs of one channel as a diagnosis sees them: what was told, what was measured, which runs repeat each other.
+
+use crate::experiment::{Experiment, GAP_MM, Run, Test};
+
+use super::channel::Channel;
+use super::smooth;
+
+/// One run of a channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Its file.
+    pub file: String,
+    /// Time, s; never falling.
+    pub time_s: Vec<f64>,
+    /// What was told.
+    pub input: Vec<f64>,
+    /// What was measured.
+    pub output: Vec<f64>,
+    /// Samples that are compared.
+    pub compared: Vec<bool>,
+    /// Gap of the magnet over the smallest of the experiment; 1 where none is recorded.
+    pub gap_ratio: f64,
+    /// Gap, mm; 0 where none is recorded.
+    pub gap_mm: f64,
+    /// Runs of one condition repeat each other.
+    pub condition: usize,
+    /// Never fitted, only predicted.
+    pub hold_out: bool,
+}
+
+/// All runs of a channel.
+#[derive(Debug, Clone)]
+pub struct Design {
+    /// What is measured.
+    pub channel: Channel,
+    /// Its runs.
+    pub series: Vec<Series>,
+    /// A name for every condition.
+    pub conditions: Vec<String>,
+    /// Largest less smallest output.
+    pub span: f64,
+    /// What the reader should know.
+    pub messages: Vec<String>,
+}
+
+/// Why a channel cannot be diagnosed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Unusable {
+    /// No run of the channel.
+    #[error("no run records it")]
+    Absent,
+    /// Nothing moves.
+    #[error("{column} varies by {range} {unit} over all runs; expected a command that moves the display")]
+    Still {
+        /// Column of the input.
+        column: &'static str,
+        /// Its range.
+        range: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// Too few samples.
+    #[error("{count} samples can be compared; expected at least {LEAST_SAMPLES}")]
+    Short {
+        /// Samples.
+        count: usize,
+    },
+    /// The measured column does not move although the told one does.
+    #[error(
+        "{file}: {column} does not follow: it varies by {range} {unit} where about {expected} {unit} are expected; a dead sensor, or a wrong unit"
+    )]
+    Dead {
+        /// The run.
+        file: String,
+        /// Column of the output.
+        column: &'static str,
+        /// Its range.
+        range: f64,
+        /// What the nominal law gives.
+        expected: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+}
+
+/// Inputs by file.
+pub type Explained = std::collections::BTreeMap<String, Vec<f64>>;
+
+/// Samples without which nothing can be said.
+const LEAST_SAMPLES: usize = 40;
+/// Inputs that differ by less than this share of the range, root mean square, are the same command.
+const SAME_INPUT: f64 = 0.02;
+/// Output below this share of what the nominal law gives is a dead sensor.
+const DEAD: f64 = 0.02;
+/// Largest step of time over the usual one before a run counts as interrupted.
+const INTERRUPTED: f64 = 10.0;
+
+impl Design {
+    /// The runs of a channel. `explained`: inputs (by file) that are known better than they were measured, because their own channel was
+    /// explained; a reading's noise would otherwise pass for motion.
+    ///
+    /// # Errors
+    /// [`Unusable`].
+    pub fn of(experiment: &Experiment, channel: Channel, explained: &Explained) -> Result<Self, Unusable> {
+        let mut messages = Vec::new();
+        let mut series: Vec<Series> = Vec::new();
+        let runs: Vec<&Run> = experiment.runs.iter().filter(|run| run.test == Test::Display).collect();
+        for run in runs {
+            let Some(mut one) = one(run, channel) else { continue };
+            match explained.get(&run.file).filter(|input| input.len() == one.input.len()) {
+                Some(input) => one.input.clone_from(input),
+                None if channel.input_is_measured() => one.input = smooth::smoothed(&one.time_s, &one.input),
+                None => {}
+            }
+            if let Some(at_s) = interrupted(&one.time_s) {
+                messages.push(format!("{}: recording interrupted at {at_s:.2} s; the run is left out", run.file));
+            } else {
+                series.push(one);
+            }
+        }
+        if series.is_empty() {
+            return Err(Unusable::Absent);
+        }
+        let (told, measured) = channel.columns();
+        let input_range = range(series.iter().flat_map(|s| s.input.iter().copied()));
+        // what a converter's single code or a display's rounding would make of rest
+        if input_range < 1e-6 {
+            return Err(Unusable::Still { column: told, range: input_range, unit: input_unit(channel) });
+        }
+        let count = series.iter().flat_map(|s| &s.compared).filter(|c| **c).count();
+        if count < LEAST_SAMPLES {
+            return Err(Unusable::Short { count });
+        }
+        let nominal = if channel == Channel::Flux { 0.0256 } else { 1.0 };
+        for one in &series {
+            let expected = nominal * range(one.compared_input());
+            let found = range(one.output.iter().copied());
+            if expected > 0.1 * nominal * input_range && found < DEAD * expected {
+                let (file, unit) = (one.file.clone(), channel.unit());
+                return Err(Unusable::Dead { file, column: measured, range: found, expected, unit });
+            }
+        }
+        let gap_mm = series.iter().map(|s| s.gap_mm).fold(f64::INFINITY, f64::min);
+        for one in series.iter_mut().filter(|s| s.gap_mm > 0.0 && gap_mm > 0.0) {
+            one.gap_ratio = one.gap_mm / gap_mm;
+        }
+        let mut conditions: Vec<(usize, String)> = Vec::new();
+        for at in 0..series.len() {
+            let same = conditions.iter().position(|(first, _)| alike(&series[*first], &series[at], input_range));
+            series[at].condition = same.unwrap_or(conditions.len());
+            if same.is_none() {
+                conditions.push((at, series[at].file.clone()));
+            }
+        }
+        let conditions = conditions.into_iter().map(|(_, file)| file).collect();
+        let span = range(series.iter().flat_map(|s| s.output.iter().copied()));
+        Ok(Self { channel, series, conditions, span, messages })
+    }
+
+    /// True when two runs that may be fitted repeat each other.
+    #[must_use]
+    pub fn has_replicates(&self) -> bool {
+        let all = &self.series;
+        all.iter().enumerate().any(|(i, a)| all[..i].iter().any(|b| a.condition == b.condition))
+    }
+
+    /// First sample of a run among those of all runs.
+    #[must_use]
+    pub fn first(&self, run: usize) -> usize {
+        self.series[..run].iter().map(|s| s.time_s.len()).sum()
+    }
+
+    /// Samples of all runs.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.series.iter().map(|s| s.time_s.len()).sum()
+    }
+}
+
+impl Series {
+    fn compared_input(&self) -> impl Iterator<Item = f64> {
+        self.input.iter().zip(&self.compared).filter(|(_, c)| **c).map(|(x, _)| *x)
+    }
+}
+
+fn one(run: &Run, channel: Channel) -> Option<Series> {
+    let (told, measured) = channel.columns();
+    let input = run.recording.column(told)?.to_vec();
+    let output = run.recording.column(measured)?.to_vec();
+    let gap_mm = run.recording.column(GAP_MM).and_then(|gap| gap.first().copied()).unwrap_or(0.0);
+    Some(Series {
+        file: run.file.clone(),
+        time_s: run.recording.time_s.clone(),
+        compared: input.iter().map(|x| *x >= channel.least_input()).collect(),
+        input,
+        output,
+        gap_ratio: 1.0,
+        gap_mm: if channel == Channel::Flux { gap_mm } else { 0.0 },
+        condition: 0,
+        hold_out: run.hold_out,
+    })
+}
+
+/// Unit of what is told.
+fn input_unit(channel: Channel) -> &'static str {
+    match channel {
+        Channel::Position => "mm",
+        Channel::Force => "N",
+        Channel::Current | Channel::Flux => "A",
+    }
+}
+
+/// Where time jumps, if it does.
+fn interrupted(time_s: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let at = steps.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map(|(at, _)| at)?;
+    let largest = steps[at];
+    steps.sort_by(f64::total_cmp);
+    (largest > INTERRUPTED * steps[steps.len() / 2]).then(|| time_s[at])
+}
+
+fn alike(a: &Series, b: &Series, input_range: f64) -> bool {
+    let count = a.input.len().min(b.input.len());
+    if a.input.len().abs_diff(b.input.len()) * 50 > count || (a.gap_mm - b.gap_mm).abs() > 1e-6 {
+        return false;
+    }
+    let square: f64 = a.input.iter().zip(&b.input).map(|(x, y)| (x - y).powi(2)).sum();
+    let clock = a.time_s.iter().zip(&b.time_s).all(|(x, y)| ((x - a.time_s[0]) - (y - b.time_s[0])).abs() < 5e-3);
+    clock && (square / count.max(1) as f64).sqrt() < SAME_INPUT * input_range
+}
+
+fn range(values: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    (high - low).max(0.0)
+}

@@ -1,0 +1,56 @@
+//! A winding that warms and lets less current through.
+
+use super::{Effect, Quantity, Stage};
+use crate::diagnose::display::channel::Channel;
+
+/// Resistance grows with temperature, temperature with the heat of the current, and falls with a time constant.
+pub const EFFECT: Effect = Effect {
+    code: "coil-heating",
+    form: "first-order",
+    channel: Channel::Current,
+    stage: Stage::Winding,
+    assumption: "the winding keeps its resistance",
+    signature: "current sinks through every hold, faster at larger currents, and comes back after a pause",
+    twins: &[],
+    separated_by: "a long hold at a large current, a pause, and the same again",
+    quantities: &[
+        Quantity {
+            name: "warming_K_per_J",
+            null: Some(0.0),
+            bounds: (0.0, 2.0),
+            plausible: 0.03,
+            starts: &[0.02, 0.1],
+            logarithmic: false,
+        },
+        Quantity {
+            name: "tau_s",
+            null: None,
+            bounds: (0.5, 5000.0),
+            plausible: 100.0,
+            starts: &[10.0, 120.0],
+            logarithmic: true,
+        },
+    ],
+};
+
+/// Resistance of the cold winding, Ohm (770 turns of 28 AWG, thesis section 4.2; estimated).
+const COLD_OHM: f64 = 13.0;
+/// Temperature coefficient of copper, 1/K (IEC 60028).
+const COPPER_PER_K: f64 = 3.93e-3;
+
+/// Current (A) of a drive whose command is what the cold winding would take. A run begins cold.
+#[must_use]
+pub fn warmed(time_s: &[f64], command_a: &[f64], (k_per_j, tau_s): (f64, f64)) -> Vec<f64> {
+    let mut above_k = 0.0;
+    let mut out = Vec::with_capacity(command_a.len());
+    for (k, command_a) in command_a.iter().enumerate() {
+        let share = 1.0 / (1.0 + COPPER_PER_K * above_k);
+        out.push(command_a * share);
+        if let Some(next_s) = time_s.get(k + 1) {
+            let watt = command_a * command_a * COLD_OHM * share;
+            let (span_s, rest_k) = (next_s - time_s[k], k_per_j * watt * tau_s);
+            above_k = rest_k + (above_k - rest_k) * (-span_s / tau_s).exp();
+        }
+    }
+    out
+}

@@ -1,0 +1,232 @@
+//! Diagnosis of the display: what its simulation gets wrong, from commanded and measured position, force, current and flux.
+//!
+//! The same questions in the same order as for an indentation ([`crate::diagnose`]), asked of every channel by itself: what a channel is told is
+//! recorded, so that an effect in one leaves the others as they are.
+
+pub mod answer;
+pub mod channel;
+pub mod design;
+pub mod effect;
+pub mod evidence;
+pub mod fit;
+pub mod held_out;
+pub mod law;
+pub mod margin;
+pub mod noise;
+pub mod plan;
+pub mod search;
+mod smooth;
+mod verdict;
+pub mod whiten;
+
+use std::time::Instant;
+
+use crate::diagnose::Verdict;
+use crate::experiment::{Experiment, Test};
+
+use channel::Channel;
+use design::{Design, Explained, Unusable};
+use evidence::{Adequacy, Panel, Spaces};
+use fit::{Estimate, Fit, Problem};
+use held_out::HeldOut;
+use law::Law;
+use noise::{Jitter, Noise, SensorNoise};
+use plan::Proposal;
+use search::{Explanation, Search};
+use whiten::Whitening;
+
+/// Why a channel is not judged.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// It cannot be used.
+    #[error("{0}")]
+    Unusable(#[from] Unusable),
+    /// Nothing tells what noise is.
+    #[error(
+        "no two runs repeat a command: without repeats nobody can say what is noise and what is a discrepancy; give at least one command twice, better three times"
+    )]
+    NoNoise,
+}
+
+/// One effect, or a set of names that stands for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// Code of the likeliest name.
+    pub code: &'static str,
+    /// Which of its forms.
+    pub form: &'static str,
+    /// Parameters with 95 % intervals.
+    pub parameters: Vec<Estimate>,
+    /// Other names that these runs cannot tell from it.
+    pub ambiguous_with: Vec<&'static str>,
+}
+
+/// What was found in one channel.
+#[derive(Debug)]
+pub struct ChannelDiagnosis {
+    /// The channel.
+    pub channel: Channel,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Named effects, or the sets that stand for one.
+    pub findings: Vec<Finding>,
+    /// Variables in which a discrepancy shows, the worst first.
+    pub shows_in: Vec<&'static str>,
+    /// Effects of which a plausible amount would not be seen.
+    pub blind_to: Vec<&'static str>,
+    /// Next runs, the best first.
+    pub proposals: Vec<Proposal>,
+    /// Why it was refused, if so.
+    pub refusal: Option<Refusal>,
+    /// What the verdict rests on.
+    pub evidence: Option<Box<Evidence>>,
+    /// What the reader should know.
+    pub messages: Vec<String>,
+}
+
+/// What a verdict rests on.
+#[derive(Debug)]
+pub struct Evidence {
+    /// The runs.
+    pub design: Design,
+    /// The noise.
+    pub noise: Noise,
+    /// The base.
+    pub base: Fit,
+    /// What the base leaves.
+    pub adequacy: Adequacy,
+    /// Every effect alone, the best first.
+    pub singles: Vec<Explanation>,
+    /// Explanations that hold and none that is a hundred times likelier, the best first.
+    pub held: Vec<Explanation>,
+    /// Error on commands that were left out.
+    pub held_out: Option<HeldOut>,
+}
+
+/// What was found about a display.
+#[derive(Debug)]
+pub struct Diagnosis {
+    /// The verdict on all channels together.
+    pub verdict: Verdict,
+    /// Each channel that was recorded.
+    pub channels: Vec<ChannelDiagnosis>,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+/// True when an experiment holds runs of a display.
+#[must_use]
+pub fn has_runs(experiment: &Experiment) -> bool {
+    experiment.runs.iter().any(|run| run.test == Test::Display)
+}
+
+/// Diagnoses the display of an experiment; `None` when it holds no run of one.
+#[must_use]
+pub fn diagnose(experiment: &Experiment, progress: &super::Progress<'_>) -> Option<Diagnosis> {
+    if !has_runs(experiment) {
+        return None;
+    }
+    let start = Instant::now();
+    let mut channels = Vec::new();
+    for channel in Channel::ALL {
+        let explained = if channel == Channel::Flux { explained(&channels) } else { Explained::new() };
+        match Design::of(experiment, channel, &explained) {
+            Err(Unusable::Absent) => {}
+            Err(cause) => channels.push(refused(channel, cause)),
+            Ok(design) => {
+                progress(channel.word(), channels.len(), Channel::ALL.len());
+                channels.push(examined(design));
+            }
+        }
+    }
+    Some(Diagnosis { verdict: verdict::together(&channels), channels, seconds: start.elapsed().as_secs_f64() })
+}
+
+/// The coil's current as its own channel explains it; nothing where it does not.
+fn explained(channels: &[ChannelDiagnosis]) -> Explained {
+    let current = channels.iter().find(|c| c.channel == Channel::Current && c.verdict != Verdict::Unknown);
+    let Some(evidence) = current.and_then(|c| c.evidence.as_deref()) else { return Explained::new() };
+    let law = evidence.held.first().map_or(&evidence.base.law, |best| &best.fit.law);
+    evidence.design.series.iter().map(|series| (series.file.clone(), law.predict(series))).collect()
+}
+
+fn empty(channel: Channel, verdict: Verdict) -> ChannelDiagnosis {
+    ChannelDiagnosis {
+        channel,
+        verdict,
+        findings: Vec::new(),
+        shows_in: Vec::new(),
+        blind_to: Vec::new(),
+        proposals: Vec::new(),
+        refusal: None,
+        evidence: None,
+        messages: Vec::new(),
+    }
+}
+
+fn refused(channel: Channel, cause: Unusable) -> ChannelDiagnosis {
+    let verdict = match cause {
+        Unusable::Dead { .. } => Verdict::Refused,
+        Unusable::Absent | Unusable::Still { .. } | Unusable::Short { .. } => Verdict::TooFewData,
+    };
+    ChannelDiagnosis { refusal: Some(cause.into()), ..empty(channel, verdict) }
+}
+
+fn examined(design: Design) -> ChannelDiagnosis {
+    let mut out = empty(design.channel, Verdict::Refused);
+    out.messages.clone_from(&design.messages);
+    let Some((problem, base, noise)) = prepared(&design) else {
+        out.refusal = Some(Refusal::NoNoise);
+        return out;
+    };
+    let margins = margin::margins(&problem);
+    let panel = Panel::new(&margins, &base, &problem.whitening, &noise);
+    let none = nalgebra::DMatrix::zeros(design.samples(), 0);
+    let adequacy = panel.read(&base, &problem.whitening, &none);
+    let effects = search::effects(&problem);
+    let signatures: Vec<_> = effects.iter().map(|effect| search::signature(&problem, &base, effect)).collect();
+    let spaces = Spaces::new(&signatures, &base, &problem.whitening, &noise);
+    let catalogue = (0..effects.len()).map(|at| spaces.read(at, &base.residual)).fold(f64::NEG_INFINITY, f64::max);
+    let visible = !adequacy.passes() || catalogue > spaces.threshold;
+    out.shows_in = adequacy.shows_in.iter().map(|v| v.word()).collect();
+    let search =
+        Search { problem: &problem, noise: &noise, panel: &panel, effects, base: base.clone(), signatures, spaces };
+    out.blind_to = verdict::blind_spots(&search);
+    let (mut singles, mut held) = (Vec::new(), Vec::new());
+    if visible {
+        singles = search.singles();
+        held = verdict::explanations(&search, &singles);
+    }
+    let held_out = (!held.is_empty()).then(|| held_out::of(&search, &held)).flatten();
+    out.proposals = plan::proposals(&search, &held, &out.blind_to);
+    verdict::conclude(&mut out, (visible, !adequacy.passes()), &held, held_out.as_ref());
+    out.evidence = Some(Box::new(Evidence { noise, base, adequacy, singles, held, held_out, design: design.clone() }));
+    out
+}
+
+/// Rounds in which noise and base are found, each from the other.
+const ROUNDS: usize = 2;
+
+/// Noise and base fit; `None` without repeats.
+fn prepared(design: &Design) -> Option<(Problem<'_>, Fit, Noise)> {
+    // before anything is known: a hundredth of the span, white
+    let sensor = SensorNoise { sigma: 0.01 * design.span.max(1e-9), white: 0.5, correlation_s: 0.1, relative: 0.0 };
+    let jitter = Jitter { gain: design.channel.expected_gain(), zero: 0.0, slide: 0.0 };
+    let mut noise = Noise { sensor, jitter, freedom: 5.0, sensor_freedom: 50.0 };
+    let used: Vec<bool> = design.series.iter().map(|s| !s.hold_out).collect();
+    let mut law = Law::nominal(design.channel);
+    for round in 0..=ROUNDS {
+        let predicted: Vec<Vec<f64>> = design.series.iter().map(|s| law.predict(s)).collect();
+        if round > 0 {
+            noise = noise::estimate(design, &predicted)?;
+        }
+        let whitening = Whitening::new(design, &predicted, &noise);
+        let problem = Problem { design, whitening, used: used.clone() };
+        let fit = problem.fit(&law);
+        if round == ROUNDS {
+            return Some((problem, fit, noise));
+        }
+        law = fit.law;
+    }
+    None
+}

@@ -1,0 +1,71 @@
+//! A measured input without most of its noise, its corners kept.
+//!
+//! An effect that looks at the direction in which an input moves would take a reading's noise for motion. A piece of the input that is straight
+//! to within the noise is replaced by its straight line; what is not, a jump or a tremor, stays as it was read.
+
+/// Samples of a piece.
+const PIECE: usize = 9;
+/// A piece is straight when it scatters by less than this many times the noise.
+const STRAIGHT: f64 = 1.6;
+
+/// The smoothed input.
+#[must_use]
+pub fn smoothed(time_s: &[f64], input: &[f64]) -> Vec<f64> {
+    let count = input.len();
+    if count < 2 * PIECE {
+        return input.to_vec();
+    }
+    let noise = noise(input);
+    // lines through all pieces, each with its scatter
+    let lines: Vec<(f64, f64, f64)> =
+        (0..=count - PIECE).map(|at| line(&time_s[at..at + PIECE], &input[at..at + PIECE])).collect();
+    (0..count)
+        .map(|k| {
+            let (first, last) = (k.saturating_sub(PIECE - 1), k.min(count - PIECE));
+            let own = (first..=last).map(|at| lines[at]);
+            // of the pieces that hold this sample the straightest
+            let best = own.min_by(|a, b| a.2.total_cmp(&b.2));
+            match best {
+                Some((mean, slope, scatter)) if scatter <= STRAIGHT * noise => mean + slope * time_s[k],
+                _ => input[k],
+            }
+        })
+        .collect()
+}
+
+/// Standard deviation of the noise: from the median of second differences, which motion hardly moves.
+fn noise(input: &[f64]) -> f64 {
+    let mut second: Vec<f64> = input.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).collect();
+    second.sort_by(f64::total_cmp);
+    // a normal distribution's median magnitude is 0.6745 deviations; the second difference of white noise has sqrt(6)
+    second[second.len() / 2] / (0.6745 * 6f64.sqrt())
+}
+
+/// Value at time 0, slope, and standard deviation about the line.
+fn line(time_s: &[f64], values: &[f64]) -> (f64, f64, f64) {
+    let n = values.len() as f64;
+    let (t, y) = (time_s.iter().sum::<f64>() / n, values.iter().sum::<f64>() / n);
+    let square: f64 = time_s.iter().map(|a| (a - t).powi(2)).sum();
+    let cross: f64 = time_s.iter().zip(values).map(|(a, b)| (a - t) * (b - y)).sum();
+    let slope = if square > 0.0 { cross / square } else { 0.0 };
+    let rest: f64 = time_s.iter().zip(values).map(|(a, b)| (b - y - slope * (a - t)).powi(2)).sum();
+    (y - slope * t, slope, (rest / (n - 2.0)).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_goes_and_a_jump_stays() {
+        let time_s: Vec<f64> = (0..100).map(|k| 0.02 * f64::from(k)).collect();
+        let clean: Vec<f64> = time_s.iter().map(|t| if *t < 1.0 { 0.5 * t } else { 3.0 }).collect();
+        // a fixed pattern of magnitude 0.01 whose neighbours differ
+        let wiggle = |k: usize| 0.01 * [1.0, -0.6, 0.3, -1.0, 0.8, -0.2, 0.5][k % 7];
+        let noisy: Vec<f64> = clean.iter().enumerate().map(|(k, x)| x + wiggle(k)).collect();
+        let found = smoothed(&time_s, &noisy);
+        let rms = |of: &[f64]| (of.iter().zip(&clean).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 100.0).sqrt();
+        assert!(rms(&found) < 0.6 * rms(&noisy), "{} of {}", rms(&found), rms(&noisy));
+        assert!((found[49] - clean[49]).abs() < 0.02 && (found[50] - 3.0).abs() < 0.02);
+    }
+}
