@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use lut_gen::chain::{Geometry, Passage, RUBBER_NU};
+use lut_gen::chain::{Geometry, Passage, RUBBER_NU, Window};
 use lut_gen::model::Specimen as Block;
 use lut_gen::solve;
 
@@ -299,12 +299,13 @@ impl Design {
             .collect()
     }
 
-    /// Length of time (s) that every place of every run's path stands for, 0 for a corner.
+    /// What the reading at every place of every run's path is the mean of; an instant for a corner.
     #[must_use]
-    pub fn windows_s(&self) -> Vec<Vec<f64>> {
+    pub fn windows(&self) -> Vec<Vec<Window>> {
         let of = |s: &Series| {
-            let mut windows = vec![0.0; s.path.len()];
-            s.at.iter().zip(&s.nodes).for_each(|(at, node)| windows[*at] = node.length_s);
+            let mut windows = vec![Window::default(); s.path.len()];
+            let own = s.at.iter().zip(&s.nodes);
+            own.for_each(|(at, n)| windows[*at] = Window { length_s: n.length_s, samples: n.samples });
             windows
         };
         self.series.iter().map(of).collect()

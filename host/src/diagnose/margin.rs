@@ -220,10 +220,16 @@ impl Builder<'_, '_> {
             return;
         }
         let place = |s: &Series| ((s.start_s.unwrap_or(low) - low) / (high - low)).clamp(0.0, 0.999_999);
-        self.weigh(Variable::Clock, "trend of the zero".to_owned(), |s, _, _| place(s) - 0.5);
+        // what all runs have alike is no matter of the clock
+        let count = design.series.len() as f64;
+        let mean = |of: &dyn Fn(&Series) -> f64| design.series.iter().map(of).sum::<f64>() / count;
+        let middle = mean(&place);
+        self.weigh(Variable::Clock, "trend of the zero".to_owned(), |s, _, _| place(s) - middle);
         for part in 0..3 {
             let name = format!("session, {}", part_name(part, 3));
-            self.weigh(Variable::Clock, name, |s, _, _| f64::from(u8::from(in_part(place(s), part, 3))));
+            let within = |s: &Series| f64::from(u8::from(in_part(place(s), part, 3)));
+            let share = mean(&within);
+            self.weigh(Variable::Clock, name, |s, _, _| within(s) - share);
         }
     }
 }

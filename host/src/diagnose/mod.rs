@@ -288,13 +288,15 @@ impl Diagnosis {
             signatures,
             spaces,
         };
-        let ripple = ripple::of(experiment, &design);
         let (mut singles, mut pairs, mut held) = (Vec::new(), Vec::new(), Vec::new());
         if visible {
             progress("effects", 0, 2);
             singles = search.singles();
             (held, pairs) = verdict::explanations(&search, &singles, progress);
         }
+        let likely = held.first().or(singles.first()).map_or(base, |e| &e.fit);
+        let ripple =
+            ripple::of(experiment, &design, &Problem::curves(&design, &chain, &likely.model, &problem.contacts_mm));
         self.messages.extend(ripple.map(|r| r.to_string()));
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &prepared, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(experiment);

@@ -9,7 +9,8 @@ use std::ops::Range;
 use crate::experiment::motion;
 use crate::experiment::{Experiment, Recording};
 
-use super::design::{Design, Series};
+use super::design::{Branch as Way, Design, Series};
+use super::noise::Curve;
 
 /// What a ripple is regular over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,9 +34,10 @@ pub struct Ripple {
     pub share: f64,
 }
 
-/// Terms of the polynomial that a branch is freed of, and the least periods of a ripple in a branch: a polynomial of 8 terms follows 3.
+/// Terms of the polynomial that a branch is freed of, and the least periods of a ripple in a branch: a polynomial of 8 terms follows 3, and where a contact begins
+/// or ends a little late there is a kink.
 const TERMS: usize = 8;
-const PERIODS: f64 = 4.0;
+const PERIODS: f64 = 8.0;
 /// Fewest samples of a branch that is looked at.
 const SAMPLES: usize = 40;
 /// Neighbours in frequency (in units of one over the length) that are taken for the background, on both sides.
@@ -62,10 +64,11 @@ struct Branch {
     variance: f64,
 }
 
-/// The line that stands out most, if any does.
+/// The line that stands out most, if any does. `curves` is what a model predicts: repeats differ by a gain and by a shift, whose kinks are no
+/// ripple.
 #[must_use]
-pub fn of(experiment: &Experiment, design: &Design) -> Option<Ripple> {
-    let branches = branches(experiment, design);
+pub fn of(experiment: &Experiment, design: &Design, curves: &[Curve]) -> Option<Ripple> {
+    let branches = branches(experiment, design, curves);
     let time = line(&branches, Over::Time);
     let depth = line(&branches, Over::Depth);
     let best = time.into_iter().chain(depth).max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -73,7 +76,7 @@ pub fn of(experiment: &Experiment, design: &Design) -> Option<Ripple> {
 }
 
 /// Differences between each run and the next one of its condition, branch by branch.
-fn branches(experiment: &Experiment, design: &Design) -> Vec<Branch> {
+fn branches(experiment: &Experiment, design: &Design, curves: &[Curve]) -> Vec<Branch> {
     let mut list = Vec::new();
     for (at, series) in design.series.iter().enumerate() {
         let repeats = |other: &&Series| other.condition == series.condition && other.spot != series.spot;
@@ -81,18 +84,42 @@ fn branches(experiment: &Experiment, design: &Design) -> Vec<Branch> {
         let (one, two) = (&experiment.runs[series.run].recording, &experiment.runs[next.run].recording);
         let (Some(own), Some(other)) = (motion::of(one), motion::of(two)) else { continue };
         let parts = [
-            (Some(own.loading), Some(other.loading), own.rate_mm_per_s),
-            (own.hold, other.hold, 0.0),
-            (own.unloading, other.unloading, own.rate_mm_per_s),
+            (Some(own.loading), Some(other.loading), own.rate_mm_per_s, Way::Loading),
+            (own.hold, other.hold, 0.0, Way::Hold),
+            (own.unloading, other.unloading, own.rate_mm_per_s, Way::Unloading),
         ];
-        for (own, other, rate) in parts {
+        for (own, other, rate, way) in parts {
             if let (Some(own), Some(other)) = (own, other) {
-                let (time, difference) = difference((one, own), (two, other));
-                list.extend(Branch::of(&time, &difference, rate));
+                let (time, difference) = difference((one, own.clone()), (two, other));
+                let depth = one.depth_mm[own].iter().take(time.len()).map(|d| d - design.zero_mm);
+                let shapes = shapes(series, &curves[at], way, &depth.collect::<Vec<_>>());
+                list.extend(Branch::of(&time, &difference, &shapes, rate));
             }
         }
     }
     list
+}
+
+/// Force and slope of a curve over the depths of a branch's samples; none in a hold.
+fn shapes(series: &Series, curve: &Curve, way: Way, depth_mm: &[f64]) -> Vec<Vec<f64>> {
+    if way == Way::Hold {
+        return Vec::new();
+    }
+    let mut nodes: Vec<(f64, f64, f64)> = (0..series.nodes.len())
+        .filter(|k| series.nodes[*k].branch == way)
+        .map(|k| (series.nodes[k].depth_mm, curve.force_n[k], curve.slope_n_per_mm[k]))
+        .collect();
+    nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let at = |depth: f64, of: fn(&(f64, f64, f64)) -> f64| {
+        let next = nodes.partition_point(|n| n.0 < depth);
+        match (next.checked_sub(1).and_then(|i| nodes.get(i)), nodes.get(next)) {
+            (Some(a), Some(b)) => of(a) + (of(b) - of(a)) * (depth - a.0) / (b.0 - a.0),
+            (Some(end), None) | (None, Some(end)) => of(end),
+            (None, None) => 0.0,
+        }
+    };
+    let each = |of: fn(&(f64, f64, f64)) -> f64| depth_mm.iter().map(|d| at(*d, of)).collect();
+    vec![each(|n| n.1), each(|n| n.2)]
 }
 
 /// Force of one branch less that of another at the same time since its beginning: times (s) and values (N).
@@ -120,7 +147,7 @@ fn difference(
 }
 
 impl Branch {
-    fn of(time_s: &[f64], force_n: &[f64], rate_mm_per_s: f64) -> Option<Self> {
+    fn of(time_s: &[f64], force_n: &[f64], shapes: &[Vec<f64>], rate_mm_per_s: f64) -> Option<Self> {
         if time_s.len() < SAMPLES {
             return None;
         }
@@ -131,14 +158,19 @@ impl Branch {
         let mut values = force_n.to_vec();
         // Legendre-like columns, made orthogonal one after the other
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        for power in 0..TERMS {
-            let mut column: Vec<f64> =
-                time_s.iter().map(|t| (2.0 * (t - time_s[0]) / length_s - 1.0).powi(power as i32)).collect();
+        let power = |power: usize| -> Vec<f64> {
+            time_s.iter().map(|t| (2.0 * (t - time_s[0]) / length_s - 1.0).powi(power as i32)).collect()
+        };
+        for mut column in (0..TERMS).map(power).chain(shapes.iter().cloned()) {
+            let whole = dot(&column, &column).sqrt();
             for q in &columns {
                 let share = dot(q, &column);
                 column.iter_mut().zip(q).for_each(|(c, q)| *c -= share * q);
             }
             let norm = dot(&column, &column).sqrt();
+            if norm <= 1e-6 * whole {
+                continue;
+            }
             column.iter_mut().for_each(|c| *c /= norm);
             let share = dot(&column, &values);
             values.iter_mut().zip(&column).for_each(|(v, c)| *v -= share * c);
@@ -216,12 +248,16 @@ fn line(branches: &[Branch], over: Over) -> Option<(f64, Ripple)> {
     if seen.len() < FREQUENCIES {
         return None;
     }
-    let mut logs: Vec<f64> = seen.iter().map(|s| s.2.ln()).collect();
-    logs.sort_by(f64::total_cmp);
-    let at = |share: f64| logs[((logs.len() - 1) as f64 * share) as usize];
-    let (middle, deviation) = (at(0.5), at(0.84) - at(0.5));
-    let best = seen.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
-    let by = (best.2.ln() - middle) / deviation.max(1e-3);
+    // the mean over n branches scatters by 1 / sqrt n
+    let mut middles: Vec<f64> = seen.iter().map(|s| s.2.ln()).collect();
+    middles.sort_by(f64::total_cmp);
+    let middle = middles[middles.len() / 2];
+    let standard = |s: &(f64, usize, f64, f64)| (s.2.ln() - middle) * (s.1 as f64).sqrt();
+    let mut above: Vec<f64> = seen.iter().map(standard).collect();
+    above.sort_by(f64::total_cmp);
+    let deviation = above[((above.len() - 1) as f64 * 0.84) as usize].max(0.5);
+    let best = seen.iter().max_by(|a, b| standard(a).total_cmp(&standard(b)))?;
+    let by = standard(best) / deviation;
     let variance = used.iter().map(|b| b.variance).sum::<f64>() / used.len() as f64;
     let ripple = Ripple {
         over,
@@ -277,7 +313,7 @@ mod tests {
                             + amplitude * (std::f64::consts::TAU * wave(*t, rate) + phase).sin()
                     })
                     .collect();
-                list.extend(Branch::of(&time, &force, rate));
+                list.extend(Branch::of(&time, &force, &[], rate));
             }
         }
         list

@@ -1,7 +1,7 @@
 //! Which effects explain a residual: fits of every candidate, and of pairs and triples where one is not enough.
 
 use lut_gen::chain::Setting;
-use lut_gen::effect::{CATALOGUE, Owner, Spread, Stage};
+use lut_gen::effect::{CATALOGUE, Owner, Spread, Stage, poisson, relaxation};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -21,12 +21,14 @@ const CHARGE: f64 = 3.0;
 const ROUGH: (f64, f64) = (0.02, 0.06);
 /// The same of an effect that finite elements of the whole path contain, and of those outside the specimen, which the chain has as their
 /// equations say.
-const SOLVED_SHARE: (f64, f64) = (0.008, 0.01);
+const SOLVED_SHARE: (f64, f64) = (0.01, 0.015);
 const OUTSIDE: (f64, f64) = (0.01, 0.02);
+/// The same of another elastic law, which adds as much as the base has: 0.2 to 0.5 % (tests/whole_paths.rs, lut-gen/tests/chain.rs).
+const ELASTIC: (f64, f64) = (0.004, 0.005);
 /// Singles and pairs that are extended when one, or two, effects are not enough.
-const EXTENDED: usize = 3;
+const EXTENDED: usize = 5;
 /// Partners that each is tried with, by how much of its residual they could explain.
-const PARTNERS: usize = 8;
+const PARTNERS: usize = 6;
 /// Starts of a candidate's parameters that are followed, the most promising first.
 const DESCENTS: usize = 2;
 /// Fits of several effects that are looked at closely, the best first.
@@ -180,6 +182,14 @@ fn starts(candidate: &Candidate, of: impl Fn(&lut_gen::effect::Quantity) -> Vec<
     list
 }
 
+/// Where the search for a quantity begins: of an amplitude also close to nothing, since a start that is too large drives the base away.
+fn beginnings(q: &lut_gen::effect::Quantity, largest_n: f64) -> Vec<f64> {
+    const LITTLE: f64 = 0.05;
+    let own = q.starts.iter().map(|v| q.scaled(*v, largest_n));
+    let close = own.clone().filter(|_| q.spread == Spread::Even).map(|v| q.null + LITTLE * (v - q.null));
+    own.clone().chain(close).collect()
+}
+
 impl Search<'_> {
     /// The best fit of another fit's effects with one more candidate, from all starts.
     #[must_use]
@@ -189,15 +199,14 @@ impl Search<'_> {
         let largest_n = self.problem.largest_n();
         let known = from.x.len();
         let problem = Problem { whole: from.model.whole.clone(), ..self.problem.clone() };
-        let mut points: Vec<(f64, DVector<f64>)> =
-            starts(candidate, |q| q.starts.iter().map(|v| q.scaled(*v, largest_n)).collect())
-                .into_iter()
-                .map(|values| {
-                    let place = |i: usize| if i < known { from.x[i] } else { list[i].of(values[i - known]) };
-                    let x = DVector::from_fn(list.len(), |i, _| place(i));
-                    (problem.residual(&problem.model(&list, &candidates, &x)).norm_squared(), x)
-                })
-                .collect();
+        let mut points: Vec<(f64, DVector<f64>)> = starts(candidate, |q| beginnings(q, largest_n))
+            .into_iter()
+            .map(|values| {
+                let place = |i: usize| if i < known { from.x[i] } else { list[i].of(values[i - known]) };
+                let x = DVector::from_fn(list.len(), |i, _| place(i));
+                (problem.residual(&problem.model(&list, &candidates, &x)).norm_squared(), x)
+            })
+            .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let fits = points.into_iter().take(DESCENTS).map(|(_, x)| problem.fit(&candidates, &x));
         let best = fits.min_by(|a, b| a.square.total_cmp(&b.square));
@@ -213,8 +222,8 @@ impl Search<'_> {
         }
         let problem = self.problem;
         let groups: Vec<usize> = problem.design.series.iter().map(|s| s.group).collect();
-        let windows_s = problem.design.windows_s();
-        let whole = problem.chain.whole(&fit.model, &problem.contacts_mm, &windows_s, &groups).ok()?;
+        let windows = problem.design.windows();
+        let whole = problem.chain.whole(&fit.model, &problem.contacts_mm, &windows, &groups).ok()?;
         let near = Problem { whole: Some(whole), ..problem.clone() };
         let fit = near.fit(&fit.candidates, &fit.x);
         Some(problem.refit(&fit, &allowed(problem, &fit)))
@@ -352,7 +361,9 @@ fn share_of(candidate: &Candidate, fit: &Fit) -> (f64, f64) {
     let outside = matches!(candidate.effect.stage, Stage::Machine | Stage::Sensor | Stage::Clock);
     let solved = fit.model.whole.as_ref().is_some_and(|whole| whole.covers(candidate.effect.code));
     match (solved, outside) {
-        (true, _) => SOLVED_SHARE,
+        (true, _) if candidate.effect.code == relaxation::ONE.code => SOLVED_SHARE,
+        (true, _) => ELASTIC,
+        (false, false) if candidate.effect.code == poisson::EFFECT.code => ELASTIC,
         (false, true) => OUTSIDE,
         (false, false) => ROUGH,
     }

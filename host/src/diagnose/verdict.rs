@@ -132,13 +132,12 @@ pub(super) fn explanations(
 }
 
 /// The best explanation that meets every demand, and all that leave no more than noise and are no hundred times less likely: a
-/// rival that predicts worse or loses to a placebo is not named alone, but it is not excluded either.
+/// rival that predicts worse, loses to a placebo or ends at a bound is not named alone, but it is not excluded either.
 fn alike(list: &[Explanation]) -> Vec<Explanation> {
     let best = list.iter().filter(|e| e.holds()).min_by(|a, b| a.score().total_cmp(&b.score()));
     let Some(best) = best else { return Vec::new() };
     let same = |e: &Explanation| e.fit.candidates == best.fit.candidates;
-    let rival =
-        |e: &&Explanation| !same(e) && e.adequacy.passes() && !e.fit.at_bound && e.score() <= best.score() + RATIO_100;
+    let rival = |e: &&Explanation| !same(e) && e.adequacy.passes() && e.score() <= best.score() + RATIO_100;
     let mut rivals: Vec<Explanation> = list.iter().filter(rival).cloned().collect();
     rivals.sort_by(|a, b| a.score().total_cmp(&b.score()));
     rivals.insert(0, best.clone());

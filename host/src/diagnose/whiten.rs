@@ -53,6 +53,8 @@ pub(super) fn kernel(z: &DMatrix<f64>) -> DMatrix<f64> {
 /// hundredths of a percent of full scale an hour or per kelvin, and a palpation uses a tenth of full scale: a drift has to
 /// stand out of half a percent.
 const WANDER: f64 = 0.005;
+/// What the zero of the whole session may be off by, as a part of the largest force: it was tared once, with the noise of that moment.
+const TARE: f64 = 0.005;
 /// Karhunen-Loeve modes of the walk that are kept: they hold 96 % of its variance.
 const MODES: usize = 5;
 
@@ -97,11 +99,13 @@ impl Whitening {
         Some(out)
     }
 
-    /// Adds what all runs share: the error of the simulation, smooth over depth for every geometry by itself, and the wandering zero.
+    /// Adds what all runs share: the error of the simulation, smooth over depth for every geometry by itself, the tare, and the wandering zero.
     fn share(&mut self, design: &Design, curves: &[Curve]) {
         let smooth = 3 * design.geometries.len();
-        let mut columns = DMatrix::zeros(self.len, smooth + MODES);
-        self.wander(design, curves, &mut columns.columns_mut(smooth, MODES));
+        let mut columns = DMatrix::zeros(self.len, smooth + 1 + MODES);
+        let peak_n = curves.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
+        columns.column_mut(smooth).fill(TARE * peak_n);
+        self.wander(design, peak_n, &mut columns.columns_mut(smooth + 1, MODES));
         for (s, (series, curve)) in design.series.iter().zip(curves).enumerate() {
             let depth_mm = design.geometries[series.geometry].depth_mm;
             for (k, (node, force_n)) in series.nodes.iter().zip(&curve.force_n).enumerate() {
@@ -121,14 +125,13 @@ impl Whitening {
     }
 
     /// Brownian motion of the zero over the session clock, mode by mode; nothing where no clock is known.
-    fn wander(&self, design: &Design, curves: &[Curve], columns: &mut nalgebra::DMatrixViewMut<'_, f64>) {
+    fn wander(&self, design: &Design, peak_n: f64, columns: &mut nalgebra::DMatrixViewMut<'_, f64>) {
         let Some(starts) = design.series.iter().map(|s| s.start_s).collect::<Option<Vec<f64>>>() else { return };
         let first = starts.iter().copied().fold(f64::INFINITY, f64::min);
         let length_s = starts.iter().copied().fold(first, f64::max) - first;
         if length_s <= 0.0 {
             return;
         }
-        let peak_n = curves.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
         let size_n = WANDER * peak_n * (length_s / 3600.0).sqrt();
         for (s, series) in design.series.iter().enumerate() {
             for mode in 0..MODES {

@@ -12,7 +12,7 @@ mod whole;
 pub use library::{Geometry, Library, LibraryError, Need, RUBBER_NU};
 pub use passage::Passage;
 pub use predict::{Chain, Prediction};
-pub use whole::{Whole, is_rough};
+pub use whole::{Whole, Window, is_rough};
 
 use std::sync::Arc;
 

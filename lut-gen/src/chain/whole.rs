@@ -14,7 +14,7 @@ use crate::effect::{
     adhesion, friction, lag, numerics, poisson, radius, relaxation, second_term, softening, thickness,
 };
 use crate::law::{Hyperfoam, Material, PronyTerm, Term};
-use crate::model::{Resolution, Simulation, Specimen};
+use crate::model::{Record, Resolution, Simulation, Specimen};
 use crate::solve::{Motion, SolveError};
 
 /// Force that the chain misses, run by run, for a model and those near it.
@@ -66,8 +66,7 @@ fn solvable(model: &Model) -> Model {
 }
 
 impl Chain {
-    /// Solves the runs with finite elements at a model. `windows_s` are the lengths of time (s) that the places of every run stand for, 0 for
-    /// an instant: a reading there is a mean over it. `kinds` tells which runs follow the same path (equal numbers): one of each is solved.
+    /// Solves the runs with finite elements at a model. `windows` are what the readings at the places of every run are means of. `kinds` tells which runs follow the same path (equal numbers): one of each is solved.
     ///
     /// # Errors
     /// The first solve that fails.
@@ -75,7 +74,7 @@ impl Chain {
         &self,
         model: &Model,
         contact_mm: &[f64],
-        windows_s: &[Vec<f64>],
+        windows: &[Vec<Window>],
         kinds: &[usize],
     ) -> Result<Arc<Whole>, SolveError> {
         let bare = solvable(model);
@@ -84,7 +83,7 @@ impl Chain {
             .par_iter()
             .map(|&run| {
                 let passage = &self.passages[run];
-                let places = self.missed(model, &bare, (passage, &windows_s[run]), contact_mm[run])?;
+                let places = self.missed(model, &bare, (passage, &windows[run]), contact_mm[run])?;
                 Ok((kinds[run], passage.time_s.iter().copied().zip(places).collect()))
             })
             .collect::<Result<_, SolveError>>()?;
@@ -100,10 +99,10 @@ impl Chain {
         &self,
         model: &Model,
         bare: &Model,
-        (passage, windows_s): (&Passage, &[f64]),
+        (passage, windows): (&Passage, &[Window]),
         contact_mm: f64,
     ) -> Result<Vec<f64>, SolveError> {
-        let fine = passage.refined(windows_s);
+        let fine = passage.refined(windows);
         let depth_mm = self.ball_depth(model, &fine, contact_mm);
         let path: Vec<(f64, f64)> = fine.time_s.iter().copied().zip(depth_mm.iter().copied()).collect();
         let added = if needs_solve(bare) { self.added(bare, passage, &path)? } else { Vec::new() };
@@ -112,8 +111,8 @@ impl Chain {
             fine.time_s.iter().zip(at_fine).map(|(t, force_n)| (*t, force_n + between(&added, *t))).collect();
         let coarse_mm = self.ball_depth(model, passage, contact_mm);
         let at_places = self.on_ball(bare, &Passage { depth_mm: coarse_mm, ..passage.clone() });
-        let each = passage.time_s.iter().zip(windows_s).zip(at_places);
-        Ok(each.map(|((t, window_s), force_n)| mean(&curve, *t, *window_s) - force_n).collect())
+        let each = passage.time_s.iter().zip(windows).zip(at_places);
+        Ok(each.map(|((t, window), force_n)| window.mean(&curve, *t) - force_n).collect())
     }
 
     /// Time (s) along a path of the ball and what finite elements of it add there to the chain, N.
@@ -122,7 +121,11 @@ impl Chain {
         let Some((motion, begin_s)) = motion(&path) else { return Ok(Vec::new()) };
         let rich = self.simulation(bare, passage, motion)?;
         // the same path without history on the same mesh: the marks that its lines leave in a force cancel
-        let elastic = Simulation { material: plain(bare)?, interface: Interface::default(), ..rich.clone() };
+        let elastic = Simulation {
+            material: plain(bare, self.nu(bare, passage))?,
+            interface: Interface::default(),
+            ..rich.clone()
+        };
         let (rich, elastic) = (rich.solve()?, elastic.solve()?);
         let stations: Vec<f64> = rich.stations.iter().map(|s| s.time_s + begin_s).collect();
         // the convolution moves straight between its places: they must be close
@@ -134,13 +137,21 @@ impl Chain {
         let (with, without) = (self.on_ball(bare, &along), self.on_ball(&base, &along));
         let chain: Vec<(f64, f64)> =
             along.time_s.iter().zip(with.iter().zip(&without)).map(|(t, (a, b))| (*t, a - b)).collect();
-        let each = rich.stations.iter().zip(&rich.force_n).zip(stations);
-        Ok(each.map(|((s, f), t)| (t, f - elastic.force_at(s.time_s) - between(&chain, t))).collect())
+        let softness = softness(&elastic);
+        let each = rich.stations.iter().zip(stations).map(|(s, t)| {
+            let hard_n = s.force_n + between(&softness, s.depth_mm) * s.force_n * s.force_n;
+            (t, hard_n - elastic.force_at(s.time_s) - between(&chain, t))
+        });
+        Ok(each.collect())
+    }
+
+    fn nu(&self, model: &Model, passage: &Passage) -> f64 {
+        self.library.families[passage.geometry].geometry.nu + model.first(&poisson::EFFECT, 0)
     }
 
     fn simulation(&self, model: &Model, passage: &Passage, motion: Motion) -> Result<Simulation, SolveError> {
         let geometry = &self.library.families[passage.geometry].geometry;
-        let nu = model.first(&poisson::EFFECT, 0);
+        let nu = self.nu(model, passage);
         let mut terms = vec![Term { mu_mpa: model.mu_mpa, alpha: model.alpha, nu }];
         for second in model.of(&second_term::EFFECT) {
             if let [ratio, alpha] = second.values[..] {
@@ -169,14 +180,27 @@ impl Chain {
     }
 }
 
+/// What the softness of the penalty takes from a force, over its square (1/N), by depth (mm), from the way down of an elastic solve. The record
+/// of a path differentiates the penalty's energy by depth, which is not its share of the force where the ball turns and a memory relaxes.
+fn softness(elastic: &Record) -> Vec<(f64, f64)> {
+    let each = elastic.stations.iter().zip(&elastic.force_n).filter(|(s, _)| s.force_n > 0.0);
+    let mut deepest = 0.0;
+    let down = each.filter(|(s, _)| {
+        // a hold stays where it is but for rounding
+        let deeper = s.depth_mm > deepest * (1.0 + 1e-6);
+        deepest = s.depth_mm.max(deepest);
+        deeper
+    });
+    down.map(|(s, f)| (s.depth_mm, (f - s.force_n) / s.force_n.powi(2))).collect()
+}
+
 /// Effects that only change the numbers of the elastic solve, which the chain's force models contain exactly.
 fn is_shape(code: &str) -> bool {
     [poisson::EFFECT.code, thickness::HEIGHT.code, radius::EFFECT.code].contains(&code)
 }
 
-/// The material without a second term and without memory.
-fn plain(model: &Model) -> Result<Material, SolveError> {
-    let nu = model.first(&poisson::EFFECT, 0);
+/// The first term of a model's law alone, without memory.
+fn plain(model: &Model, nu: f64) -> Result<Material, SolveError> {
     Ok(Hyperfoam::new(vec![Term { mu_mpa: model.mu_mpa, alpha: model.alpha, nu }])?.into())
 }
 
@@ -197,40 +221,56 @@ fn motion(path: &[(f64, f64)]) -> Option<(Motion, f64)> {
     } else {
         motion.start_mm = first.1;
     }
+    let mut at_mm = first.1;
     for pair in path.windows(2) {
-        motion = motion.to_depth_within(pair[1].1, pair[1].0 - pair[0].0);
+        // a hold is one, whatever the last digit of a mean says: forces are differentiated by depth
+        if (pair[1].1 - at_mm).abs() > 1e-6 * deepest {
+            at_mm = pair[1].1;
+        }
+        motion = motion.to_depth_within(at_mm, pair[1].0 - pair[0].0);
     }
     Some((motion, begin_s))
 }
 
-/// Readings that a mean over a window is taken from, evenly, each in the middle of its part.
-const READINGS: usize = 5;
+/// Samples that a reading is the mean of, evenly over a length of time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Window {
+    /// Samples times their distance (s).
+    pub length_s: f64,
+    /// Samples; up to 1 for an instant.
+    pub samples: usize,
+}
 
-impl Passage {
-    /// The same motion with places for the readings of every window.
-    fn refined(&self, windows_s: &[f64]) -> Self {
-        let path: Vec<(f64, f64)> = self.time_s.iter().copied().zip(self.depth_mm.iter().copied()).collect();
-        let (first, last) = (self.time_s.first().copied().unwrap_or(0.0), self.time_s.last().copied().unwrap_or(0.0));
-        let mut time_s = self.time_s.clone();
-        for (t, window_s) in self.time_s.iter().zip(windows_s).filter(|(_, w)| **w > 0.0) {
-            time_s.extend((0..READINGS).map(|k| reading_s(*t, *window_s, k)).filter(|t| *t > first && *t < last));
-        }
-        time_s.sort_by(f64::total_cmp);
-        time_s.dedup_by(|b, a| *b - *a < 1e-9);
-        let depth_mm = time_s.iter().map(|t| between(&path, *t)).collect();
-        Self { time_s, depth_mm, ..self.clone() }
+/// Readings that stand for a window of more samples.
+const READINGS: usize = 8;
+
+impl Window {
+    /// Times (s) of its readings: those of the samples themselves where they are few, because next to a turn of the ball half a sample counts.
+    fn times_s(self, middle_s: f64) -> impl Iterator<Item = f64> {
+        let count = self.samples.clamp(1, READINGS);
+        (0..count).map(move |k| middle_s + self.length_s * ((k as f64 + 0.5) / count as f64 - 0.5))
+    }
+
+    fn mean(self, curve: &[(f64, f64)], middle_s: f64) -> f64 {
+        let count = self.samples.clamp(1, READINGS) as f64;
+        self.times_s(middle_s).map(|t| between(curve, t)).sum::<f64>() / count
     }
 }
 
-fn reading_s(middle_s: f64, window_s: f64, k: usize) -> f64 {
-    middle_s + window_s * ((k as f64 + 0.5) / READINGS as f64 - 0.5)
-}
-
-/// Mean over a window of a curve.
-fn mean(curve: &[(f64, f64)], middle_s: f64, window_s: f64) -> f64 {
-    let readings = if window_s > 0.0 { READINGS } else { 1 };
-    let each = (0..readings).map(|k| if readings > 1 { reading_s(middle_s, window_s, k) } else { middle_s });
-    each.map(|t| between(curve, t)).sum::<f64>() / readings as f64
+impl Passage {
+    /// The same motion with places for the readings of every window.
+    fn refined(&self, windows: &[Window]) -> Self {
+        let path: Vec<(f64, f64)> = self.time_s.iter().copied().zip(self.depth_mm.iter().copied()).collect();
+        let (first, last) = (self.time_s.first().copied().unwrap_or(0.0), self.time_s.last().copied().unwrap_or(0.0));
+        let mut time_s = self.time_s.clone();
+        for (t, window) in self.time_s.iter().zip(windows) {
+            time_s.extend(window.times_s(*t).filter(|t| *t > first && *t < last));
+        }
+        time_s.sort_by(f64::total_cmp);
+        time_s.dedup_by(|b, a| *b - *a < 1e-5);
+        let depth_mm = time_s.iter().map(|t| between(&path, *t)).collect();
+        Self { time_s, depth_mm, ..self.clone() }
+    }
 }
 
 /// Times with three more between each two.
