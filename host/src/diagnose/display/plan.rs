@@ -130,7 +130,7 @@ fn planned(design: &Design) -> Vec<Planned> {
             height * if phase < 1.0 { phase } else { 2.0 - phase }
         }
     };
-    let mut list: Vec<(String, f64, Box<dyn Fn(f64) -> f64>)> = Vec::new();
+    let mut list: Vec<Programme> = Vec::new();
     for share in [0.1, 0.3, 1.0] {
         let height = share * range;
         list.push((format!("steps of {} and back, every 1.5 s", told(height)), 9.0, Box::new(square(height, 1.5))));
@@ -167,6 +167,9 @@ fn planned(design: &Design) -> Vec<Planned> {
     }
     out
 }
+
+/// What to do in words, its length (s), and the command above the lowest over time (s).
+type Programme = (String, f64, Box<dyn Fn(f64) -> f64>);
 
 fn run(design: &Design, what: String, (low, gap_mm): (f64, f64), span_s: f64, of: &dyn Fn(f64) -> f64) -> Planned {
     let time_s: Vec<f64> = (0..=(span_s / TICK_S) as usize).map(|k| k as f64 * TICK_S).collect();
