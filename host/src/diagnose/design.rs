@@ -345,6 +345,13 @@ fn raw_runs(experiment: &Experiment, material: &str, messages: &mut Vec<String>)
             continue;
         }
         let Some(ball_mm) = experiment.indenters[indenter].radius_mm.known() else { continue };
+        if its.height_mm.known().is_none() {
+            messages.push(format!(
+                "{}: the height of specimen \"{}\" is unknown; a diagnosis needs a declared one, which it may then find wrong",
+                run.file, its.name
+            ));
+            continue;
+        }
         let Some(motion) = motion::of(&run.recording) else {
             messages.push(format!("{}: the ball never went down", run.file));
             continue;

@@ -256,10 +256,35 @@ impl Search<'_> {
             let fit = self.extended(&self.base, candidate);
             self.judged(fit, &self.base, (&self.spaces, at))
         });
-        let mut list = sorted(each.collect());
+        let mut each: Vec<Explanation> = each.collect();
+        self.nest(&mut each);
+        let mut list = sorted(each);
         let before = vec![self.base.clone(); list.len()];
         self.solve_best(&mut list, before);
         sorted(list)
+    }
+
+    /// Two terms of relaxation are found at least as well as one is: begun from it, with a little of a second term.
+    fn nest(&self, singles: &mut [Explanation]) {
+        const SECOND: (f64, f64) = (0.01, 10.0);
+        let of = |e: &Explanation, form: &lut_gen::effect::Effect| e.fit.candidates.iter().any(|c| c.effect == form);
+        let Some(one) = singles.iter().find(|e| of(e, &relaxation::ONE)).map(|e| e.fit.clone()) else { return };
+        let at = self.candidates.iter().position(|c| *c.effect == relaxation::TWO);
+        let two = singles.iter_mut().find(|e| of(e, &relaxation::TWO));
+        let (Some(two), Some(at)) = (two, at) else { return };
+        let list = coordinates(self.problem.design, &two.fit.candidates);
+        let tau_s = list[one.x.len() - 1].value(one.x[one.x.len() - 1]);
+        let more = [SECOND.0, SECOND.1 * tau_s];
+        let place = |i: usize| {
+            let (low, high) = list[i].bounds();
+            let value = if i < one.x.len() { one.x[i] } else { list[i].of(more[i - one.x.len()]) };
+            value.clamp(low, high)
+        };
+        let fit = self.problem.fit(&two.fit.candidates, &DVector::from_fn(list.len(), |i, _| place(i)));
+        if fit.square < two.fit.square {
+            let fit = self.problem.refit(&fit, &allowed(self.problem, &fit));
+            *two = self.judged(fit, &self.base, (&self.spaces, at));
+        }
     }
 
     /// Explanations by one effect more than those given, the best first; those far behind the best are not judged.

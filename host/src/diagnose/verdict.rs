@@ -152,7 +152,14 @@ pub(super) fn conclude(
     held: &[Explanation],
     held_out: Option<&HeldOut>,
 ) {
-    let gains = held_out.is_none_or(|h| h.square_after < h.square_before);
+    // a name that nothing could test is none
+    let gains = held_out.is_some_and(|h| h.square_after < h.square_before);
+    if held_out.is_none() && !held.is_empty() {
+        diagnosis.messages.push(
+            "one condition only: what explains it cannot be tested on another, so nothing is named; press with another ball or rate"
+                .to_owned(),
+        );
+    }
     if let Some(ripple) = ripple {
         let word = match ripple.over {
             Over::Time => "time",
@@ -167,7 +174,8 @@ pub(super) fn conclude(
     let best = held.first().filter(|_| visible && gains && !spoilt);
     let Some(best) = best else {
         // what shows in no variable and has no name is within what one clean experiment of two hundred shows
-        diagnosis.verdict = if in_margins || ripple.is_some() { Verdict::Unknown } else { Verdict::Clean };
+        let untested = held_out.is_none() && !held.is_empty() && visible;
+        diagnosis.verdict = if in_margins || ripple.is_some() || untested { Verdict::Unknown } else { Verdict::Clean };
         return;
     };
     for (at, candidate) in best.fit.candidates.iter().enumerate() {
@@ -180,6 +188,8 @@ pub(super) fn conclude(
             ambiguous_with: others(best, at, held),
         });
     }
+    let named = |code: &&str| diagnosis.findings.iter().any(|f| f.code == *code || f.ambiguous_with.contains(code));
+    diagnosis.blind_to = diagnosis.blind_to.iter().filter(|code| !named(code)).copied().collect();
     let single = diagnosis.findings.iter().all(|f| f.ambiguous_with.is_empty());
     diagnosis.verdict = if single { Verdict::Named } else { Verdict::Ambiguous };
 }

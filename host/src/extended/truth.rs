@@ -104,14 +104,7 @@ fn effect(added: &Added, gain: f64, sentences: &mut Vec<String>) -> Result<Optio
         // the simulation squares what it has multiplied by the gain
         ("sensor-nonlinearity", _) => Effect::SensorNonlinearity { quadratic_per_n: one / gain },
         ("sensor-creep", "creep") => Effect::SensorCreep { amplitude: gain * one, tau_s: v[1] },
-        ("sensor-creep", _) if one == 0.0 => return Ok(None),
-        ("sensor-creep", _) => {
-            return Err(ExtendedError::NoPhysics {
-                effect: added.effect.code,
-                form: added.effect.form,
-                why: "the play of a simulated sensor reads less on the way down, this one more",
-            });
-        }
+        ("sensor-creep", _) => Effect::SensorHysteresis { width: one },
         ("drift", _) => Effect::Drift { n_per_h: one, thermal_n: 0.0, thermal_s: 600.0 },
         ("numerics", _) => {
             sentences.push(format!(

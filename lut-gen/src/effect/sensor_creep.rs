@@ -47,12 +47,27 @@ pub fn creep(time_s: &[f64], force_n: &mut [f64], (amplitude, tau_s): (f64, f64)
     }
 }
 
-/// A play operator: the reading follows the force through a gap of `width` times the largest force.
+/// A play operator: the reading follows the force through a gap of `width` times the largest force, so it stays behind: less on the way up,
+/// more on the way back.
 pub fn hysteresis(force_n: &mut [f64], width: f64) {
     let gap = 0.5 * width * force_n.iter().copied().fold(0.0, f64::max);
     let mut seat = 0.0;
     for force in force_n.iter_mut() {
         seat = f64::clamp(seat, *force - gap, *force + gap);
-        *force = 2.0 * *force - seat;
+        *force = seat;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A gap of a tenth of the largest force: half of it is missing on the way up, and the way back begins with a stand.
+    #[test]
+    fn a_play_stays_behind() {
+        let mut force = vec![0.0, 0.02, 0.5, 1.0, 0.95, 0.5, 0.0];
+        hysteresis(&mut force, 0.1);
+        let expected = [0.0, 0.0, 0.45, 0.95, 0.95, 0.55, 0.05];
+        assert!(force.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{force:?}");
     }
 }
