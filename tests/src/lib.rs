@@ -15,3 +15,12 @@ pub mod samples;
 pub mod score;
 pub mod thousand;
 pub mod tissue;
+
+use std::path::{Path, PathBuf};
+
+/// Folder of reference curves and recordings beside the checkout, or what the environment variable `PALPATE_SHARED` names.
+#[must_use]
+pub fn shared() -> PathBuf {
+    std::env::var_os("PALPATE_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from)
+}

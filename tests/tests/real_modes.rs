@@ -3,7 +3,7 @@
 //! The recordings are not part of this repository; without them the test says SKIPPED.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use palpate::experiment::{self, Experiment, Test};
 use palpate::identify::fit::RunFit;
@@ -14,8 +14,7 @@ use palpate::identify::{Identification, Outcome, identify, motions};
 /// The experiment of that folder, or `None` with a visible message if its recordings are absent.
 fn experiment(folder: &str) -> Option<Experiment> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let shared = std::env::var_os("PALPATE_SHARED").map_or_else(|| root.join("../../shared"), PathBuf::from);
-    let data = shared.join("data/shoe_foam");
+    let data = tests::shared().join("data/shoe_foam");
     if !data.is_dir() {
         println!("SKIPPED: recordings {} not found", data.display());
         return None;

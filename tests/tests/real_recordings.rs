@@ -3,7 +3,7 @@
 //! The recordings are not part of this repository; without them the tests say SKIPPED.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use palpate::experiment::{self, Experiment, motion};
 use palpate::identify::spec::FitSpec;
@@ -13,8 +13,7 @@ use palpate::report;
 /// The experiment of that name, or `None` with a visible message if its recordings are absent.
 fn experiment(name: &str) -> Option<Experiment> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let shared = std::env::var_os("PALPATE_SHARED").map_or_else(|| root.join("../../shared"), PathBuf::from);
-    let data = shared.join("data").join(name);
+    let data = tests::shared().join("data").join(name);
     if !data.is_dir() {
         println!("SKIPPED: recordings {} not found", data.display());
         return None;

@@ -120,16 +120,14 @@ impl Gauge {
         }
         let count = twins.ncols().max(1) as f64;
         let scatter: Vec<f64> = values.row_iter().map(|row| (row.norm_squared() / count).sqrt()).collect();
-        let mut largest: Vec<f64> = values
+        let largest: Vec<f64> = values
             .column_iter()
             .map(|column| {
                 let each = column.iter().zip(&scatter).filter(|(_, s)| **s > 0.0);
                 each.map(|(v, s)| v.abs() / s).fold(0.0, f64::max)
             })
             .collect();
-        largest.sort_by(f64::total_cmp);
-        let at = ((1.0 - LEVEL) * count).floor() as usize;
-        let threshold = largest.get(at.min(largest.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY);
+        let threshold = exceeded(largest, LEVEL);
         Self { directions, scatter, threshold }
     }
 
@@ -149,15 +147,15 @@ impl Gauge {
     }
 }
 
-/// Whether a fit leaves more than noise.
+/// Whether a fit leaves more than noise, in the variables `V` of an experiment.
 #[derive(Debug, Clone)]
-pub struct Adequacy {
+pub struct Adequacy<V = Variable> {
     /// Every margin's mean in units of its scatter.
     pub readings: Vec<f64>,
     /// What the largest may be.
     pub threshold: f64,
     /// Variables whose margins exceed it, the worst first.
-    pub shows_in: Vec<Variable>,
+    pub shows_in: Vec<V>,
 }
 
 impl Adequacy {
@@ -166,19 +164,25 @@ impl Adequacy {
     pub fn of(fit: &Fit, margins: &[Margin], panel: &Panel, form_error: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
         let mut gauge = Gauge::new(panel, &fit.jacobian, twins);
         gauge.widen(form_error);
-        let readings = gauge.read(&fit.residual);
-        let mut worst: Vec<(Variable, f64)> = Vec::new();
-        for (margin, reading) in margins.iter().zip(&readings).filter(|(_, r)| r.abs() > gauge.threshold) {
-            match worst.iter_mut().find(|(v, _)| *v == margin.variable) {
+        Self::told(gauge.read(&fit.residual), gauge.threshold, margins.iter().map(|m| m.variable))
+    }
+}
+
+impl<V: PartialEq> Adequacy<V> {
+    /// Of readings, each of the variable at its place.
+    pub(super) fn told(readings: Vec<f64>, threshold: f64, variables: impl Iterator<Item = V>) -> Self {
+        let mut worst: Vec<(V, f64)> = Vec::new();
+        for (variable, reading) in variables.zip(&readings).filter(|(_, r)| r.abs() > threshold) {
+            match worst.iter_mut().find(|(v, _)| *v == variable) {
                 Some((_, size)) => *size = size.max(reading.abs()),
-                None => worst.push((margin.variable, reading.abs())),
+                None => worst.push((variable, reading.abs())),
             }
         }
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         // what is far from the worst is its shadow in other variables
         let largest = worst.first().map_or(0.0, |(_, size)| *size);
         worst.retain(|(_, size)| *size >= SHADOW * largest);
-        Self { readings, threshold: gauge.threshold, shows_in: worst.into_iter().map(|(v, _)| v).collect() }
+        Self { readings, threshold, shows_in: worst.into_iter().map(|(v, _)| v).collect() }
     }
 
     /// True when nothing shows.
@@ -202,11 +206,13 @@ pub struct Spaces {
     pub threshold: f64,
 }
 
-#[derive(Debug)]
-struct Space {
-    basis: DMatrix<f64>,
+/// One subspace.
+#[derive(Debug, Clone)]
+pub(super) struct Space {
+    /// Orthonormal columns.
+    pub basis: DMatrix<f64>,
     /// Mean of the square over clean twins.
-    mean: f64,
+    pub mean: f64,
 }
 
 impl Spaces {
@@ -226,19 +232,16 @@ impl Spaces {
             readings.push(squares.iter().map(|s| space.standard(*s)).collect());
             each.push(space);
         }
-        let mut largest: Vec<f64> =
+        let largest: Vec<f64> =
             (0..twins.ncols()).map(|j| readings.iter().map(|r| r[j]).fold(f64::NEG_INFINITY, f64::max)).collect();
-        largest.sort_by(f64::total_cmp);
-        let at = ((1.0 - LEVEL) * count).floor() as usize;
-        let threshold = largest.get(at.min(largest.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY);
+        let threshold = exceeded(largest, LEVEL);
         Self { each, threshold }
     }
 
     /// Reading of one space: about unit normal for a clean residual.
     #[must_use]
     pub fn read(&self, at: usize, residual: &DVector<f64>) -> f64 {
-        let space = &self.each[at];
-        space.standard(space.basis.tr_mul(residual).norm_squared())
+        self.each[at].read(residual)
     }
 
     /// The reading that an improvement of the sum of squares corresponds to.
@@ -249,8 +252,13 @@ impl Spaces {
 }
 
 impl Space {
+    /// Reading of a residual.
+    pub fn read(&self, residual: &DVector<f64>) -> f64 {
+        self.standard(self.basis.tr_mul(residual).norm_squared())
+    }
+
     /// Fisher's approximation of a chi-square by a normal distribution.
-    fn standard(&self, square: f64) -> f64 {
+    pub fn standard(&self, square: f64) -> f64 {
         let freedom = self.basis.ncols() as f64;
         if freedom == 0.0 || self.mean <= 0.0 {
             return f64::NEG_INFINITY;
@@ -259,8 +267,15 @@ impl Space {
     }
 }
 
+/// What a share `level` of some values exceeds; nothing does where there are none.
+pub(super) fn exceeded(mut values: Vec<f64>, level: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let at = ((1.0 - level) * values.len() as f64).floor() as usize;
+    values.get(at.min(values.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY)
+}
+
 /// Columns that keep more than a thousandth of themselves; the others are what the parameters take up whole.
-fn visible(whole: &DMatrix<f64>, rest: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn visible(whole: &DMatrix<f64>, rest: &DMatrix<f64>) -> DMatrix<f64> {
     let kept: Vec<DVector<f64>> = rest
         .column_iter()
         .zip(whole.column_iter())

@@ -155,13 +155,8 @@ impl Amounts {
         let factor = sensor.covariance(nodes, &curve.force_n).cholesky()?;
         let lower = factor.l_dirty();
         let residual = DVector::from_fn(nodes.len(), |k, _| nodes[k].force_n - curve.force_n[k]);
-        let shapes = DMatrix::from_fn(nodes.len(), 3, |k, j| match j {
-            0 => -curve.slope_n_per_mm[k],
-            1 => curve.force_n[k],
-            _ => 1.0,
-        });
         let y = lower.solve_lower_triangular(&residual)?;
-        let x = lower.solve_lower_triangular(&shapes)?;
+        let x = lower.solve_lower_triangular(&curve.shapes())?;
         let normal: Matrix3<f64> = x.tr_mul(&x).fixed_view::<3, 3>(0, 0).into_owned();
         let variance = normal.try_inverse()?;
         let right: Vector3<f64> = x.tr_mul(&y).fixed_rows::<3>(0).into_owned();

@@ -294,16 +294,14 @@ impl Diagnosis {
             singles = search.singles();
             (held, pairs) = verdict::explanations(&search, &singles, progress);
         }
-        let likely = held.first().or(singles.first()).map_or(base, |e| &e.fit);
-        let ripple =
-            ripple::of(experiment, &design, &Problem::curves(&design, &chain, &likely.model, &problem.contacts_mm));
+        let best = held.first().or(singles.first());
+        let extended_curves = best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
+        let ripple = ripple::of(experiment, &design, extended_curves.as_ref().unwrap_or(&curves));
         self.messages.extend(ripple.map(|r| r.to_string()));
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &prepared, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(experiment);
         self.proposals = plan::proposals(experiment, &prepared, &search, &held, &self.blind_to);
         verdict::conclude(self, (visible, !adequacy.passes()), ripple.as_ref(), &held, held_out.as_ref());
-        let best = held.first().or(singles.first());
-        let extended_curves = best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
         let (base, noise, contacts_mm) = (base.clone(), noise.clone(), problem.contacts_mm.clone());
         drop(search);
         self.evidence = Some(Box::new(Evidence {

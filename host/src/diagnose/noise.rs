@@ -119,6 +119,17 @@ pub struct Curve {
     pub slope_n_per_mm: Vec<f64>,
 }
 
+impl Curve {
+    /// What repeats of a run differ by besides sensor noise, a column each: a shifted contact (a millimetre), a gain, a zero (a newton).
+    pub(super) fn shapes(&self) -> DMatrix<f64> {
+        DMatrix::from_fn(self.force_n.len(), 3, |k, j| match j {
+            0 => -self.slope_n_per_mm[k],
+            1 => self.force_n[k],
+            _ => 1.0,
+        })
+    }
+}
+
 /// Estimates the noise from replicates; `None` without any, unless a noise is stated. `curves` is a fit of the base: what it
 /// misses is common to the replicates and drops out.
 #[must_use]
@@ -161,11 +172,7 @@ fn deviations(design: &Design, curves: &[Curve]) -> Vec<Deviation> {
         let scale = (runs.len() as f64 / (runs.len() as f64 - 1.0)).sqrt();
         for &s in &runs {
             let values = DVector::from_fn(least, |k, _| scale * (residual(s, k) - mean[k]));
-            let shapes = DMatrix::from_fn(least, 3, |k, j| match j {
-                0 => -curves[s].slope_n_per_mm[k],
-                1 => curves[s].force_n[k],
-                _ => 1.0,
-            });
+            let shapes = curves[s].shapes();
             list.push(Deviation { series: s, values, shapes });
         }
     }

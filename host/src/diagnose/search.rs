@@ -14,7 +14,7 @@ use super::placebo;
 /// Likelihood ratio of 100 as a difference of sums of squares.
 pub const RATIO_100: f64 = 9.21;
 /// Charge of a parameter, as a sum of squares: it must improve the fit by that to be worth it.
-const CHARGE: f64 = 3.0;
+pub(super) const CHARGE: f64 = 3.0;
 /// Relative error of an effect as the catalogue writes it down, along smooth shapes, on the way down and in holds, and on the way back, where
 /// the edge of the contact lifts and histories matter most: the chain against finite elements of the whole path is within that
 /// (tests/chain.rs), and nature is not closer to either.

@@ -1,6 +1,6 @@
 //! The experiments that describe public recordings.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use palpate::experiment::{self, Experiment};
 use palpate::identify::spec::FitSpec;
@@ -11,8 +11,7 @@ use super::Outcome;
 /// The experiment of a folder in `tests/experiments` over a set of recordings, or `None` with a visible message where they are absent.
 pub fn experiment(folder: &str, set: &str) -> Outcome<Option<Experiment>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let shared = std::env::var_os("PALPATE_SHARED").map_or_else(|| root.join("../../shared"), PathBuf::from);
-    let data = shared.join("data").join(set);
+    let data = tests::shared().join("data").join(set);
     if !data.is_dir() {
         println!("SKIPPED: recordings {} not found", data.display());
         return Ok(None);

@@ -8,9 +8,7 @@ use super::Outcome;
 
 /// A file or folder beside the repository, or `None` with a visible message where it is absent.
 pub fn shared(path: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let shared = std::env::var_os("PALPATE_SHARED").map_or_else(|| root.join("../../shared"), PathBuf::from);
-    let found = shared.join(path);
+    let found = tests::shared().join(path);
     if found.exists() {
         return Some(found);
     }

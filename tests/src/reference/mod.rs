@@ -88,9 +88,7 @@ impl Reference {
 /// Folder the reference curves are looked for in.
 #[must_use]
 pub fn folder() -> PathBuf {
-    std::env::var_os("PALPATE_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from)
-        .join("reference")
+    crate::shared().join("reference")
 }
 
 /// The curves (`*.csv`) of a folder in order of their names; `None` when there is no such folder.

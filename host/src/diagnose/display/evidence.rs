@@ -12,14 +12,12 @@ use super::fit::Fit;
 use super::margin::{Margin, Variable};
 use super::noise::Noise;
 use super::whiten::Whitening;
-use crate::diagnose::evidence::{basis, rest_of};
+use crate::diagnose::evidence::{Space, basis, exceeded, rest_of, visible};
 
 /// Clean twins that thresholds are taken from.
 const TWINS: usize = 2000;
 /// Share of clean twins of a channel whose largest statistic lies above a threshold; two statistics are looked at, in up to four channels.
 const LEVEL: f64 = 0.004;
-/// Share of the worst reading from which on a variable is told.
-const SHADOW: f64 = 0.4;
 /// Seed of the twins: the same data give the same verdict.
 const SEED: u64 = 0x6469_7370;
 
@@ -45,12 +43,6 @@ fn twins(whitening: &Whitening, noise: &Noise, directions: &DMatrix<f64>) -> DMa
     out
 }
 
-fn quantile(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let at = ((1.0 - LEVEL) * values.len() as f64).floor() as usize;
-    values.get(at.min(values.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY)
-}
-
 /// Margins with the largest reading that noise may give.
 #[derive(Debug, Clone)]
 pub struct Panel {
@@ -60,16 +52,8 @@ pub struct Panel {
     pub threshold: f64,
 }
 
-/// Whether a fit leaves more than noise.
-#[derive(Debug, Clone)]
-pub struct Adequacy {
-    /// Every margin in units of its scatter.
-    pub readings: Vec<f64>,
-    /// What the largest may be.
-    pub threshold: f64,
-    /// Variables that show a discrepancy, the worst first.
-    pub shows_in: Vec<Variable>,
-}
+/// Whether a fit leaves more than noise in one channel.
+pub type Adequacy = crate::diagnose::evidence::Adequacy<Variable>;
 
 /// Directions less what parameters take up, of unit length; zero where nothing is left.
 fn orthogonal(raw: &DMatrix<f64>, parameters: &DMatrix<f64>) -> DMatrix<f64> {
@@ -96,7 +80,11 @@ impl Panel {
             let each = twin.iter().zip(&scatter).filter(|(_, s)| **s > 0.0);
             each.map(|(v, s)| v.abs() / s).fold(0.0, f64::max)
         });
-        Self { raw, variables: margins.iter().map(|m| m.variable).collect(), threshold: quantile(largest.collect()) }
+        Self {
+            raw,
+            variables: margins.iter().map(|m| m.variable).collect(),
+            threshold: exceeded(largest.collect(), LEVEL),
+        }
     }
 
     /// What a fit leaves. `errors`: what its effects may be wrong by, one unit of variance a column, whitened.
@@ -112,39 +100,14 @@ impl Panel {
                 if variances[j] > 0.0 { values[j] / variance.sqrt() } else { 0.0 }
             })
             .collect();
-        let mut worst: Vec<(Variable, f64)> = Vec::new();
-        for (variable, reading) in self.variables.iter().zip(&readings).filter(|(_, r)| r.abs() > self.threshold) {
-            match worst.iter_mut().find(|(v, _)| v == variable) {
-                Some((_, size)) => *size = size.max(reading.abs()),
-                None => worst.push((*variable, reading.abs())),
-            }
-        }
-        worst.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let largest = worst.first().map_or(0.0, |(_, size)| *size);
-        worst.retain(|(_, size)| *size >= SHADOW * largest);
-        Adequacy { readings, threshold: self.threshold, shows_in: worst.into_iter().map(|(v, _)| v).collect() }
-    }
-}
-
-impl Adequacy {
-    /// True when nothing shows.
-    #[must_use]
-    pub fn passes(&self) -> bool {
-        self.shows_in.is_empty()
-    }
-
-    /// Largest reading over the threshold.
-    #[must_use]
-    pub fn worst(&self) -> f64 {
-        self.readings.iter().map(|r| r.abs()).fold(0.0, f64::max) / self.threshold
+        Adequacy::told(readings, self.threshold, self.variables.iter().copied())
     }
 }
 
 /// Subspaces, each of which an effect could move the data in, with what they hold of clean twins.
 #[derive(Debug, Clone)]
 pub struct Spaces {
-    /// Basis, and mean of the square over clean twins.
-    each: Vec<(DMatrix<f64>, f64)>,
+    each: Vec<Space>,
     /// What the largest reading exceeds in one clean twin of 250.
     pub threshold: f64,
 }
@@ -154,21 +117,15 @@ impl Spaces {
     #[must_use]
     pub fn new(signatures: &[DMatrix<f64>], base: &Fit, whitening: &Whitening, noise: &Noise) -> Self {
         let explained = basis(&base.jacobian);
-        let bases: Vec<DMatrix<f64>> = signatures
-            .iter()
-            .map(|signature| {
-                let rest = rest_of(signature, &explained);
-                let kept: Vec<DVector<f64>> = (0..rest.ncols())
-                    .filter(|j| rest.column(*j).norm() > 1e-3 * signature.column(*j).norm())
-                    .map(|j| rest.column(j).into_owned())
-                    .collect();
-                if kept.is_empty() { DMatrix::zeros(rest.nrows(), 0) } else { basis(&DMatrix::from_columns(&kept)) }
-            })
-            .collect();
+        let bases: Vec<DMatrix<f64>> =
+            signatures.iter().map(|signature| basis(&visible(signature, &rest_of(signature, &explained)))).collect();
         let columns: Vec<DVector<f64>> =
             bases.iter().flat_map(|b| b.column_iter().map(|c| c.into_owned()).collect::<Vec<_>>()).collect();
         if columns.is_empty() {
-            return Self { each: bases.into_iter().map(|b| (b, 0.0)).collect(), threshold: f64::INFINITY };
+            return Self {
+                each: bases.into_iter().map(|basis| Space { basis, mean: 0.0 }).collect(),
+                threshold: f64::INFINITY,
+            };
         }
         let drawn = twins(whitening, noise, &DMatrix::from_columns(&columns));
         let (mut each, mut largest, mut row) = (Vec::new(), vec![f64::NEG_INFINITY; drawn.ncols()], 0);
@@ -177,34 +134,24 @@ impl Spaces {
             row += basis.ncols();
             let squares: Vec<f64> = own.column_iter().map(|c| c.norm_squared()).collect();
             let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+            let space = Space { basis, mean };
             for (most, square) in largest.iter_mut().zip(&squares) {
-                *most = most.max(standard(*square, basis.ncols(), mean));
+                *most = most.max(space.standard(*square));
             }
-            each.push((basis, mean));
+            each.push(space);
         }
-        Self { each, threshold: quantile(largest) }
+        Self { each, threshold: exceeded(largest, LEVEL) }
     }
 
     /// Reading of a residual in one space: about unit normal for a clean one.
     #[must_use]
     pub fn read(&self, at: usize, residual: &DVector<f64>) -> f64 {
-        let (basis, mean) = &self.each[at];
-        standard(basis.tr_mul(residual).norm_squared(), basis.ncols(), *mean)
+        self.each[at].read(residual)
     }
 
     /// The reading that an improvement of the sum of squares corresponds to.
     #[must_use]
     pub fn of_gain(&self, at: usize, gain: f64) -> f64 {
-        let (basis, mean) = &self.each[at];
-        standard(gain, basis.ncols(), *mean)
+        self.each[at].standard(gain)
     }
-}
-
-/// Fisher's approximation of a chi-square by a normal distribution.
-fn standard(square: f64, columns: usize, mean: f64) -> f64 {
-    let freedom = columns as f64;
-    if columns == 0 || mean <= 0.0 {
-        return f64::NEG_INFINITY;
-    }
-    (2.0 * square.max(0.0) * freedom / mean).sqrt() - (2.0 * freedom - 1.0).sqrt()
 }

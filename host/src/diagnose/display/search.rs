@@ -12,12 +12,9 @@ use super::law::{self, Law, Setting};
 use super::margin::placebos;
 use super::noise::Noise;
 use crate::diagnose::evidence::{basis, rest_of};
+use crate::diagnose::search::CHARGE;
 use crate::diagnose::whiten::kernel;
 
-/// Likelihood ratio of 100 as a difference of sums of squares.
-pub const RATIO_100: f64 = 9.21;
-/// Charge of a parameter, as a sum of squares.
-const CHARGE: f64 = 3.0;
 /// Relative error of an effect as the catalogue writes it down, along smooth shapes of time in every command by itself: nature's friction,
 /// creep and steel are no closer to these laws.
 const FORM_ERROR: f64 = 0.05;

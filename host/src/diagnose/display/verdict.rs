@@ -3,8 +3,9 @@
 use crate::diagnose::{Verdict, Z95};
 
 use super::held_out::HeldOut;
-use super::search::{self, Explanation, RATIO_100, Search};
+use super::search::{self, Explanation, Search};
 use super::{ChannelDiagnosis, Finding};
+use crate::diagnose::search::RATIO_100;
 
 /// A plausible amount must lie this far beyond the threshold to be seen in nine cases of ten.
 const POWER: f64 = 1.28;
