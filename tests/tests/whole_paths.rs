@@ -79,6 +79,18 @@ fn a_second_term_is_one_law() {
     assert!(whole.iter().all(|miss| *miss < 0.005), "{whole:?}");
 }
 
+/// Every material point remembers its own largest energy; the chain has one memory for the contact.
+#[test]
+fn softening_is_that_of_material_points() {
+    let (r, m, beta) = effect::softening::of_points(0.25, 0.7);
+    let m_mpa = m * BENCH.case.truth().foam.mu_mpa;
+    let [chain, whole] =
+        misses(simulate::Effect::Softening { r, m_mpa, beta }, &effect::softening::EFFECT, &[0.25, 0.7]);
+    assert!(chain[2] > 0.1, "{chain:?}");
+    // a hold softens nothing
+    assert!(whole[0] < 0.02 && whole[2] < 0.022, "{whole:?}");
+}
+
 /// A filter has lagged since the ball began to move, above the specimen.
 #[test]
 fn a_lag_is_met_where_the_motion_begins() {

@@ -203,7 +203,7 @@ impl Design {
         let spot = self.spot(experiment, raw.run, cycle);
         let earlier = |s: &&Series| s.spot == spot;
         let pressed_before_mm =
-            self.series.iter().filter(earlier).flat_map(|s| s.nodes.iter().map(|n| n.depth_mm)).fold(0.0, f64::max);
+            self.series.iter().filter(earlier).flat_map(|s| s.path.iter().map(|p| p.1)).fold(0.0, f64::max);
         self.series.push(Series {
             run: raw.run,
             specimen,

@@ -296,7 +296,7 @@ impl Diagnosis {
         }
         let best = held.first().or(singles.first());
         let extended_curves = best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
-        let ripple = ripple::of(experiment, &design, extended_curves.as_ref().unwrap_or(&curves));
+        let ripple = ripple::of(experiment, &design, extended_curves.as_ref().unwrap_or(&curves), &noise.sensor);
         self.messages.extend(ripple.map(|r| r.to_string()));
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &prepared, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(experiment);

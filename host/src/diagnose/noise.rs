@@ -102,12 +102,15 @@ impl SensorNoise {
     }
 }
 
-/// How one run differs from the mean of its replicates.
-struct Deviation {
-    series: usize,
-    values: DVector<f64>,
+/// What repeats of a condition differ by: one of as many orthonormal contrasts as there are runs less one (Helmert's).
+#[derive(Debug)]
+pub(super) struct Contrast {
+    /// A run of the condition, for nodes and curve.
+    pub series: usize,
+    /// N, at its nodes; what the model misses is common to the runs and drops out.
+    pub values: DVector<f64>,
     /// Slope of the force, force, and 1, at its nodes.
-    shapes: DMatrix<f64>,
+    pub shapes: DMatrix<f64>,
 }
 
 /// Prediction of one run, with its slope, at its nodes.
@@ -134,8 +137,8 @@ impl Curve {
 /// misses is common to the replicates and drops out.
 #[must_use]
 pub fn estimate(design: &Design, curves: &[Curve], stated_n: Option<f64>) -> Option<Noise> {
-    let deviations = deviations(design, curves);
-    if deviations.is_empty() {
+    let contrasts = contrasts(design, curves);
+    if contrasts.is_empty() {
         let sigma_n = stated_n?;
         let sensor = SensorNoise { sigma_n, white: 1.0, correlation_s: TIMES_S[0], relative: 0.0 };
         return Some(Noise {
@@ -146,14 +149,15 @@ pub fn estimate(design: &Design, curves: &[Curve], stated_n: Option<f64>) -> Opt
             sensor_freedom: STATED_FREEDOM,
         });
     }
-    let sensor = most_likely(design, curves, &deviations);
+    let sensor = most_likely(design, curves, &contrasts);
     let posterior = Posterior::of(design, curves, &sensor)?;
-    let nodes: usize = deviations.iter().map(|d| d.values.len().saturating_sub(3)).sum();
-    let sensor_freedom = 0.5 * nodes as f64;
+    let nodes: usize = contrasts.iter().map(|d| d.values.len().saturating_sub(3)).sum();
+    let sensor_freedom = nodes as f64;
     Some(Noise { source: Source::Replicates, sensor, jitter: posterior.mean(), posterior, sensor_freedom })
 }
 
-fn deviations(design: &Design, curves: &[Curve]) -> Vec<Deviation> {
+/// All contrasts between repeats on more than one spot.
+pub(super) fn contrasts(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
     let mut list = Vec::new();
     for condition in 0..design.conditions {
         let runs: Vec<usize> = (0..design.series.len()).filter(|s| design.series[*s].condition == condition).collect();
@@ -166,23 +170,22 @@ fn deviations(design: &Design, curves: &[Curve]) -> Vec<Deviation> {
             continue;
         }
         let residual = |s: usize, k: usize| design.series[s].nodes[k].force_n - curves[s].force_n[k];
-        let mean: Vec<f64> =
-            (0..least).map(|k| runs.iter().map(|s| residual(*s, k)).sum::<f64>() / runs.len() as f64).collect();
-        // the mean takes one of n degrees of freedom
-        let scale = (runs.len() as f64 / (runs.len() as f64 - 1.0)).sqrt();
-        for &s in &runs {
-            let values = DVector::from_fn(least, |k, _| scale * (residual(s, k) - mean[k]));
-            let shapes = curves[s].shapes();
-            list.push(Deviation { series: s, values, shapes });
+        let mut sum = DVector::from_fn(least, |k, _| residual(runs[0], k));
+        for (before, &series) in runs.iter().enumerate().skip(1) {
+            let own = DVector::from_fn(least, |k, _| residual(series, k));
+            let n = before as f64;
+            let values = (&sum - n * &own) / (n * (n + 1.0)).sqrt();
+            sum += own;
+            list.push(Contrast { series, values, shapes: curves[series].shapes() });
         }
     }
     list
 }
 
 /// Sensor noise of the largest likelihood over a grid, its level found in closed form, jitter removed as free parameters.
-fn most_likely(design: &Design, curves: &[Curve], deviations: &[Deviation]) -> SensorNoise {
+fn most_likely(design: &Design, curves: &[Curve], contrasts: &[Contrast]) -> SensorNoise {
     // a dozen runs say enough about the shape of a noise
-    let few: Vec<&Deviation> = deviations.iter().step_by(deviations.len().div_ceil(12)).collect();
+    let few: Vec<&Contrast> = contrasts.iter().step_by(contrasts.len().div_ceil(12)).collect();
     let peak = curves.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
     let mut best = (f64::INFINITY, SensorNoise { sigma_n: 1.0, white: 1.0, correlation_s: 0.02, relative: 0.0 });
     let mut attempt = |unit: SensorNoise| {
@@ -217,7 +220,7 @@ fn most_likely(design: &Design, curves: &[Curve], deviations: &[Deviation]) -> S
 }
 
 /// Level of a noise of given shape, and twice its negative log-likelihood.
-fn level(design: &Design, curves: &[Curve], runs: &[&Deviation], unit: &SensorNoise) -> Option<(f64, f64)> {
+fn level(design: &Design, curves: &[Curve], runs: &[&Contrast], unit: &SensorNoise) -> Option<(f64, f64)> {
     let (mut square, mut log, mut count) = (0.0, 0.0, 0.0);
     for run in runs {
         let series = &design.series[run.series];
@@ -234,7 +237,7 @@ fn level(design: &Design, curves: &[Curve], runs: &[&Deviation], unit: &SensorNo
 type Factor = nalgebra::Cholesky<f64, nalgebra::Dyn>;
 
 /// Whitened square of what the three shapes leave, and the logarithm of their information.
-fn without_shapes(run: &Deviation, factor: &Factor) -> Option<(f64, f64)> {
+fn without_shapes(run: &Contrast, factor: &Factor) -> Option<(f64, f64)> {
     let y = factor.l_dirty().solve_lower_triangular(&run.values)?;
     let x = factor.l_dirty().solve_lower_triangular(&run.shapes)?;
     let normal = (x.transpose() * &x).cholesky()?;

@@ -159,6 +159,50 @@ fn the_threshold_is_exceeded_as_often_as_it_says() {
     assert!(above < 4000 / 200 + 45, "{above}");
 }
 
+/// The same experiment with a wave in every run whose phase is another one each time; of time (s) and depth (mm).
+fn with_wave(seed: u64, wave: fn(f64, f64) -> f64) -> Experiment {
+    const AMPLITUDE_N: f64 = 3.0 * SIGMA_N;
+    let mut experiment = experiment(seed);
+    let mut chance = Pcg64::seed_from_u64(1000 + seed);
+    for run in &mut experiment.runs {
+        let phase = 3.0 * normal(&mut chance);
+        let Recording { time_s, depth_mm, force_n, .. } = &mut run.recording;
+        for ((f, t), d) in force_n.iter_mut().zip(time_s).zip(depth_mm) {
+            *f += AMPLITUDE_N * (std::f64::consts::TAU * wave(*t, *d) + phase).sin();
+        }
+    }
+    experiment
+}
+
+fn ripple(experiment: &Experiment) -> Option<ripple::Ripple> {
+    let design = Design::of(experiment, "foam").unwrap();
+    let curves = curves(&design);
+    let noise = noise::estimate(&design, &curves, None).unwrap();
+    ripple::of(experiment, &design, &curves, &noise.sensor)
+}
+
+/// One in a thousand clean experiments would show one by chance.
+#[test]
+fn noise_has_no_slow_ripple() {
+    for seed in 200..240 {
+        let found = ripple(&experiment(seed));
+        assert!(found.is_none(), "{seed}: {found:?}");
+    }
+}
+
+/// Two and a half periods of a hum in the slow ramps, six tenths of one in the fast ones; four periods of stick and slip in all.
+#[test]
+fn slow_ripples_are_found_with_what_they_are_regular_over() {
+    for seed in 0..4 {
+        let hum = ripple(&with_wave(seed, |t, _| 0.42 * t)).unwrap();
+        assert!(hum.over == ripple::Over::Time && (hum.frequency - 0.42).abs() < 0.08, "{hum:?}");
+        let slip = ripple(&with_wave(seed, |_, d| 1.35 * d)).unwrap();
+        assert!(slip.over == ripple::Over::Depth && (slip.frequency - 1.35).abs() < 0.12, "{slip:?}");
+        // amplitudes are tried in steps of 1.6, and eight phases of a sine scatter
+        assert!((0.5..2.0).contains(&(slip.amplitude_n / (3.0 * SIGMA_N))), "{slip:?}");
+    }
+}
+
 #[test]
 fn without_replicates_and_stated_noise_it_is_refused_with_the_reason() {
     let mut experiment = experiment(3);

@@ -9,7 +9,7 @@ use super::evidence::{Gauge, Panel};
 use super::fit::{Candidate, Fit};
 use super::held_out::HeldOut;
 use super::ripple::{Over, Ripple, SPOILS};
-use super::search::{Explanation, RATIO_100, Search};
+use super::search::{CHARGE, Explanation, RATIO_100, Search};
 
 /// The stable word of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,11 +123,9 @@ pub(super) fn explanations(
     }
     let pairs = search.one_more(&base);
     let together = alike(&pairs);
-    let better = match (held.first(), together.first()) {
-        (Some(one), Some(two)) => two.score() + RATIO_100 < one.score(),
-        (None, _) => true,
-        (Some(_), None) => false,
-    };
+    // two must be clearly likelier than one that leaves no more than noise, be that one not to be named because it ends at a bound
+    let alone = singles.iter().filter(|e| e.adequacy.passes()).map(Explanation::score).fold(f64::INFINITY, f64::min);
+    let better = together.first().is_some_and(|two| two.score() + RATIO_100 < alone);
     (if better { together } else { held }, pairs)
 }
 
@@ -137,7 +135,10 @@ fn alike(list: &[Explanation]) -> Vec<Explanation> {
     let best = list.iter().filter(|e| e.holds()).min_by(|a, b| a.score().total_cmp(&b.score()));
     let Some(best) = best else { return Vec::new() };
     let same = |e: &Explanation| e.fit.candidates == best.fit.candidates;
-    let rival = |e: &&Explanation| !same(e) && e.adequacy.passes() && e.score() <= best.score() + RATIO_100;
+    // the charge for a parameter more is a reason not to name a rival, none to exclude it
+    let more = |e: &Explanation| e.fit.coordinates.len().saturating_sub(best.fit.coordinates.len()) as f64;
+    let near = |e: &Explanation| e.score() <= best.score() + RATIO_100 + CHARGE * more(e);
+    let rival = |e: &&Explanation| !same(e) && e.adequacy.passes() && near(e);
     let mut rivals: Vec<Explanation> = list.iter().filter(rival).cloned().collect();
     rivals.sort_by(|a, b| a.score().total_cmp(&b.score()));
     rivals.insert(0, best.clone());

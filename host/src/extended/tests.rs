@@ -240,7 +240,10 @@ mod truth {
         let mut spec = spec();
         let softening = added("softening", "ogden-roxburgh", None, &[0.25, 0.4]);
         super::super::truth::apply(&model(vec![softening]), &mut spec).unwrap();
-        assert_eq!(spec.effects, [Effect::Softening { r: 4.0, m_mpa: 0.0, beta: 0.4 }]);
+        // the law of the points that the diagnosis solved
+        let (r, m, beta) = lut_gen::effect::softening::of_points(0.25, 0.4);
+        assert_eq!(spec.effects, [Effect::Softening { r, m_mpa: m * 0.22, beta }]);
+        assert!(r == 4.0 && (0.005..0.0325).contains(&m), "{r} {m}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The extended model as the truth of a simulated experiment: finite elements, not the chain that named it.
 
-use lut_gen::effect::Owner;
+use lut_gen::effect::{Owner, softening};
 
 use crate::simulate::{Effect, Spec, TrueLaw};
 
@@ -40,7 +40,7 @@ pub fn apply(model: &ExtendedModel, spec: &mut Spec) -> Result<Vec<String>, Exte
     }
     let mut effects = Vec::new();
     for added in &model.effects {
-        effects.extend(effect(added, gain, &mut sentences)?);
+        effects.extend(effect(added, (model.mu_mpa, gain), &mut sentences)?);
     }
     spec.effects.extend(effects);
     Ok(sentences)
@@ -71,7 +71,11 @@ fn owned(added: &Added, spec: &Spec) -> Result<(), ExtendedError> {
     Ok(())
 }
 
-fn effect(added: &Added, gain: f64, sentences: &mut Vec<String>) -> Result<Option<Effect>, ExtendedError> {
+fn effect(
+    added: &Added,
+    (mu_mpa, gain): (f64, f64),
+    sentences: &mut Vec<String>,
+) -> Result<Option<Effect>, ExtendedError> {
     let v = &added.values;
     let one = v[0];
     let made = match (added.effect.code, added.effect.form) {
@@ -91,8 +95,10 @@ fn effect(added: &Added, gain: f64, sentences: &mut Vec<String>) -> Result<Optio
         ("relaxation", _) => Effect::Relaxation(v.chunks_exact(2).map(|t| (t[0], t[1])).collect()),
         ("poisson", _) => Effect::Poisson { nu: one },
         ("second-term", _) if one != 0.0 => Effect::SecondTerm { mu2_ratio: one, alpha2: v[1] },
-        // at points of the material: the whole contact's `scale` is what `m / W_max + beta` is on their average
-        ("softening", _) if one >= LEAST_LOSS => Effect::Softening { r: 1.0 / one, m_mpa: 0.0, beta: v[1] },
+        ("softening", _) if one >= LEAST_LOSS => {
+            let (r, m, beta) = softening::of_points(one, v[1]);
+            Effect::Softening { r, m_mpa: m * mu_mpa, beta }
+        }
         ("friction", _) => Effect::Friction { coefficient: one },
         ("adhesion", _) if one > 0.0 => Effect::Adhesion { work_n_per_mm: one, range_mm: ADHESION_RANGE_MM },
         ("contact-offset", _) => Effect::ContactOffset { offset_mm: one },

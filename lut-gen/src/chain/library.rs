@@ -81,7 +81,7 @@ const HEIGHTS: (f64, f64, usize) = (0.6, 2.0, 3);
 /// Least of them where the specimen hardly changes its volume: a thinner one locks the ball.
 const RUBBER_HEIGHT: f64 = 0.8;
 /// Poisson's ratios.
-const NUS: (f64, f64, usize) = (0.0, 0.35, 4);
+const NUS: (f64, f64, usize) = (0.0, 0.38, 4);
 const NU_ALPHAS: usize = 6;
 
 /// Force models of all geometries of an experiment.

@@ -11,6 +11,6 @@ pub const EFFECT: Effect = Effect {
     signature: "nearly none: another alpha imitates it",
     twins: &["second-term"],
     separated_by: "two heights on a bonded base; confined compression",
-    quantities: &[Quantity::amplitude("nu", 0.0, (0.0, 0.35), 0.1, &[0.1])],
+    quantities: &[Quantity::amplitude("nu", 0.0, (0.0, 0.38), 0.1, &[0.1])],
     owner: Owner::All,
 };

@@ -25,3 +25,14 @@ pub const EFFECT: Effect = Effect {
 pub fn factor(loss: f64, scale: f64, energy_share: f64) -> f64 {
     if energy_share >= 1.0 { 1.0 } else { 1.0 - loss * libm::erf((1.0 - energy_share) / scale) }
 }
+
+/// The law of a material point (`r`, `m / mu`, `beta`) whose contact softens about as [`factor`] does: `loss` is `1 / r` for both. The scale was read off
+/// finite elements at depths of half the ball's radius; who solves these solves again at the point that a fit moves to.
+#[must_use]
+pub fn of_points(loss: f64, scale: f64) -> (f64, f64, f64) {
+    const SCALE: f64 = 0.7;
+    const M_OVER_MU: f64 = 0.0325;
+    const POWER: f64 = 2.86;
+    const BETA: f64 = 0.1;
+    (1.0 / loss, M_OVER_MU * (scale / SCALE).powf(POWER), BETA)
+}

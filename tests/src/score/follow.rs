@@ -81,17 +81,19 @@ fn planned(
     spec.seed = spec.seed.wrapping_add(1_000_003 * round as u64);
     let mut specimen = so_far.specimens[plan.specimen].name.clone();
     let mut ball = so_far.indenters[plan.indenter].name.clone();
+    let height_mm = plan.height * so_far.specimens[plan.specimen].height_mm.known().unwrap_or(1.0);
     if plan.height != 1.0 {
-        let height_mm = plan.height * so_far.specimens[plan.specimen].height_mm.known().unwrap_or(1.0);
         specimen = format!("{specimen} {height_mm:.1}");
-        // every specimen of a case is of one foam
-        if let Some(like) = spec.specimens.first().cloned() {
-            spec.specimens.push(palpate::simulate::TrueSpecimen { name: specimen.clone(), height_mm, ..like });
-        }
     }
+    // every specimen of a case is of one foam, one that an earlier plan asked for as well
+    if let Some(like) = spec.specimens.first().cloned().filter(|_| spec.specimens.iter().all(|s| s.name != specimen)) {
+        spec.specimens.push(palpate::simulate::TrueSpecimen { name: specimen.clone(), height_mm, ..like });
+    }
+    let radius_mm = plan.radius * so_far.indenters[plan.indenter].radius_mm.known().unwrap_or(1.0);
     if plan.radius != 1.0 {
-        let radius_mm = plan.radius * so_far.indenters[plan.indenter].radius_mm.known().unwrap_or(1.0);
         ball = format!("{ball} {radius_mm:.2}");
+    }
+    if spec.indenters.iter().all(|i| i.name != ball) {
         spec.indenters.push(palpate::simulate::TrueIndenter { name: ball.clone(), radius_mm });
     }
     spec.runs = vec![RunTemplate {

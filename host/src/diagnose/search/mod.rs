@@ -1,43 +1,36 @@
 //! Which effects explain a residual: fits of every candidate, and of pairs and triples where one is not enough.
 
+mod begin;
+mod form_error;
+mod solve;
+
 use lut_gen::chain::Setting;
-use lut_gen::effect::{CATALOGUE, Owner, Spread, Stage, poisson, relaxation};
+use lut_gen::effect::{CATALOGUE, Owner, Spread, relaxation};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::design::{Branch, Design};
 use super::evidence::{Adequacy, Panel, Spaces};
-use super::fit::{self, Allowed, Candidate, Fit, Problem, coordinates};
+use super::fit::{Candidate, Coordinate, Fit, Problem, coordinates};
 use super::margin::Margin;
 use super::placebo;
+use begin::starts;
+pub use form_error::allowed;
+use form_error::{form_error, is_rough};
 
 /// Likelihood ratio of 100 as a difference of sums of squares.
 pub const RATIO_100: f64 = 9.21;
 /// Charge of a parameter, as a sum of squares: it must improve the fit by that to be worth it.
 pub(super) const CHARGE: f64 = 3.0;
-/// Relative error of an effect as the catalogue writes it down, along smooth shapes, on the way down and in holds, and on the way back, where
-/// the edge of the contact lifts and histories matter most: the chain against finite elements of the whole path is within that
-/// (tests/chain.rs), and nature is not closer to either.
-const ROUGH: (f64, f64) = (0.02, 0.06);
-/// The same of an effect that finite elements of the whole path contain, and of those outside the specimen, which the chain has as their
-/// equations say.
-const SOLVED_SHARE: (f64, f64) = (0.01, 0.015);
-const OUTSIDE: (f64, f64) = (0.01, 0.02);
-/// The same of another elastic law, which adds as much as the base has: 0.2 to 0.5 % (tests/whole_paths.rs, lut-gen/tests/chain.rs).
-const ELASTIC: (f64, f64) = (0.004, 0.005);
+/// Factor on the errors of effects ([`form_error`]) where the question is whether an explanation leaves more than noise: a tenth more than a strong effect's own error is no
+/// reason to call it unknown.
+const TOLERANT: f64 = 1.5;
 /// Singles and pairs that are extended when one, or two, effects are not enough.
 const EXTENDED: usize = 5;
 /// Partners that each is tried with, by how much of its residual they could explain.
 const PARTNERS: usize = 6;
-/// Starts of a candidate's parameters that are followed, the most promising first.
-const DESCENTS: usize = 2;
 /// Fits of several effects that are looked at closely, the best first.
 const JUDGED: usize = 12;
-
-/// Fits of a list that are solved with finite elements, and how far (sum of squares) behind the best they may lie: what the chain allows
-/// for costs an effect that it has nearly right less than that.
-const SOLVED: usize = 3;
-const NEAR: f64 = 60.0;
 
 /// A fit with what was found out about it.
 #[derive(Debug, Clone)]
@@ -70,7 +63,7 @@ impl Explanation {
     /// True when no effect of it is written down roughly only.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        self.fit.candidates.iter().all(|c| share_of(c, &self.fit) != ROUGH)
+        self.fit.candidates.iter().all(|c| !is_rough(c, &self.fit))
     }
 
     /// Every demand but that of an adequate residual.
@@ -168,82 +161,24 @@ fn shapes(largest_n: f64, candidate: &Candidate) -> Vec<Vec<f64>> {
     })
 }
 
-fn starts(candidate: &Candidate, of: impl Fn(&lut_gen::effect::Quantity) -> Vec<f64>) -> Vec<Vec<f64>> {
-    let mut list = vec![Vec::new()];
-    for q in candidate.effect.quantities {
-        let values = of(q);
-        list = list
-            .into_iter()
-            .flat_map(|head: Vec<f64>| {
-                values.iter().map(move |v| head.iter().copied().chain([*v]).collect()).collect::<Vec<_>>()
-            })
-            .collect();
-    }
-    list
-}
-
-/// Where the search for a quantity begins: of an amplitude also close to nothing, since a start that is too large drives the base away.
-fn beginnings(q: &lut_gen::effect::Quantity, largest_n: f64) -> Vec<f64> {
-    const LITTLE: f64 = 0.05;
-    let own = q.starts.iter().map(|v| q.scaled(*v, largest_n));
-    let close = own.clone().filter(|_| q.spread == Spread::Even).map(|v| q.null + LITTLE * (v - q.null));
-    own.clone().chain(close).collect()
-}
-
 impl Search<'_> {
-    /// The best fit of another fit's effects with one more candidate, from all starts.
-    #[must_use]
-    pub fn extended(&self, from: &Fit, candidate: &Candidate) -> Fit {
-        let candidates: Vec<Candidate> = from.candidates.iter().copied().chain([*candidate]).collect();
-        let list = coordinates(self.problem.design, &candidates);
-        let largest_n = self.problem.largest_n();
-        let known = from.x.len();
-        let problem = Problem { whole: from.model.whole.clone(), ..self.problem.clone() };
-        let mut points: Vec<(f64, DVector<f64>)> = starts(candidate, |q| beginnings(q, largest_n))
-            .into_iter()
-            .map(|values| {
-                let place = |i: usize| if i < known { from.x[i] } else { list[i].of(values[i - known]) };
-                let x = DVector::from_fn(list.len(), |i, _| place(i));
-                (problem.residual(&problem.model(&list, &candidates, &x)).norm_squared(), x)
-            })
-            .collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let fits = points.into_iter().take(DESCENTS).map(|(_, x)| problem.fit(&candidates, &x));
-        let best = fits.min_by(|a, b| a.square.total_cmp(&b.square));
-        // what the effect may itself be wrong by must not pull the parameters
-        best.map_or_else(|| from.clone(), |fit| self.problem.refit(&fit, &allowed(self.problem, &fit)))
-    }
-
-    /// The fit once more with finite elements of the whole paths at its point; none where they fail, or where the chain needs none.
-    #[must_use]
-    pub fn solved(&self, fit: &Fit) -> Option<Fit> {
-        if !lut_gen::chain::is_rough(&fit.model) {
-            return None;
-        }
-        let problem = self.problem;
-        let groups: Vec<usize> = problem.design.series.iter().map(|s| s.group).collect();
-        let windows = problem.design.windows();
-        let whole = problem.chain.whole(&fit.model, &problem.contacts_mm, &windows, &groups).ok()?;
-        let near = Problem { whole: Some(whole), ..problem.clone() };
-        let fit = near.fit(&fit.candidates, &fit.x);
-        Some(problem.refit(&fit, &allowed(problem, &fit)))
-    }
-
     /// What was found out about a fit, compared with the one it extends by a candidate whose space is given.
     #[must_use]
     pub fn judged(&self, fit: Fit, before: &Fit, space: (&Spaces, usize)) -> Explanation {
-        let adequacy = Adequacy::of(&fit, self.margins, self.panel, &form_error(self.problem, &fit), self.twins);
+        let wrong = TOLERANT * form_error(self.problem, &fit);
+        let adequacy = Adequacy::of(&fit, self.margins, self.panel, &wrong, self.twins);
         // what the effects before it may be wrong by is no evidence for one more
         let allowed = allowed(self.problem, before);
         let discounted = |residual: &DVector<f64>| allowed.discounted(residual).norm_squared();
         let gain = discounted(&before.residual) - discounted(&fit.residual);
         let added = fit.coordinates.len() - before.coordinates.len();
-        let placebo = placebo::largest_gain(self.problem, before, added);
+        let placebo = placebo::largest_gain(self.problem, before, &allowed, added);
+        let nameless = placebo::gains(self.problem, before, CHARGE);
         let design = self.problem.design;
         Explanation {
             beats_noise: space.0.of_gain(space.1, gain) > self.spaces.threshold,
             predicts: left_out(design, &fit, self.problem) < left_out(design, before, self.problem),
-            beats_placebo: before.square - fit.square > placebo,
+            beats_placebo: gain > placebo && score(&fit) < nameless + RATIO_100,
             adequacy,
             fit,
         }
@@ -328,18 +263,6 @@ impl Search<'_> {
         let space = Spaces::new(&signatures, &before.jacobian, self.twins);
         self.judged(fit, before, (&space, 0))
     }
-
-    /// Finite elements of the whole paths for the best of a list, each of which is compared with what it extends: the chain is not let
-    /// alone with a name.
-    fn solve_best(&self, list: &mut [Explanation], before: Vec<Fit>) {
-        let Some(best) = list.iter().map(Explanation::score).min_by(f64::total_cmp) else { return };
-        let near = |e: &Explanation| e.beats_noise && e.score() < best + NEAR;
-        list.iter_mut().zip(&before).filter(|(e, _)| near(e)).take(SOLVED).for_each(|(explanation, before)| {
-            if let Some(fit) = self.solved(&explanation.fit) {
-                *explanation = self.compared(fit, before);
-            }
-        });
-    }
 }
 
 /// A candidate that is not yet among a fit's, nor another form of one of them.
@@ -350,76 +273,6 @@ fn other(candidate: &Candidate, fit: &Fit) -> bool {
 fn sorted(mut list: Vec<Explanation>) -> Vec<Explanation> {
     list.sort_by(|a, b| a.score().total_cmp(&b.score()));
     list
-}
-
-/// What the effects of a fit add to the prediction may be wrong by a small share of itself, differently in each group of
-/// conditions and each branch, and smoothly along it.
-fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
-    let len = problem.whitening.residuals();
-    let (mut forth, mut back) = (DVector::zeros(len), DVector::zeros(len));
-    let here = problem.plain(&fit.model);
-    for candidate in &fit.candidates {
-        let mut bare = fit.model.clone();
-        bare.settings.retain(|s| s.effect != candidate.effect || s.owner != candidate.owner);
-        let added = problem.plain(&bare) - &here;
-        let share = share_of(candidate, fit);
-        forth.axpy(share.0, &added, 1.0);
-        back.axpy(share.1, &added, 1.0);
-    }
-    let mut columns = Vec::new();
-    for group in 0..problem.design.groups {
-        for (branch, wrong) in [(Branch::Loading, &forth), (Branch::Hold, &forth), (Branch::Unloading, &back)] {
-            for shape in 0..3 {
-                let mut column = shaped(problem, wrong, (group, branch), shape);
-                if column.norm() > 0.0 {
-                    problem.whitening.apply(&mut column);
-                    columns.push(column);
-                }
-            }
-        }
-    }
-    if columns.is_empty() { DMatrix::zeros(len, 0) } else { DMatrix::from_columns(&columns) }
-}
-
-/// How far an effect may be wrong, relative, on the way down and on the way back.
-fn share_of(candidate: &Candidate, fit: &Fit) -> (f64, f64) {
-    let outside = matches!(candidate.effect.stage, Stage::Machine | Stage::Sensor | Stage::Clock);
-    let solved = fit.model.whole.as_ref().is_some_and(|whole| whole.covers(candidate.effect.code));
-    match (solved, outside) {
-        (true, _) if candidate.effect.code == relaxation::ONE.code => SOLVED_SHARE,
-        (true, _) => ELASTIC,
-        (false, false) if candidate.effect.code == poisson::EFFECT.code => ELASTIC,
-        (false, true) => OUTSIDE,
-        (false, false) => ROUGH,
-    }
-}
-
-/// The same as errors to be allowed.
-#[must_use]
-pub fn allowed(problem: &Problem<'_>, fit: &Fit) -> Allowed {
-    Allowed::new(form_error(problem, fit))
-}
-
-/// A vector times a polynomial along one branch of one group, 0 elsewhere.
-fn shaped(
-    problem: &Problem<'_>,
-    values: &DVector<f64>,
-    (group, branch): (usize, Branch),
-    shape: usize,
-) -> DVector<f64> {
-    let mut column = DVector::zeros(values.len());
-    for (s, series) in problem.design.series.iter().enumerate().filter(|(_, s)| s.group == group) {
-        let deepest = series.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
-        for (k, node) in series.nodes.iter().enumerate().filter(|(_, n)| n.branch == branch) {
-            let at = problem.whitening.first(s) + k;
-            let x = match branch {
-                Branch::Hold => k as f64 / series.nodes.len() as f64,
-                Branch::Loading | Branch::Unloading => 2.0 * (node.depth_mm / deepest) - 1.0,
-            };
-            column[at] = values[at] * [1.0, x, 1.5 * x * x - 0.5][shape];
-        }
-    }
-    column
 }
 
 /// Sum of squares of every group of conditions as the others predict it, to first order about the fit.
@@ -456,8 +309,8 @@ pub fn base_fit(problem: &Problem<'_>, peak_mpa: f64) -> Fit {
     let list = coordinates(problem.design, &[]);
     let fits = ALPHAS.par_iter().map(|alpha| {
         let x = DVector::from_fn(list.len(), |i, _| match list[i] {
-            fit::Coordinate::LnMu => peak_mpa.ln(),
-            fit::Coordinate::LnAlpha => alpha.ln(),
+            Coordinate::LnMu => peak_mpa.ln(),
+            Coordinate::LnAlpha => alpha.ln(),
             _ => 0.0,
         });
         problem.fit(&[], &x)

@@ -1,38 +1,16 @@
-//! Ripples: a line in the spectrum of the force, over time (hum of the mains, a motor) or over depth (stick and slip, a screw).
+//! Fast ripples: a line in the spectrum of what two repeats of a condition differ by.
 //!
-//! Means over windows and replicates take a ripple for noise, and no effect of the catalogue makes one. What two repeats of a condition differ by
-//! holds it, whatever the model. Every branch of such a difference is freed of a polynomial and tapered; its power over that of its neighbours in
-//! frequency, averaged over all branches, is about the same everywhere unless there is a line.
+//! Every branch of such a difference is freed of a polynomial and tapered; its power over that of its neighbours in frequency, averaged over
+//! all branches, is about the same everywhere unless there is a line.
 
 use std::ops::Range;
 
 use crate::experiment::motion;
 use crate::experiment::{Experiment, Recording};
 
-use super::design::{Branch as Way, Design, Series};
-use super::noise::Curve;
-
-/// What a ripple is regular over.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Over {
-    /// Time.
-    Time,
-    /// Depth.
-    Depth,
-}
-
-/// A ripple.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ripple {
-    /// What it is regular over.
-    pub over: Over,
-    /// Hz, or periods a millimetre. What is faster than half the sampling rate appears at a lower frequency.
-    pub frequency: f64,
-    /// Amplitude in one run, N: the root of half of what two of them differ by.
-    pub amplitude_n: f64,
-    /// Its part of what the force scatters by about smooth curves.
-    pub share: f64,
-}
+use super::super::design::{Branch as Way, Design, Series};
+use super::super::noise::Curve;
+use super::{Over, Ripple};
 
 /// Terms of the polynomial that a branch is freed of, and the least periods of a ripple in a branch: a polynomial of 8 terms follows 3, and where a contact begins
 /// or ends a little late there is a kink.
@@ -44,14 +22,11 @@ const SAMPLES: usize = 40;
 const NEIGHBOURS: [f64; 8] = [-6.0, -5.0, -4.0, -3.0, 3.0, 4.0, 5.0, 6.0];
 /// Fewest frequencies among which one can stand out.
 const FREQUENCIES: usize = 30;
-/// Standard deviations of the logarithm by which a line stands out of all other frequencies: one clean experiment in some thousands does so
-/// among five hundred frequencies, as the averages' logarithms have lighter tails above than a normal distribution.
-const STANDS_OUT: f64 = 5.5;
+/// Standard deviations of the logarithm by which a line stands out of all other frequencies. The averages' logarithms have lighter tails above than
+/// a normal distribution, but the most of five hundred frequencies is looked at: of a few hundred clean experiments one had a line of 5.5.
+const STANDS_OUT: f64 = 7.0;
 /// Least power over what is usual: with hundreds of branches the logarithms scatter so little that a bend of the spectrum would stand out.
 const LEAST: f64 = 2.0;
-/// From this part of the scatter on a ripple spoils what is said of noise.
-pub const SPOILS: f64 = 0.3;
-
 /// One branch, freed of its polynomial and tapered.
 struct Branch {
     time_s: Vec<f64>,
@@ -66,8 +41,7 @@ struct Branch {
 
 /// The line that stands out most, if any does. `curves` is what a model predicts: repeats differ by a gain and by a shift, whose kinks are no
 /// ripple.
-#[must_use]
-pub fn of(experiment: &Experiment, design: &Design, curves: &[Curve]) -> Option<Ripple> {
+pub(super) fn of(experiment: &Experiment, design: &Design, curves: &[Curve]) -> Option<Ripple> {
     let branches = branches(experiment, design, curves);
     let time = line(&branches, Over::Time);
     let depth = line(&branches, Over::Depth);
@@ -266,22 +240,6 @@ fn line(branches: &[Branch], over: Over) -> Option<(f64, Ripple)> {
         share: (0.5 * best.3 / variance.max(f64::MIN_POSITIVE)).min(1.0),
     };
     (by > STANDS_OUT && best.2 > LEAST * middle.exp()).then_some((by, ripple))
-}
-
-impl std::fmt::Display for Ripple {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (unit, over) = match self.over {
-            Over::Time => ("Hz (or a higher frequency that the sampling folds there)", "time"),
-            Over::Depth => ("periods a millimetre", "depth"),
-        };
-        write!(
-            f,
-            "the force ripples over {over} with {:.2} {unit}, amplitude {:.2e} N, {:.0} % of its scatter about smooth curves",
-            self.frequency,
-            self.amplitude_n,
-            100.0 * self.share
-        )
-    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,123 @@
+//! What effects may be wrong by as they are written down, which is no evidence for another one.
+
+use lut_gen::chain::Model;
+use lut_gen::effect::{Stage, poisson, relaxation, softening};
+use nalgebra::{DMatrix, DVector};
+
+use super::super::design::Branch;
+use super::super::fit::{Allowed, Candidate, Fit, Problem};
+
+/// Relative error of an effect as the catalogue writes it down, along smooth shapes, on the way down and in holds, and on the way back, where
+/// the edge of the contact lifts and histories matter most: the chain against finite elements of the whole path is within that
+/// (tests/chain.rs), and nature is not closer to either.
+const ROUGH: (f64, f64) = (0.02, 0.06);
+/// The same of an effect that finite elements of the whole path contain, and of those outside the specimen, which the chain has as their
+/// equations say.
+const SOLVED_SHARE: (f64, f64) = (0.01, 0.015);
+const OUTSIDE: (f64, f64) = (0.01, 0.02);
+/// The same of softening, whose finite elements know the turns of a path only (tests/whole_paths.rs).
+const SOFTENED: (f64, f64) = (0.015, 0.02);
+/// The same of another elastic law, of what it has beyond the base with another modulus and exponent: of the force itself it misses 0.1 to 0.2 %
+/// (tests/whole_paths.rs, lut-gen/tests/chain.rs), which is what all elastic forces are taken to be wrong by.
+const ELASTIC: (f64, f64) = (0.0201, 0.0201);
+
+/// What the effects of a fit add to the prediction may be wrong by a small share of itself, differently in each group of
+/// conditions and each branch, and smoothly along it.
+pub(super) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
+    let len = problem.whitening.residuals();
+    let (mut forth, mut back) = (DVector::zeros(len), DVector::zeros(len));
+    let here = problem.plain(&fit.model);
+    for candidate in &fit.candidates {
+        let mut bare = fit.model.clone();
+        bare.settings.retain(|s| s.effect != candidate.effect || s.owner != candidate.owner);
+        let mut added = problem.plain(&bare) - &here;
+        let share = share_of(candidate, fit);
+        if share == ELASTIC {
+            beyond_base(problem, &fit.model, &here, &mut added);
+        }
+        forth.axpy(share.0, &added, 1.0);
+        back.axpy(share.1, &added, 1.0);
+    }
+    let mut columns = Vec::new();
+    for group in 0..problem.design.groups {
+        for (branch, wrong) in [(Branch::Loading, &forth), (Branch::Hold, &forth), (Branch::Unloading, &back)] {
+            for shape in 0..3 {
+                let mut column = shaped(problem, wrong, (group, branch), shape);
+                if column.norm() > 0.0 {
+                    problem.whitening.apply(&mut column);
+                    columns.push(column);
+                }
+            }
+        }
+    }
+    if columns.is_empty() { DMatrix::zeros(len, 0) } else { DMatrix::from_columns(&columns) }
+}
+
+/// Leaves of what an effect adds what no other modulus and exponent could: those are fitted with it, and what all elastic forces are wrong by is
+/// in the noise already.
+fn beyond_base(problem: &Problem<'_>, model: &Model, here: &DVector<f64>, added: &mut DVector<f64>) {
+    const STEP: f64 = 1e-3;
+    let moved = [
+        Model { mu_mpa: model.mu_mpa * (1.0 + STEP), ..model.clone() },
+        Model { alpha: model.alpha * (1.0 + STEP), ..model.clone() },
+    ];
+    let columns = DMatrix::from_columns(&moved.map(|m| (problem.plain(&m) - here) / STEP));
+    let whitened = |column: DVector<f64>| {
+        let mut column = column;
+        problem.whitening.apply(&mut column);
+        column
+    };
+    let each: Vec<DVector<f64>> = columns.column_iter().map(|c| whitened(c.into_owned())).collect();
+    let white = DMatrix::from_columns(&each);
+    let right = white.tr_mul(&whitened(added.clone()));
+    if let Some(normal) = white.tr_mul(&white).cholesky() {
+        *added -= columns * normal.solve(&right);
+    }
+}
+
+/// How far an effect may be wrong, relative, on the way down and on the way back.
+fn share_of(candidate: &Candidate, fit: &Fit) -> (f64, f64) {
+    let outside = matches!(candidate.effect.stage, Stage::Machine | Stage::Sensor | Stage::Clock);
+    let solved = fit.model.whole.as_ref().is_some_and(|whole| whole.covers(candidate.effect.code));
+    match (solved, outside) {
+        (true, _) if candidate.effect.code == softening::EFFECT.code => SOFTENED,
+        (true, _) if candidate.effect.code == relaxation::ONE.code => SOLVED_SHARE,
+        (true, _) => ELASTIC,
+        (false, false) if candidate.effect.code == poisson::EFFECT.code => ELASTIC,
+        (false, true) => OUTSIDE,
+        (false, false) => ROUGH,
+    }
+}
+
+/// True for an effect that is written down roughly only.
+pub(super) fn is_rough(candidate: &Candidate, fit: &Fit) -> bool {
+    share_of(candidate, fit) == ROUGH
+}
+
+/// The same as errors to be allowed.
+#[must_use]
+pub fn allowed(problem: &Problem<'_>, fit: &Fit) -> Allowed {
+    Allowed::new(form_error(problem, fit))
+}
+
+/// A vector times a polynomial along one branch of one group, 0 elsewhere.
+fn shaped(
+    problem: &Problem<'_>,
+    values: &DVector<f64>,
+    (group, branch): (usize, Branch),
+    shape: usize,
+) -> DVector<f64> {
+    let mut column = DVector::zeros(values.len());
+    for (s, series) in problem.design.series.iter().enumerate().filter(|(_, s)| s.group == group) {
+        let deepest = series.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
+        for (k, node) in series.nodes.iter().enumerate().filter(|(_, n)| n.branch == branch) {
+            let at = problem.whitening.first(s) + k;
+            let x = match branch {
+                Branch::Hold => k as f64 / series.nodes.len() as f64,
+                Branch::Loading | Branch::Unloading => 2.0 * (node.depth_mm / deepest) - 1.0,
+            };
+            column[at] = values[at] * [1.0, x, 1.5 * x * x - 0.5][shape];
+        }
+    }
+    column
+}

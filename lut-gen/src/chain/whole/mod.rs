@@ -1,0 +1,424 @@
+//! What finite elements of the whole path add to the chain.
+//!
+//! The chain puts effects together stage by stage: a second term is a second force, relaxation a convolution. Finite elements of the same
+//! path at one point of the parameters tell what that misses; near that point the difference hardly changes, so it is added as it is.
+
+mod path;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::predict::Chain;
+use super::{Model, Passage};
+use crate::contact::{Ball, Interface};
+use crate::effect::{
+    Effect, adhesion, friction, lag, numerics, poisson, radius, relaxation, second_term, softening, thickness,
+};
+use crate::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
+use crate::model::{Record, Resolution, Simulation, Specimen};
+use crate::solve::{Motion, SolveError};
+use path::{alike, along, between, divided, motion, straight_pieces, turns};
+
+/// Values by time (s), or by the place on a path.
+type Curve = Vec<(f64, f64)>;
+
+/// Force that the chain misses, run by run, for a model and those near it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Whole {
+    /// Shear modulus (MPa) that it was found at: it is in proportion to that.
+    mu_mpa: f64,
+    /// N at the places of every passage.
+    missed_n: Vec<Vec<f64>>,
+    /// Codes of the effects that the finite elements contain.
+    codes: Vec<&'static str>,
+}
+
+impl Whole {
+    /// True when the finite elements contain the effect.
+    #[must_use]
+    pub fn covers(&self, code: &str) -> bool {
+        self.codes.contains(&code)
+    }
+
+    /// What is missed in a run of `places` places, N, at a shear modulus; nothing for a run that it was not made for.
+    pub(super) fn missed_n(&self, run: usize, places: usize, mu_mpa: f64) -> impl Iterator<Item = f64> + '_ {
+        let own = self.missed_n.get(run).filter(|missed| missed.len() == places);
+        own.into_iter().flatten().map(move |missed| missed * mu_mpa / self.mu_mpa)
+    }
+}
+
+/// True when a model contains what the chain, on the few places of a run, is measurably wrong about.
+#[must_use]
+pub fn is_rough(model: &Model) -> bool {
+    needs_solve(model) || model.settings.iter().any(|s| s.effect.code == lag::FILTER.code)
+}
+
+fn needs_solve(model: &Model) -> bool {
+    let codes = [relaxation::ONE.code, second_term::EFFECT.code, softening::EFFECT.code];
+    model.settings.iter().any(|s| codes.contains(&s.effect.code))
+}
+
+fn has(model: &Model, effect: &Effect) -> bool {
+    model.settings.iter().any(|s| s.effect.code == effect.code)
+}
+
+/// The model without what finite elements of the path do not contain: adhesion is another law there, a base that slides in
+/// part is none, and an error of the numerics is not theirs.
+fn solvable(model: &Model) -> Model {
+    let mut out = model.clone();
+    let foreign = [adhesion::EFFECT.code, numerics::EFFECT.code];
+    out.settings.retain(|s| !foreign.contains(&s.effect.code) && s.effect != &thickness::SLIDING);
+    out.whole = None;
+    out
+}
+
+/// A run's motion with places for all readings, and what the ball does there.
+struct Fine {
+    run: usize,
+    /// The recorded motion at those places.
+    recorded: Passage,
+    /// The ball's own: time (s) and depth (mm).
+    path: Curve,
+    /// Depth of the ball in earlier presses on the spot, mm; 0 on a fresh one, or where nothing remembers.
+    before_mm: f64,
+}
+
+/// A path that is solved: straight pieces, or where rates do not matter the turns alone, a second a millimetre.
+struct Job {
+    run: usize,
+    path: Curve,
+    before_mm: f64,
+    /// Where on the path (time, or the place along the turns) finite elements add how much, N.
+    added: Curve,
+}
+
+/// What a force depends on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum History {
+    /// The depth alone.
+    None,
+    /// The depths at which the motion turned.
+    Turns,
+    /// Everything, at its time.
+    Time,
+}
+
+impl History {
+    fn of(model: &Model) -> Self {
+        match (has(model, &relaxation::ONE), has(model, &softening::EFFECT) || has(model, &friction::EFFECT)) {
+            (true, _) => Self::Time,
+            (false, true) => Self::Turns,
+            (false, false) => Self::None,
+        }
+    }
+
+    /// What of straight pieces has to be solved.
+    fn path(self, pieces: Curve) -> Curve {
+        match self {
+            Self::Time => pieces,
+            Self::Turns => turned(&pieces),
+            Self::None => {
+                let deepest = pieces.iter().map(|p| p.1).fold(0.0, f64::max);
+                vec![(0.0, 0.0), (1.0, deepest)]
+            }
+        }
+    }
+
+    /// Where on such a path a point (s, mm) lies.
+    fn place(self, path: &[(f64, f64)], (time_s, depth_mm): (f64, f64)) -> f64 {
+        match self {
+            Self::Time => time_s,
+            Self::Turns => along(path, (time_s, depth_mm.max(0.0))),
+            Self::None => depth_mm / path.last().map_or(1.0, |p| p.1).max(f64::MIN_POSITIVE),
+        }
+    }
+}
+
+/// What was solved for a run, and the run's own turns.
+type Added<'a> = (&'a Job, &'a [(f64, f64)]);
+/// Which runs are alike, and whether their spot was pressed before.
+type Kind = (usize, bool);
+
+impl Chain {
+    /// Solves the runs with finite elements at a model. `windows` are what the readings at the places of every run are means of. `kinds` tells
+    /// which runs follow the same path on a fresh spot (equal numbers): one of each is solved.
+    ///
+    /// # Errors
+    /// The first solve that fails.
+    pub fn whole(
+        &self,
+        model: &Model,
+        contact_mm: &[f64],
+        windows: &[Vec<Window>],
+        kinds: &[usize],
+    ) -> Result<Arc<Whole>, SolveError> {
+        let bare = solvable(model);
+        let remembers = has(&bare, &softening::EFFECT);
+        let kind = |run: usize| (kinds[run], remembers && self.passages[run].pressed_before_mm > 0.0);
+        let first: Vec<usize> = (0..kinds.len()).filter(|i| (0..*i).all(|j| kind(j) != kind(*i))).collect();
+        let fine: Vec<Fine> =
+            first.par_iter().map(|&run| self.fine(model, (run, &windows[run]), contact_mm[run], remembers)).collect();
+        let history = History::of(&bare);
+        let (mut jobs, of) = if needs_solve(&bare) { self.jobs(&fine, history) } else { (Vec::new(), Vec::new()) };
+        jobs.par_iter_mut().try_for_each(|job| {
+            job.added = self.added(&bare, job, history)?;
+            Ok::<(), SolveError>(())
+        })?;
+        let solved: Vec<(Kind, Curve)> = fine
+            .par_iter()
+            .enumerate()
+            .map(|(at, fine)| {
+                let added = of.get(at).map(|(job, turns)| (&jobs[*job], turns.as_slice()));
+                let places = self.missed(model, &bare, fine, &windows[fine.run], contact_mm[fine.run], added);
+                let times = self.passages[fine.run].time_s.iter().copied();
+                (kind(fine.run), times.zip(places).collect())
+            })
+            .collect();
+        let of = |kind| solved.iter().find(|(k, _)| *k == kind).map_or(&[][..], |(_, curve)| curve);
+        let each = self.passages.iter().enumerate();
+        let missed_n = each.map(|(run, p)| p.time_s.iter().map(|t| between(of(kind(run)), *t)).collect()).collect();
+        let codes = bare.settings.iter().map(|s| s.effect.code).collect();
+        Ok(Arc::new(Whole { mu_mpa: model.mu_mpa, missed_n, codes }))
+    }
+
+    fn fine(&self, model: &Model, (run, windows): (usize, &[Window]), contact_mm: f64, remembers: bool) -> Fine {
+        let recorded = self.passages[run].refined(windows);
+        let depth_mm = self.ball_depth(model, &recorded, contact_mm);
+        let shift_mm = recorded.depth_mm.first().zip(depth_mm.first()).map_or(0.0, |(x, d)| d - x);
+        let pressed = remembers && recorded.pressed_before_mm > 0.0;
+        let before_mm = if pressed { recorded.pressed_before_mm + shift_mm } else { 0.0 };
+        let path = recorded.time_s.iter().copied().zip(depth_mm).collect();
+        Fine { run, recorded, path, before_mm }
+    }
+
+    /// Paths to be solved, and for every run which of them is its own, with its own turns.
+    fn jobs(&self, fine: &[Fine], history: History) -> (Vec<Job>, Vec<(usize, Curve)>) {
+        let mut jobs: Vec<Job> = Vec::new();
+        let mut of = Vec::new();
+        for one in fine {
+            let pieces = straight_pieces(&one.path);
+            let own = history.path(pieces);
+            let passage = |run: usize| {
+                let p = &self.passages[run];
+                (p.geometry, p.specimen, p.indenter)
+            };
+            let same = |job: &Job| {
+                let near = (job.before_mm - one.before_mm).abs() <= 0.002 * one.before_mm;
+                history != History::Time && passage(job.run) == passage(one.run) && near && alike(&job.path, &own)
+            };
+            let at = jobs.iter().position(same).unwrap_or_else(|| {
+                let path = if history == History::Time { own.clone() } else { a_second_a_millimetre(&own) };
+                jobs.push(Job { run: one.run, path, before_mm: one.before_mm, added: Vec::new() });
+                jobs.len() - 1
+            });
+            of.push((at, own));
+        }
+        (jobs, of)
+    }
+
+    /// What the chain misses (N) at the places of a run; `added` is what finite elements add on a path, with the run's own turns.
+    fn missed(
+        &self,
+        model: &Model,
+        bare: &Model,
+        fine: &Fine,
+        windows: &[Window],
+        contact_mm: f64,
+        added: Option<Added<'_>>,
+    ) -> Vec<f64> {
+        let passage = &self.passages[fine.run];
+        let depth_mm: Vec<f64> = fine.path.iter().map(|p| p.1).collect();
+        let history = History::of(bare);
+        let added_n =
+            |point: (f64, f64)| added.map_or(0.0, |(job, own)| between(&job.added, history.place(own, point)));
+        let at_fine = self.on_ball(bare, &Passage { depth_mm, ..fine.recorded.clone() });
+        let curve: Curve =
+            fine.path.iter().zip(at_fine).map(|(point, force_n)| (point.0, force_n + added_n(*point))).collect();
+        let coarse_mm = self.ball_depth(model, passage, contact_mm);
+        let at_places = self.on_ball(bare, &Passage { depth_mm: coarse_mm, ..passage.clone() });
+        let each = passage.time_s.iter().zip(windows).zip(at_places);
+        each.map(|((t, window), force_n)| window.mean(&curve, *t) - force_n).collect()
+    }
+
+    /// What finite elements of a path add to the chain along it, N.
+    fn added(&self, bare: &Model, job: &Job, history: History) -> Result<Curve, SolveError> {
+        let passage = &self.passages[job.run];
+        let (Some(start), Some(end)) = (job.path.first().copied(), job.path.last().copied()) else {
+            return Ok(Vec::new());
+        };
+        let mut path = Vec::new();
+        if job.before_mm > 0.0 {
+            // one press before, and long enough a rest for all memory but that of the largest depth
+            let touch = start.1.min(0.0);
+            let at = |s: f64| start.0 - REST_S - s;
+            path.extend([(at(2.0), touch), (at(1.0), job.before_mm), (at(0.0), touch)]);
+        }
+        path.extend(&job.path);
+        let Some((motion, begin_s)) = motion(&path) else { return Ok(Vec::new()) };
+        let rich = self.simulation(bare, passage, motion)?;
+        // the same path without history on the same mesh: the marks that its lines leave in a force cancel
+        let elastic = Simulation {
+            material: plain(bare, self.nu(bare, passage))?,
+            interface: Interface::default(),
+            ..rich.clone()
+        };
+        let (rich, elastic) = (rich.solve()?, elastic.solve()?);
+        let own: Vec<usize> =
+            (0..rich.stations.len()).filter(|i| rich.stations[*i].time_s + begin_s >= start.0 - 1e-9).collect();
+        let stations: Vec<f64> = own.iter().map(|i| rich.stations[*i].time_s + begin_s).collect();
+        // the convolution moves straight between its places: they must be close
+        let time_s = divided(&stations);
+        let depth_mm = time_s.iter().map(|t| between(&job.path, *t)).collect();
+        let pressed_before_mm = job.before_mm;
+        let moved = Passage { depth_mm, time_s, pressed_before_mm, ..passage.clone() };
+        let shapes = bare.settings.iter().filter(|s| is_shape(s.effect.code)).cloned().collect();
+        let base = Model { settings: shapes, ..bare.clone() };
+        let (with, without) = (self.on_ball(bare, &moved), self.on_ball(&base, &moved));
+        let chain: Curve = moved.time_s.iter().zip(with.iter().zip(&without)).map(|(t, (a, b))| (*t, a - b)).collect();
+        let softness = softness(&elastic);
+        let each = own.iter().zip(stations).map(|(i, t)| {
+            let s = &rich.stations[*i];
+            let hard_n = s.force_n + between(&softness, s.depth_mm) * s.force_n * s.force_n;
+            let place = history.place(&job.path, (t.min(end.0), s.depth_mm));
+            (place, hard_n - elastic.force_at(s.time_s) - between(&chain, t))
+        });
+        Ok(each.collect())
+    }
+
+    fn nu(&self, model: &Model, passage: &Passage) -> f64 {
+        self.library.families[passage.geometry].geometry.nu + model.first(&poisson::EFFECT, 0)
+    }
+
+    fn simulation(&self, model: &Model, passage: &Passage, motion: Motion) -> Result<Simulation, SolveError> {
+        let geometry = &self.library.families[passage.geometry].geometry;
+        let nu = self.nu(model, passage);
+        let mut terms = vec![Term { mu_mpa: model.mu_mpa, alpha: model.alpha, nu }];
+        for second in model.of(&second_term::EFFECT) {
+            if let [ratio, alpha] = second.values[..] {
+                terms.push(Term { mu_mpa: ratio * model.mu_mpa, alpha, nu });
+            }
+        }
+        let prony = [&relaxation::ONE, &relaxation::TWO].into_iter().flat_map(|effect| model.of(effect));
+        let prony: Vec<PronyTerm> = prony
+            .flat_map(|s| s.values.chunks_exact(2))
+            .filter(|t| t[0] > 0.0)
+            .map(|t| PronyTerm { g: t[0], k: t[0], tau_s: t[1] })
+            .collect();
+        let mut material: Material = Hyperfoam::new(terms)?.into();
+        if !prony.is_empty() {
+            material = material.relaxing(prony)?;
+        }
+        if let Some(soft) = model.of(&softening::EFFECT).find(|s| s.values[0] > LEAST_LOSS) {
+            let (r, m, beta) = softening::of_points(soft.values[0], soft.values[1]);
+            material = material.softening(OgdenRoxburgh::new(r, m * model.mu_mpa, beta)?);
+        }
+        let height_mm = geometry.specimen.height_mm + model.first(&thickness::HEIGHT, passage.specimen);
+        Ok(Simulation {
+            material,
+            specimen: Specimen { height_mm, ..geometry.specimen },
+            ball: Ball { radius_mm: geometry.ball_mm + model.first(&radius::EFFECT, passage.indenter) },
+            interface: Interface { friction: model.first(&friction::EFFECT, 0), ..Interface::default() },
+            motion,
+            resolution: if has(model, &second_term::EFFECT) {
+                Resolution::Standard
+            } else {
+                Resolution::Refined(COARSE)
+            },
+        })
+    }
+}
+
+/// What the softness of the penalty takes from a force, over its square (1/N), by depth (mm), from the way down of an elastic solve. The record
+/// of a path differentiates the penalty's energy by depth, which is not its share of the force where the ball turns and a memory relaxes.
+fn softness(elastic: &Record) -> Vec<(f64, f64)> {
+    let each = elastic.stations.iter().zip(&elastic.force_n).filter(|(s, _)| s.force_n > 0.0);
+    let mut deepest = 0.0;
+    let down = each.filter(|(s, _)| {
+        // a hold stays where it is but for rounding
+        let deeper = s.depth_mm > deepest * (1.0 + 1e-6);
+        deepest = s.depth_mm.max(deepest);
+        deeper
+    });
+    down.map(|(s, f)| (s.depth_mm, (f - s.force_n) / s.force_n.powi(2))).collect()
+}
+
+/// Divisor of the element sizes for histories, which are a difference of two solves on one mesh: what they add is met by 0.2 % less well than on
+/// the standard mesh, in a third of the time. A second term is half of the force itself.
+const COARSE: f64 = 0.6;
+/// Rest between two presses on a spot, s: of no matter to a memory of the largest depth, and enough for any other.
+const REST_S: f64 = 1e5;
+/// Least loss that a material point is given.
+const LEAST_LOSS: f64 = 1e-4;
+
+/// The turns of straight pieces, from the touch on and never above it.
+fn turned(pieces: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut own = turns(pieces);
+    own.iter_mut().for_each(|p| p.1 = p.1.max(0.0));
+    own.iter_mut().take(1).for_each(|p| p.1 = 0.0);
+    own
+}
+
+fn a_second_a_millimetre(turns: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut at_s = 0.0;
+    let mut before = None;
+    turns
+        .iter()
+        .map(|(_, depth_mm)| {
+            at_s += before.map_or(0.0, |b: f64| (depth_mm - b).abs());
+            before = Some(*depth_mm);
+            (at_s, *depth_mm)
+        })
+        .collect()
+}
+
+/// Effects that only change the numbers of the elastic solve, which the chain's force models contain exactly.
+fn is_shape(code: &str) -> bool {
+    [poisson::EFFECT.code, thickness::HEIGHT.code, radius::EFFECT.code].contains(&code)
+}
+
+/// The first term of a model's law alone, without memory.
+fn plain(model: &Model, nu: f64) -> Result<Material, SolveError> {
+    Ok(Hyperfoam::new(vec![Term { mu_mpa: model.mu_mpa, alpha: model.alpha, nu }])?.into())
+}
+
+/// Samples that a reading is the mean of, evenly over a length of time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Window {
+    /// Samples times their distance (s).
+    pub length_s: f64,
+    /// Samples; up to 1 for an instant.
+    pub samples: usize,
+}
+
+/// Readings that stand for a window of more samples.
+const READINGS: usize = 8;
+
+impl Window {
+    /// Times (s) of its readings: those of the samples themselves where they are few, because next to a turn of the ball half a sample counts.
+    fn times_s(self, middle_s: f64) -> impl Iterator<Item = f64> {
+        let count = self.samples.clamp(1, READINGS);
+        (0..count).map(move |k| middle_s + self.length_s * ((k as f64 + 0.5) / count as f64 - 0.5))
+    }
+
+    fn mean(self, curve: &[(f64, f64)], middle_s: f64) -> f64 {
+        let count = self.samples.clamp(1, READINGS) as f64;
+        self.times_s(middle_s).map(|t| between(curve, t)).sum::<f64>() / count
+    }
+}
+
+impl Passage {
+    /// The same motion with places for the readings of every window.
+    fn refined(&self, windows: &[Window]) -> Self {
+        let path: Vec<(f64, f64)> = self.time_s.iter().copied().zip(self.depth_mm.iter().copied()).collect();
+        let (first, last) = (self.time_s.first().copied().unwrap_or(0.0), self.time_s.last().copied().unwrap_or(0.0));
+        let mut time_s = self.time_s.clone();
+        for (t, window) in self.time_s.iter().zip(windows) {
+            time_s.extend(window.times_s(*t).filter(|t| *t > first && *t < last));
+        }
+        time_s.sort_by(f64::total_cmp);
+        time_s.dedup_by(|b, a| *b - *a < 1e-5);
+        let depth_mm = time_s.iter().map(|t| between(&path, *t)).collect();
+        Self { time_s, depth_mm, ..self.clone() }
+    }
+}

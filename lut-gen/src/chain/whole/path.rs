@@ -1,0 +1,106 @@
+//! Paths of a ball: times (s) and depths (mm).
+
+use crate::solve::Motion;
+
+/// Largest distance (part of the deepest point) between a recorded path and the straight pieces it is solved on.
+const STRAIGHT: f64 = 0.002;
+
+/// The motion along a path of times and depths, and the path's time at which it begins; none where nothing is touched.
+pub(super) fn motion(path: &[(f64, f64)]) -> Option<(Motion, f64)> {
+    let (first, second) = (path.first()?, path.get(1)?);
+    let deepest = path.iter().map(|p| p.1).fold(0.0, f64::max);
+    if deepest <= 0.0 {
+        return None;
+    }
+    let mut motion = Motion::from_touch();
+    let mut begin_s = first.0;
+    if first.1 > 0.0 {
+        // what was not recorded is passed at the rate of the first piece
+        let rate = ((second.1 - first.1) / (second.0 - first.0)).max(deepest / 1e3);
+        begin_s -= first.1 / rate;
+        motion = motion.to_depth_within(first.1, first.1 / rate);
+    } else {
+        motion.start_mm = first.1;
+    }
+    let mut at_mm = first.1;
+    for pair in path.windows(2) {
+        // a hold is one, whatever the last digit of a mean says: forces are differentiated by depth
+        if (pair[1].1 - at_mm).abs() > 1e-6 * deepest {
+            at_mm = pair[1].1;
+        }
+        motion = motion.to_depth_within(at_mm, pair[1].0 - pair[0].0);
+    }
+    Some((motion, begin_s))
+}
+
+/// Times with three more between each two.
+pub(super) fn divided(times: &[f64]) -> Vec<f64> {
+    let mut out: Vec<f64> =
+        times.windows(2).flat_map(|two| (0..4).map(|k| two[0] + 0.25 * f64::from(k) * (two[1] - two[0]))).collect();
+    out.extend(times.last());
+    out
+}
+
+/// Fewest of the points whose straight connections come close to all of them (Ramer, Douglas and Peucker).
+pub(super) fn straight_pieces(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let reach = STRAIGHT * path.iter().map(|p| p.1).fold(0.0, f64::max);
+    let mut kept = vec![0];
+    let mut ends = vec![path.len().saturating_sub(1)];
+    while let (Some(&from), Some(&to)) = (kept.last(), ends.last()) {
+        let miss = |i: &usize| (path[*i].1 - between(&[path[from], path[to]], path[*i].0)).abs();
+        let worst = (from + 1..to).max_by(|a, b| miss(a).total_cmp(&miss(b)));
+        match worst.filter(|i| miss(i) > reach) {
+            Some(i) => ends.push(i),
+            None => {
+                ends.pop();
+                kept.push(to);
+            }
+        }
+    }
+    kept.dedup();
+    let mut out: Vec<(f64, f64)> = kept.into_iter().filter_map(|i| path.get(i).copied()).collect();
+    out.dedup_by(|b, a| b.0 <= a.0);
+    out
+}
+
+/// Value at a time on straight connections; the ends beyond them.
+pub(super) fn between(curve: &[(f64, f64)], time_s: f64) -> f64 {
+    let next = curve.partition_point(|p| p.0 < time_s);
+    match (next.checked_sub(1).and_then(|i| curve.get(i)), curve.get(next)) {
+        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (time_s - a.0) / (b.0 - a.0),
+        (Some(end), None) | (None, Some(end)) => end.1,
+        (None, None) => 0.0,
+    }
+}
+
+/// The points at which a path of straight pieces turns, with both ends; a hold is one point.
+pub(super) fn turns(pieces: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let reach = STRAIGHT * pieces.iter().map(|p| p.1).fold(0.0, f64::max);
+    let mut out: Vec<(f64, f64)> = Vec::new();
+    for point in pieces {
+        match out[..] {
+            [.., last] if (point.1 - last.1).abs() <= reach => {}
+            // further on in the same sense
+            [.., before, last] if (point.1 - last.1) * (last.1 - before.1) > 0.0 => {
+                let at = out.len() - 1;
+                out[at] = *point;
+            }
+            _ => out.push(*point),
+        }
+    }
+    out
+}
+
+/// True when two paths turn at the same depths.
+pub(super) fn alike(a: &[(f64, f64)], b: &[(f64, f64)]) -> bool {
+    let reach = STRAIGHT * a.iter().map(|p| p.1).fold(0.0, f64::max);
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a.1 - b.1).abs() <= reach)
+}
+
+/// How far along its turns a path has come at a time and depth: pieces passed, and the part of the next one.
+pub(super) fn along(turns: &[(f64, f64)], (time_s, depth_mm): (f64, f64)) -> f64 {
+    let next = turns.partition_point(|p| p.0 < time_s).clamp(1, turns.len().max(2) - 1);
+    let (Some(from), Some(to)) = (turns.get(next - 1), turns.get(next)) else { return 0.0 };
+    let part = if to.1 == from.1 { 1.0 } else { ((depth_mm - from.1) / (to.1 - from.1)).clamp(0.0, 1.0) };
+    (next - 1) as f64 + part
+}
