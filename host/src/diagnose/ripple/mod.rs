@@ -1,7 +1,7 @@
 //! Ripples: a wave in the force, over time (hum of the mains, a motor) or over depth (stick and slip, a screw).
 //!
 //! Means over windows and replicates take a ripple for noise, and no effect of the catalogue makes one. What two repeats of a condition differ by
-//! holds it, whatever the model: a fast one as a [line in a spectrum](spectrum), a slow one as [noise that is likelier with it](slow).
+//! holds it, whatever the model: a fast one as a line in a spectrum (`spectrum.rs`), a slow one as noise that is likelier with it (`slow.rs`).
 
 mod slow;
 mod spectrum;
