@@ -28,15 +28,20 @@ static BENCH: LazyLock<Bench> = LazyLock::new(|| {
 /// Root mean square of what chain and chain with whole paths miss on the way down, in the hold and on the way back, as a part of what the
 /// effect adds there.
 fn misses(hidden: simulate::Effect, effect: &'static Effect, values: &[f64]) -> [[f64; 3]; 2] {
+    misses_of(vec![hidden], &[Setting { effect, owner: 0, values: values.to_vec() }])
+}
+
+/// The same of several effects together.
+fn misses_of(hidden: Vec<simulate::Effect>, settings: &[Setting]) -> [[f64; 3]; 2] {
     let Bench { case, solver, models } = &*BENCH;
-    let spec = Spec { noise: Noise::default(), effects: vec![hidden], ..case.spec() };
+    let spec = Spec { noise: Noise::default(), effects: hidden, ..case.spec() };
     let truth = case.truth().foam;
     let experiment = simulate(&spec, solver, &|_, _, _| {}).unwrap().experiment();
     let design = Design::of(&experiment, &experiment.specimens[0].material).unwrap();
     let chain = Chain { library: models.of(&design.geometries, &|_, _| {}).unwrap(), passages: design.passages() };
     let base = Model::base(truth.mu_mpa, truth.alpha);
     let mut rough = base.clone();
-    rough.settings.push(Setting { effect, owner: 0, values: values.to_vec() });
+    rough.settings.extend_from_slice(settings);
     let contacts = vec![0.0; design.series.len()];
     let groups: Vec<usize> = design.series.iter().map(|s| s.group).collect();
     let whole = chain.whole(&rough, &contacts, &design.windows(), &groups).unwrap();
@@ -55,7 +60,8 @@ fn misses(hidden: simulate::Effect, effect: &'static Effect, values: &[f64]) -> 
             (missed / added).sqrt()
         })
     });
-    println!("{} {values:?}: chain {:.4?}, with whole paths {:.4?}", effect.code, found[0], found[1]);
+    let told: Vec<String> = settings.iter().map(|s| format!("{} {:?}", s.effect.code, s.values)).collect();
+    println!("{}: chain {:.4?}, with whole paths {:.4?}", told.join(" + "), found[0], found[1]);
     found
 }
 
@@ -89,6 +95,32 @@ fn softening_is_that_of_material_points() {
     assert!(chain[2] > 0.1, "{chain:?}");
     // a hold softens nothing
     assert!(whole[0] < 0.02 && whole[2] < 0.022, "{whole:?}");
+}
+
+/// A machine that yields turns a hold of its own into a creep of the ball.
+#[test]
+fn a_machine_that_yields_lets_the_ball_creep() {
+    let setting = |effect, values: &[f64]| Setting { effect, owner: 0, values: values.to_vec() };
+    let yields = simulate::Effect::Compliance { mm_per_n: 0.1 };
+    let relaxes = simulate::Effect::Relaxation(vec![(0.2, 0.7)]);
+    let [chain, whole] = misses_of(
+        vec![relaxes, yields],
+        &[setting(&effect::relaxation::ONE, &[0.2, 0.7]), setting(&effect::compliance::EFFECT, &[0.1])],
+    );
+    assert!(chain[2] > 0.02, "{chain:?}");
+    assert!(whole.iter().all(|miss| *miss < 0.008), "{whole:?}");
+}
+
+/// Friction is 1 to 5 % of the force, and of that the chain's, known at a few coefficients and exponents, misses a third to a half; what is
+/// left is the two meshes, 0.1 % of the force.
+#[test]
+fn friction_is_met_on_both_ways() {
+    for (coefficient, floor) in [(0.2, 0.12), (0.8, 0.08)] {
+        let [chain, whole] =
+            misses(simulate::Effect::Friction { coefficient }, &effect::friction::EFFECT, &[coefficient]);
+        assert!(chain[0] > 0.25, "{chain:?}");
+        assert!(whole.iter().all(|miss| *miss < floor), "{whole:?}");
+    }
 }
 
 /// A filter has lagged since the ball began to move, above the specimen.

@@ -100,6 +100,8 @@ pub struct Fit {
     pub square: f64,
     /// The same with what the effects may be wrong by discounted and paid for: twice the negative logarithm of a marginal likelihood.
     pub discounted: f64,
+    /// The part of it that was paid for freedom.
+    pub price: f64,
     /// Information on the parameters, errors of the effects allowed for.
     pub information: DMatrix<f64>,
     /// Whitened residuals.
@@ -283,6 +285,32 @@ impl Problem<'_> {
                 }
             }
         }
+        self.told(coordinates, candidates, x, residual)
+    }
+
+    /// A point as if it were a fit, errors of the effects allowed for.
+    #[must_use]
+    pub fn at(&self, candidates: &[Candidate], x: &DVector<f64>, allowed: Option<&Allowed>) -> Fit {
+        let coordinates = coordinates(self.design, candidates);
+        let residual = self.residual(&self.model(&coordinates, candidates, x));
+        let mut fit = self.told(coordinates, candidates, x.clone(), residual);
+        if let Some(allowed) = allowed {
+            fit.price = allowed.price;
+            fit.discounted = allowed.discounted(&fit.residual).norm_squared() + allowed.price;
+        }
+        fit
+    }
+
+    /// A fit that ended at a point.
+    fn told(
+        &self,
+        coordinates: Vec<Coordinate>,
+        candidates: &[Candidate],
+        x: DVector<f64>,
+        residual: DVector<f64>,
+    ) -> Fit {
+        let bounds: Vec<(f64, f64)> = coordinates.iter().map(Coordinate::bounds).collect();
+        let square = residual.norm_squared();
         let jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
         let at_bound = coordinates.iter().zip(x.iter().zip(&bounds)).any(|(c, (x, (low, high)))| match c {
             Coordinate::Of(_, q) => {
@@ -296,7 +324,9 @@ impl Problem<'_> {
         let model = self.model(&coordinates, candidates, &x);
         let information = jacobian.tr_mul(&jacobian);
         let candidates = candidates.to_vec();
-        Fit { candidates, coordinates, x, model, square, discounted: square, information, residual, jacobian, at_bound }
+        let discounted = square;
+        let price = 0.0;
+        Fit { candidates, coordinates, x, model, square, discounted, price, information, residual, jacobian, at_bound }
     }
 
     /// The fit found again with errors of its effects allowed for, and told without that allowance.
@@ -306,6 +336,7 @@ impl Problem<'_> {
         let tolerant = Problem { allowed: Some(allowed.clone()), whole: whole.clone(), ..self.clone() };
         let mut found = tolerant.fit(&fit.candidates, &fit.x);
         found.discounted = found.square + allowed.price;
+        found.price = allowed.price;
         found.residual = self.residual(&found.model);
         found.square = found.residual.norm_squared();
         let plain = Problem { allowed: None, ..tolerant };

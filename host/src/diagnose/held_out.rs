@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use crate::experiment::Experiment;
 
 use super::fit::{Fit, Problem};
+use super::prepared::used;
 use super::search::{self, Explanation, Search};
-use super::{Prepared, used};
 
 /// Root mean square errors over conditions that were left out of fit and choice alike.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,13 +26,8 @@ pub struct HeldOut {
 /// Leaves every group of conditions out in turn, refits the base and the rivals on the others, takes the likeliest rival there and predicts
 /// the group with it; runs that were marked `hold_out` are predicted instead where there are any. `None` with a single group.
 #[must_use]
-pub fn of(
-    experiment: &Experiment,
-    prepared: &Prepared<'_>,
-    search: &Search<'_>,
-    held: &[Explanation],
-) -> Option<HeldOut> {
-    let design = prepared.problem.design;
+pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) -> Option<HeldOut> {
+    let design = search.problem.design;
     let marked = design.series.iter().any(|s| s.hold_out);
     let groups: Vec<Option<usize>> = if marked { vec![None] } else { (0..design.groups).map(Some).collect() };
     if !marked && groups.len() < 2 {
@@ -41,7 +36,7 @@ pub fn of(
     let each: Vec<Each> = groups
         .par_iter()
         .map(|group| {
-            let problem = Problem { used: used(design, *group), ..prepared.problem.clone() };
+            let problem = Problem { used: used(design, *group), ..search.problem.clone() };
             let base = problem.fit(&[], &search.base.x);
             let refits = held.iter().map(|e| problem.refit(&e.fit, &search::allowed(&problem, &e.fit)));
             let best = refits.min_by(|a, b| search::score(a).total_cmp(&search::score(b)));
@@ -49,8 +44,8 @@ pub fn of(
                 Some(group) => s.group == *group && !s.hold_out,
                 None => s.hold_out,
             };
-            let before = miss(&prepared.problem, &base, &predicted);
-            let after = best.map_or(before, |fit| miss(&prepared.problem, &fit, &predicted));
+            let before = miss(&search.problem, &base, &predicted);
+            let after = best.map_or(before, |fit| miss(&search.problem, &fit, &predicted));
             Each { before, after }
         })
         .collect();

@@ -16,6 +16,7 @@ pub mod margin;
 pub mod noise;
 mod placebo;
 pub mod plan;
+mod prepared;
 pub mod ripple;
 pub mod search;
 #[cfg(test)]
@@ -26,25 +27,22 @@ pub mod whiten;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use lut_gen::chain::{Chain, Geometry, Library, LibraryError, Need};
-use nalgebra::DMatrix;
-
 use crate::experiment::Experiment;
 use crate::identify;
+use lut_gen::chain::{Chain, Geometry, Library, LibraryError, Need};
 
 use design::Design;
-use evidence::{Adequacy, Panel, Spaces};
+use evidence::Adequacy;
 use fault::Fault;
 use fit::{Fit, Problem};
 use held_out::HeldOut;
-use jitter::Posterior;
 use margin::Margin;
-use noise::{Curve, Jitter, Noise, SensorNoise, Source};
+use noise::{Curve, Noise, Source};
 use plan::Proposal;
 use ripple::Ripple;
-use search::{Explanation, Search};
-use whiten::Whitening;
+use search::{Explanation, Found, Search};
 
+pub use prepared::Prepared;
 pub(crate) use verdict::Z95;
 pub use verdict::{Finding, Verdict};
 
@@ -258,58 +256,40 @@ impl Diagnosis {
         progress("base", 0, 1);
         let prepared = Prepared::new(&design, &chain, experiment.sensor.noise_n)
             .ok_or_else(|| DiagnoseError::Covariance(self.material.clone()))?;
-        let Prepared { problem, base, noise } = &prepared;
-        if noise.source == Source::Stated {
+        if prepared.noise.source == Source::Stated {
             self.messages.push(
                 "nothing repeats: the noise is the stated one, and the scatter between spots is assumed (0.05 mm of contact, 1 % of gain)".to_owned(),
             );
         }
-        let curves = Problem::curves(&design, &chain, &base.model, &problem.contacts_mm);
-        let margins = margin::margins(problem, &curves);
-        let twins = evidence::twins(&problem.whitening, noise, &problem.used, evidence::TWINS);
         let mut candidates = search::candidates(&design);
         candidates.retain(|c| !without.contains(&c.effect.code));
-        let signatures: Vec<DMatrix<f64>> = candidates.iter().map(|c| search::signature(problem, base, c)).collect();
-        let spaces = Spaces::new(&signatures, &base.jacobian, &twins);
-        let none = DMatrix::zeros(problem.whitening.residuals(), 0);
-        let panel = Panel::new(&margins, &twins);
-        let adequacy = Adequacy::of(base, &margins, &panel, &none, &twins);
-        self.blind_to = verdict::blind_spots(&candidates, &signatures, base, &twins);
-        let catalogue = (0..candidates.len()).map(|at| spaces.read(at, &base.residual)).fold(f64::MIN, f64::max);
-        let visible = !adequacy.passes() || catalogue > spaces.threshold;
-        self.shows_in = adequacy.shows_in.iter().map(|v| v.word()).collect();
-        let search = Search {
-            problem,
-            margins: &margins,
-            panel: &panel,
-            twins: &twins,
-            candidates,
-            base: base.clone(),
-            signatures,
-            spaces,
+        let first = Search::new(prepared, candidates);
+        self.blind_to = verdict::blind_spots(&first);
+        let in_margins = !first.adequacy.passes();
+        let visible = in_margins || first.catalogue() > first.spaces.threshold;
+        self.shows_in = first.adequacy.shows_in.iter().map(|v| v.word()).collect();
+        let Found { search, singles, pairs, held } = if visible {
+            Found::of(first, experiment.sensor.noise_n, progress)
+        } else {
+            Found { search: first, singles: Vec::new(), pairs: Vec::new(), held: Vec::new() }
         };
-        let (mut singles, mut pairs, mut held) = (Vec::new(), Vec::new(), Vec::new());
-        if visible {
-            progress("effects", 0, 2);
-            singles = search.singles();
-            (held, pairs) = verdict::explanations(&search, &singles, progress);
-        }
         let best = held.first().or(singles.first());
-        let extended_curves = best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
-        let ripple = ripple::of(experiment, &design, extended_curves.as_ref().unwrap_or(&curves), &noise.sensor);
+        let contacts_mm = search.problem.contacts_mm.clone();
+        let extended_curves = best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &contacts_mm));
+        let shown = extended_curves.as_ref().unwrap_or(&search.curves);
+        let ripple = ripple::of(experiment, &design, shown, &search.noise.sensor);
         self.messages.extend(ripple.map(|r| r.to_string()));
-        let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &prepared, &search, &held)).flatten();
+        let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(experiment);
-        self.proposals = plan::proposals(experiment, &prepared, &search, &held, &self.blind_to);
-        verdict::conclude(self, (visible, !adequacy.passes()), ripple.as_ref(), &held, held_out.as_ref());
-        let (base, noise, contacts_mm) = (base.clone(), noise.clone(), problem.contacts_mm.clone());
-        drop(search);
+        self.proposals = plan::proposals(experiment, &search, &held, &self.blind_to);
+        verdict::conclude(self, (visible, in_margins), ripple.as_ref(), &held, held_out.as_ref());
+        let Search { noise, base, curves: base_curves, adequacy, margins, .. } = search;
         self.evidence = Some(Box::new(Evidence {
             design: design.clone(),
             noise,
             base,
             contacts_mm,
-            base_curves: curves,
+            base_curves,
             extended_curves,
             adequacy,
             margins,
@@ -328,121 +308,4 @@ impl Diagnosis {
 fn has_replicates(design: &Design) -> bool {
     let series = &design.series;
     series.iter().enumerate().any(|(i, a)| series[..i].iter().any(|b| a.condition == b.condition && a.spot != b.spot))
-}
-
-/// A problem whose noise is known and whose base is fitted.
-#[derive(Debug)]
-pub struct Prepared<'a> {
-    /// Data, model and whitening.
-    pub problem: Problem<'a>,
-    /// The base.
-    pub base: Fit,
-    /// The noise.
-    pub noise: Noise,
-}
-
-/// Where the recorded zero is not the contact, predictions are linearised about contact points within this many standard deviations of
-/// their jitter; where it is, about the zero itself: a few hundredths of a millimetre of jitter bend no curve.
-const CONTACTS: f64 = 2.0;
-/// No contact point lies farther off than this share of the largest depth: without an end a base that is wrong and a jitter that grows with what it
-/// leaves drive each other (beef, held for 10 s: a jitter of kilometres, in which nothing was wrong).
-const FARTHEST: f64 = 0.1;
-/// Rounds in which noise, contact points and base are found, each from the others.
-const ROUNDS: usize = 3;
-
-impl<'a> Prepared<'a> {
-    /// Finds noise, contact points and base parameters. `None` when the noise cannot be found, or no covariance is positive definite.
-    #[must_use]
-    pub fn new(design: &'a Design, chain: &'a Chain, stated_n: Option<f64>) -> Option<Self> {
-        let peak = |s: &design::Series| s.nodes.iter().map(|n| n.force_n).fold(0.0, f64::max);
-        let largest = design.series.iter().map(peak).fold(0.0, f64::max);
-        // before anything is known: a percent of the peak, contacts to a twentieth of a millimetre
-        let jitter = Jitter { contact_mm: 0.05, gain: 0.02, zero_n: 0.0 };
-        let mut noise = Noise {
-            source: Source::Stated,
-            sensor: SensorNoise { sigma_n: 0.01 * largest, white: 0.5, correlation_s: 0.1, relative: 0.0 },
-            jitter,
-            posterior: Posterior::stated(jitter, 5.0),
-            sensor_freedom: 50.0,
-        };
-        let depths = design.series.iter().flat_map(|s| s.nodes.iter().map(|n| n.depth_mm));
-        let farthest_mm = FARTHEST * depths.fold(0.0, f64::max);
-        let mut contacts_mm = vec![0.0; design.series.len()];
-        let mut curves: Vec<Curve> = design
-            .series
-            .iter()
-            .map(|s| Curve { force_n: s.nodes.iter().map(|n| n.force_n.max(0.0)).collect(), slope_n_per_mm: slopes(s) })
-            .collect();
-        let used = used(design, None);
-        let mut base: Option<Fit> = None;
-        for round in 0..=ROUNDS {
-            let whitening = Whitening::new(design, &curves, &noise)?;
-            let back_n = back(design, &curves, &contacts_mm, whitening.residuals());
-            let problem = Problem {
-                design,
-                chain,
-                contacts_mm: contacts_mm.clone(),
-                back_n,
-                whitening,
-                used: used.clone(),
-                allowed: None,
-                whole: None,
-            };
-            let fitted = match &base {
-                None => search::base_fit(&problem, 0.05 * largest.max(1e-6)),
-                Some(before) => problem.fit(&[], &before.x),
-            };
-            if round == ROUNDS {
-                return Some(Self { problem, base: fitted, noise });
-            }
-            let residual = problem.plain(&fitted.model);
-            let spots = problem.whitening.contacts_mm(&residual, noise.jitter.contact_mm);
-            // a base that is wrong would push the contact points where no jitter puts them, and every extension with them
-            let reach =
-                if design.zero_is_contact { 0.0 } else { (CONTACTS * noise.jitter.contact_mm).min(farthest_mm) };
-            contacts_mm = design.series.iter().map(|s| spots[s.spot].clamp(-reach, reach)).collect();
-            curves = Problem::curves(design, chain, &fitted.model, &contacts_mm);
-            let at_zero: Vec<Curve> = curves
-                .iter()
-                .zip(&contacts_mm)
-                .map(|(c, contact)| Curve {
-                    force_n: c.force_n.iter().zip(&c.slope_n_per_mm).map(|(f, s)| f + s * contact).collect(),
-                    slope_n_per_mm: c.slope_n_per_mm.clone(),
-                })
-                .collect();
-            noise = noise::estimate(design, &at_zero, stated_n)?;
-            base = Some(fitted);
-        }
-        None
-    }
-}
-
-/// Entries that are fitted: no held-out runs, no group that is left out.
-fn used(design: &Design, left_out: Option<usize>) -> Vec<bool> {
-    design
-        .series
-        .iter()
-        .flat_map(|s| s.nodes.iter().map(move |n| !n.lifted && !s.hold_out && Some(s.group) != left_out))
-        .collect()
-}
-
-/// First-order step from the contact points back to contact 0.
-fn back(design: &Design, curves: &[Curve], contacts_mm: &[f64], len: usize) -> nalgebra::DVector<f64> {
-    let mut out = nalgebra::DVector::zeros(len);
-    let mut at = 0;
-    for (s, series) in design.series.iter().enumerate() {
-        for k in 0..series.nodes.len() {
-            out[at] = curves[s].slope_n_per_mm[k] * contacts_mm[s];
-            at += 1;
-        }
-    }
-    out
-}
-
-/// Slopes of measured forces over depth, for the very first round.
-fn slopes(series: &design::Series) -> Vec<f64> {
-    let nodes = &series.nodes;
-    let deepest = nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
-    let peak = nodes.iter().map(|n| n.force_n).fold(0.0, f64::max);
-    nodes.iter().map(|n| 2.0 * peak / deepest * (n.depth_mm / deepest).clamp(0.0, 1.0)).collect()
 }

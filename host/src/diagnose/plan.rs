@@ -8,10 +8,10 @@ use rayon::prelude::*;
 use crate::experiment::Experiment;
 
 use super::design::{Branch, Design, Node, Series};
+use super::fit;
 use super::fit::{Fit, Problem};
 use super::search::{Explanation, Search};
 use super::whiten::Whitening;
-use super::{Prepared, fit};
 
 /// A run that could be made.
 #[derive(Debug, Clone, PartialEq)]
@@ -233,12 +233,12 @@ struct Bench<'a> {
     chain: Chain,
     whitening: Whitening,
     /// Declared height that the planned one differs from, mm.
-    prepared: &'a Prepared<'a>,
+    search: &'a Search<'a>,
 }
 
 impl<'a> Bench<'a> {
-    fn new(prepared: &'a Prepared<'a>, plan: Plan) -> Option<Self> {
-        let like = prepared.problem.design;
+    fn new(search: &'a Search<'a>, plan: Plan) -> Option<Self> {
+        let like = search.problem.design;
         let geometry = like
             .series
             .iter()
@@ -246,11 +246,11 @@ impl<'a> Bench<'a> {
             .map(|s| s.geometry)?;
         let design = plan.design(like, geometry);
         let passages: Vec<Passage> = design.passages();
-        let chain = Chain { library: prepared.problem.chain.library.clone(), passages };
-        let mut bench = Self { plan, design, chain, whitening: prepared.problem.whitening.clone(), prepared };
-        let model = bench.placed(&prepared.base.model);
+        let chain = Chain { library: search.problem.chain.library.clone(), passages };
+        let mut bench = Self { plan, design, chain, whitening: search.problem.whitening.clone(), search };
+        let model = bench.placed(&search.base.model);
         let curves = Problem::curves(&bench.design, &bench.chain, &model, &bench.contacts());
-        bench.whitening = Whitening::new(&bench.design, &curves, &prepared.noise)?;
+        bench.whitening = Whitening::new(&bench.design, &curves, &search.noise)?;
         Some(bench)
     }
 
@@ -262,7 +262,7 @@ impl<'a> Bench<'a> {
     fn placed(&self, model: &lut_gen::chain::Model) -> lut_gen::chain::Model {
         // what finite elements of other paths add is nothing here
         let mut placed = lut_gen::chain::Model { whole: None, ..model.clone() };
-        let geometry = &self.prepared.problem.design.geometries[self.design.series[0].geometry];
+        let geometry = &self.search.problem.design.geometries[self.design.series[0].geometry];
         if self.plan.radius != 1.0 {
             // a new ball has its own radius
             placed.settings.retain(|s| s.effect.code != radius::EFFECT.code || s.owner != self.plan.indenter);
@@ -316,17 +316,16 @@ fn distance(from: &Forecast, to: &Forecast, fit: &Fit) -> f64 {
 #[must_use]
 pub fn proposals(
     experiment: &Experiment,
-    prepared: &Prepared<'_>,
     search: &Search<'_>,
     held: &[Explanation],
     blind: &[&'static str],
 ) -> Vec<Proposal> {
     let rivals = distinct(held);
-    let plans = feasible(prepared.problem.design);
+    let plans = feasible(search.problem.design);
     let mut list: Vec<Proposal> = plans
         .into_par_iter()
         .filter_map(|plan| {
-            let bench = Bench::new(prepared, plan)?;
+            let bench = Bench::new(search, plan)?;
             let (distance, decides) =
                 if rivals.len() > 1 { between(&bench, &rivals) } else { shown(&bench, search, blind) };
             Some(Proposal { what: plan.words(experiment), decides, distance, motion: plan })

@@ -10,7 +10,8 @@ use rand_pcg::Pcg64;
 
 use super::design::{Branch, Design};
 use super::evidence::{self, Gauge, Panel};
-use super::noise::{self, Curve, Source};
+use super::jitter::Posterior;
+use super::noise::{self, Curve, Jitter, SensorNoise, Source};
 use super::whiten::Whitening;
 use super::*;
 use crate::experiment::{Base, BaseLaw, Indenter, Length, Recording, Run, Sensor, Specimen};

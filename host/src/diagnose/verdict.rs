@@ -1,15 +1,12 @@
 //! From explanations to a verdict with names.
 
-use nalgebra::DMatrix;
-
 use crate::experiment::{BaseLaw, Experiment};
 
 use super::Diagnosis;
 use super::evidence::{Gauge, Panel};
-use super::fit::{Candidate, Fit};
 use super::held_out::HeldOut;
 use super::ripple::{Over, Ripple, SPOILS};
-use super::search::{CHARGE, Explanation, RATIO_100, Search};
+use super::search::{Explanation, Search};
 
 /// The stable word of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,12 +62,8 @@ const POWER: f64 = 1.28;
 /// Twins that blind spots are found with.
 const FEW_TWINS: usize = 200;
 /// Codes of which a plausible amount would not be seen.
-pub(super) fn blind_spots(
-    candidates: &[Candidate],
-    signatures: &[DMatrix<f64>],
-    base: &Fit,
-    twins: &DMatrix<f64>,
-) -> Vec<&'static str> {
+pub(super) fn blind_spots(search: &Search<'_>) -> Vec<&'static str> {
+    let Search { candidates, signatures, base, twins, .. } = search;
     let few = twins.columns(0, twins.ncols().min(FEW_TWINS)).into_owned();
     let mut blind: Vec<&'static str> = Vec::new();
     for effect in lut_gen::effect::CATALOGUE {
@@ -103,46 +96,6 @@ pub(super) fn cancelling(experiment: &Experiment) -> Vec<&'static str> {
         "relaxation of the specimen and creep of the sensor with equal size and time cancel: without a hold on a stiff block this design cannot exclude it",
         "the gain of the sensor is part of mu: without a known mass this design cannot exclude it",
     ]
-}
-
-/// Explanations that hold and that none is a hundred times likelier than, with as few effects as will do; and all pairs that were tried.
-pub(super) fn explanations(
-    search: &Search<'_>,
-    singles: &[Explanation],
-    progress: &super::Progress<'_>,
-) -> (Vec<Explanation>, Vec<Explanation>) {
-    let held = alike(singles);
-    // where an explanation that may itself be wrong holds nothing is added to it: a second name for what it leaves would be a wrong one
-    if held.first().is_some_and(|best| !best.is_exact()) {
-        return (held, Vec::new());
-    }
-    progress("effects together", 1, 2);
-    let mut base: Vec<Explanation> = singles.iter().filter(|e| e.beats_noise).cloned().collect();
-    if let Some(best) = held.first() {
-        base.retain(|e| e.fit.candidates == best.fit.candidates);
-    }
-    let pairs = search.one_more(&base);
-    let together = alike(&pairs);
-    // two must be clearly likelier than one that leaves no more than noise, be that one not to be named because it ends at a bound
-    let alone = singles.iter().filter(|e| e.adequacy.passes()).map(Explanation::score).fold(f64::INFINITY, f64::min);
-    let better = together.first().is_some_and(|two| two.score() + RATIO_100 < alone);
-    (if better { together } else { held }, pairs)
-}
-
-/// The best explanation that meets every demand, and all that leave no more than noise and are no hundred times less likely: a
-/// rival that predicts worse, loses to a placebo or ends at a bound is not named alone, but it is not excluded either.
-fn alike(list: &[Explanation]) -> Vec<Explanation> {
-    let best = list.iter().filter(|e| e.holds()).min_by(|a, b| a.score().total_cmp(&b.score()));
-    let Some(best) = best else { return Vec::new() };
-    let same = |e: &Explanation| e.fit.candidates == best.fit.candidates;
-    // the charge for a parameter more is a reason not to name a rival, none to exclude it
-    let more = |e: &Explanation| e.fit.coordinates.len().saturating_sub(best.fit.coordinates.len()) as f64;
-    let near = |e: &Explanation| e.score() <= best.score() + RATIO_100 + CHARGE * more(e);
-    let rival = |e: &&Explanation| !same(e) && e.adequacy.passes() && near(e);
-    let mut rivals: Vec<Explanation> = list.iter().filter(rival).cloned().collect();
-    rivals.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    rivals.insert(0, best.clone());
-    rivals
 }
 
 /// Fills in verdict and findings. `in_margins` tells whether a discrepancy shows in any variable, `visible` whether it shows at all.

@@ -91,7 +91,8 @@ fn noise(spec: &Spec) -> Result<(), SimulateError> {
             ("proportional", n.proportional, 0.0, 1.0, "a part of 0 to 1"),
         ],
     )?;
-    demand("[session]", &[("gap_s", spec.session.gap_s, 0.0, 1e6, "a time of 0 to 1000000 s")])
+    let time = |key, value| (key, value, 0.0, 1e6, "a time of 0 to 1000000 s");
+    demand("[session]", &[time("gap_s", spec.session.gap_s), time("start_s", spec.session.start_s)])
 }
 
 fn template(spec: &Spec, at: usize, run: &RunTemplate) -> Result<(), SimulateError> {

@@ -246,10 +246,11 @@ fn run(section: &Section<'_>, spec: &Spec) -> Result<RunTemplate, ExperimentErro
 fn session(root: &Section<'_>) -> Result<Session, ExperimentError> {
     let mut session = Session::default();
     let Some(section) = root.section("session", "[session]".to_owned())? else { return Ok(session) };
-    section.only(&["order", "gap_s"])?;
+    section.only(&["order", "gap_s", "start_s"])?;
     let orders = [("random", true), ("as-written", false)];
     session.random_order = section.word("order", &orders)?.unwrap_or(session.random_order);
     session.gap_s = number(&section, "gap_s", 0.0, 1e6, "a time of 0 to 1000000 s")?.unwrap_or(session.gap_s);
+    session.start_s = number(&section, "start_s", 0.0, 1e6, "a time of 0 to 1000000 s")?.unwrap_or(session.start_s);
     Ok(session)
 }
 

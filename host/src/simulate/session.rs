@@ -48,7 +48,7 @@ pub(super) fn visits(spec: &Spec, durations_s: &[f64]) -> Vec<Visit> {
     if spec.session.random_order {
         visits.shuffle(&mut stream(spec.seed, Purpose::Order, 0));
     }
-    let mut clock_s = 0.0;
+    let mut clock_s = spec.session.start_s;
     for visit in &mut visits {
         let run = &spec.runs[visit.template];
         for cycle in 0..run.cycles {

@@ -119,11 +119,13 @@ pub struct Session {
     pub random_order: bool,
     /// From the end of a spot's last run to the start of the next, s.
     pub gap_s: f64,
+    /// Start of the first run on the session clock, s: more than 0 where a session is continued.
+    pub start_s: f64,
 }
 
 impl Default for Session {
     fn default() -> Self {
-        Self { random_order: true, gap_s: 20.0 }
+        Self { random_order: true, gap_s: 20.0, start_s: 0.0 }
     }
 }
 

@@ -156,10 +156,7 @@ impl Chain {
         let force_on = |depth_mm: &[f64]| {
             let mut force = self.specimen_force(model, passage, depth_mm, elastic);
             if let Some(whole) = &model.whole {
-                force
-                    .iter_mut()
-                    .zip(whole.missed_n(run, time.len(), model.mu_mpa))
-                    .for_each(|(f, missed)| *f += missed);
+                force.iter_mut().zip(whole.missed_n(run, time.len(), model)).for_each(|(f, missed)| *f += missed);
             }
             force
         };

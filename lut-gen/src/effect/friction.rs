@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Contact,
     assumption: "the ball is frictionless",
     signature: "changes sign with the direction of motion",
-    twins: &["relaxation"],
+    twins: &["relaxation", "poisson", "second-term"],
     separated_by: "a slow against a fast loop; a lubricant",
     quantities: &[Quantity::amplitude("coefficient", 0.0, (0.0, 1.0), 0.3, &[0.3])],
     owner: Owner::All,

@@ -9,7 +9,7 @@ pub const EFFECT: Effect = Effect {
     stage: Stage::Material,
     assumption: "one term of the strain energy is enough",
     signature: "deep d/R, every rate, cycle and branch",
-    twins: &["poisson", "thickness"],
+    twins: &["poisson", "thickness", "friction"],
     separated_by: "a small ball",
     quantities: &[
         Quantity::amplitude("mu2_ratio", 0.0, (-0.3, 5.0), 0.3, &[0.1, 0.6]),

@@ -104,15 +104,21 @@ fn planned(
         replicates: SPOTS,
         ..RunTemplate::ramp(&specimen, &ball, plan.depth_mm, plan.rate_mm_per_s)
     }];
+    // the session goes on, and so does what drifts with its clock
+    spec.session.start_s = end_s(so_far) + REST_S;
     Ok(simulate(&spec, solver, &|_, _, _| {})?)
 }
 
-/// Puts runs behind those of an experiment: specimens and balls by name, spots of their own, later on the session clock.
+/// End of the last run on the session clock, s.
+fn end_s(all: &Experiment) -> f64 {
+    let end = |r: &palpate::experiment::Run| Some(r.start_s? + r.recording.time_s.last()?);
+    all.runs.iter().filter_map(end).fold(0.0, f64::max)
+}
+
+/// Puts runs behind those of an experiment: specimens and balls by name, spots of their own.
 fn append(all: &mut Experiment, more: &Experiment) {
     let spots = all.runs.iter().filter_map(|r| r.spot).max().unwrap_or(0);
     let orders = all.runs.iter().filter_map(|r| r.order).max().unwrap_or(0);
-    let end = |r: &palpate::experiment::Run| Some(r.start_s? + r.recording.time_s.last()?);
-    let end_s = all.runs.iter().filter_map(end).fold(0.0, f64::max) + REST_S;
     for run in &more.runs {
         let mut run = run.clone();
         run.specimen = run.specimen.map(|at| {
@@ -135,7 +141,6 @@ fn append(all: &mut Experiment, more: &Experiment) {
         run.file = format!("planned {} {}", all.runs.len(), run.file);
         run.spot = run.spot.map(|spot| spot + spots);
         run.order = run.order.map(|order| order + orders);
-        run.start_s = run.start_s.map(|start_s| start_s + end_s);
         all.runs.push(run);
     }
 }

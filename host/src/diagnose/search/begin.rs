@@ -67,7 +67,7 @@ impl Search<'_> {
         });
         let best = fits.min_by(|a, b| a.square.total_cmp(&b.square));
         // what the effect may itself be wrong by must not pull the parameters
-        best.map_or_else(|| from.clone(), |fit| self.problem.refit(&fit, &allowed(self.problem, &fit)))
+        best.map_or_else(|| from.clone(), |fit| self.problem.refit(&fit, &allowed(&self.problem, &fit)))
     }
 }
 

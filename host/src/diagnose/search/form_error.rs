@@ -1,7 +1,7 @@
 //! What effects may be wrong by as they are written down, which is no evidence for another one.
 
 use lut_gen::chain::Model;
-use lut_gen::effect::{Stage, poisson, relaxation, softening};
+use lut_gen::effect::{Stage, friction, poisson, relaxation, softening};
 use nalgebra::{DMatrix, DVector};
 
 use super::super::design::Branch;
@@ -17,6 +17,8 @@ const SOLVED_SHARE: (f64, f64) = (0.01, 0.015);
 const OUTSIDE: (f64, f64) = (0.01, 0.02);
 /// The same of softening, whose finite elements know the turns of a path only (tests/whole_paths.rs).
 const SOFTENED: (f64, f64) = (0.015, 0.02);
+/// The same of friction: where points stick and where they slip depends on the mesh (tests/whole_paths.rs).
+const RUBBED: (f64, f64) = (0.05, 0.07);
 /// The same of another elastic law, of what it has beyond the base with another modulus and exponent: of the force itself it misses 0.1 to 0.2 %
 /// (tests/whole_paths.rs, lut-gen/tests/chain.rs), which is what all elastic forces are taken to be wrong by.
 const ELASTIC: (f64, f64) = (0.0201, 0.0201);
@@ -32,7 +34,7 @@ pub(super) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
         bare.settings.retain(|s| s.effect != candidate.effect || s.owner != candidate.owner);
         let mut added = problem.plain(&bare) - &here;
         let share = share_of(candidate, fit);
-        if share == ELASTIC {
+        if share == ELASTIC || share == RUBBED {
             beyond_base(problem, &fit.model, &here, &mut added);
         }
         forth.axpy(share.0, &added, 1.0);
@@ -81,12 +83,19 @@ fn share_of(candidate: &Candidate, fit: &Fit) -> (f64, f64) {
     let solved = fit.model.whole.as_ref().is_some_and(|whole| whole.covers(candidate.effect.code));
     match (solved, outside) {
         (true, _) if candidate.effect.code == softening::EFFECT.code => SOFTENED,
+        (true, _) if candidate.effect.code == friction::EFFECT.code => RUBBED,
         (true, _) if candidate.effect.code == relaxation::ONE.code => SOLVED_SHARE,
         (true, _) => ELASTIC,
         (false, false) if candidate.effect.code == poisson::EFFECT.code => ELASTIC,
         (false, true) => OUTSIDE,
         (false, false) => ROUGH,
     }
+}
+
+/// How far an effect may be wrong, relative, on the whole.
+pub(super) fn mean_share(candidate: &Candidate, fit: &Fit) -> f64 {
+    let (forth, back) = share_of(candidate, fit);
+    0.5 * (forth + back)
 }
 
 /// True for an effect that is written down roughly only.

@@ -2,6 +2,7 @@
 
 mod begin;
 mod form_error;
+mod held;
 mod solve;
 
 use lut_gen::chain::Setting;
@@ -10,13 +11,16 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::design::{Branch, Design};
-use super::evidence::{Adequacy, Panel, Spaces};
+use super::evidence::{self, Adequacy, Panel, Spaces};
 use super::fit::{Candidate, Coordinate, Fit, Problem, coordinates};
-use super::margin::Margin;
+use super::margin::{self, Margin};
+use super::noise::{Curve, Noise};
 use super::placebo;
+use super::prepared::Prepared;
 use begin::starts;
 pub use form_error::allowed;
 use form_error::{form_error, is_rough};
+pub(super) use held::Found;
 
 /// Likelihood ratio of 100 as a difference of sums of squares.
 pub const RATIO_100: f64 = 9.21;
@@ -45,6 +49,8 @@ pub struct Explanation {
     pub predicts: bool,
     /// It beats placebo effects.
     pub beats_placebo: bool,
+    /// By how much its last effect lowers the sum of squares, what those before it may be wrong by discounted.
+    pub gain: f64,
 }
 
 impl Explanation {
@@ -78,25 +84,61 @@ pub(super) fn score(fit: &Fit) -> f64 {
     fit.discounted + CHARGE * fit.coordinates.len() as f64
 }
 
-/// Everything a search needs.
+/// Data, noise and base, with all that a search among effects needs of them.
 #[derive(Debug)]
 pub struct Search<'a> {
     /// Data and model.
-    pub problem: &'a Problem<'a>,
-    /// Margins.
-    pub margins: &'a [Margin],
-    /// What they measure in clean twins.
-    pub panel: &'a Panel,
-    /// Clean twins.
-    pub twins: &'a DMatrix<f64>,
-    /// Candidates that this design could have.
-    pub candidates: Vec<Candidate>,
+    pub problem: Problem<'a>,
+    /// The noise.
+    pub noise: Noise,
     /// Fit of the base.
     pub base: Fit,
+    /// What the base predicts.
+    pub curves: Vec<Curve>,
+    /// Margins.
+    pub margins: Vec<Margin>,
+    /// What they measure in clean twins.
+    pub panel: Panel,
+    /// Clean twins.
+    pub twins: DMatrix<f64>,
+    /// What the base leaves.
+    pub adequacy: Adequacy,
+    /// Candidates that this design could have.
+    pub candidates: Vec<Candidate>,
     /// Signature of every candidate at the base fit.
     pub signatures: Vec<DMatrix<f64>>,
     /// What they hold of clean twins.
     pub spaces: Spaces,
+}
+
+impl<'a> Search<'a> {
+    /// Of what is prepared.
+    #[must_use]
+    pub fn new(prepared: Prepared<'a>, candidates: Vec<Candidate>) -> Self {
+        let Prepared { problem, base, noise } = prepared;
+        let curves = Problem::curves(problem.design, problem.chain, &base.model, &problem.contacts_mm);
+        let margins = margin::margins(&problem, &curves);
+        let twins = evidence::twins(&problem.whitening, &noise, &problem.used, evidence::TWINS);
+        let signatures: Vec<DMatrix<f64>> = candidates.par_iter().map(|c| signature(&problem, &base, c)).collect();
+        let spaces = Spaces::new(&signatures, &base.jacobian, &twins);
+        let none = DMatrix::zeros(problem.whitening.residuals(), 0);
+        let panel = Panel::new(&margins, &twins);
+        let adequacy = Adequacy::of(&base, &margins, &panel, &none, &twins);
+        Self { problem, noise, base, curves, margins, panel, twins, adequacy, candidates, signatures, spaces }
+    }
+
+    /// The same with noise and contact points as a fit sees them; none where that finds no noise.
+    #[must_use]
+    pub fn about(&self, fit: &Fit, stated_n: Option<f64>) -> Option<Self> {
+        let own = Prepared { problem: self.problem.clone(), base: self.base.clone(), noise: self.noise.clone() };
+        Some(Self::new(own.about(&fit.model, stated_n)?, self.candidates.clone()))
+    }
+
+    /// Largest reading of any candidate at the base.
+    #[must_use]
+    pub fn catalogue(&self) -> f64 {
+        (0..self.candidates.len()).map(|at| self.spaces.read(at, &self.base.residual)).fold(f64::MIN, f64::max)
+    }
 }
 
 /// Candidates that a design can have at all: an effect of the clock needs a clock.
@@ -165,23 +207,39 @@ impl Search<'_> {
     /// What was found out about a fit, compared with the one it extends by a candidate whose space is given.
     #[must_use]
     pub fn judged(&self, fit: Fit, before: &Fit, space: (&Spaces, usize)) -> Explanation {
-        let wrong = TOLERANT * form_error(self.problem, &fit);
-        let adequacy = Adequacy::of(&fit, self.margins, self.panel, &wrong, self.twins);
+        let wrong = TOLERANT * form_error(&self.problem, &fit);
+        let adequacy = Adequacy::of(&fit, &self.margins, &self.panel, &wrong, &self.twins);
         // what the effects before it may be wrong by is no evidence for one more
-        let allowed = allowed(self.problem, before);
+        let allowed = allowed(&self.problem, before);
         let discounted = |residual: &DVector<f64>| allowed.discounted(residual).norm_squared();
         let gain = discounted(&before.residual) - discounted(&fit.residual);
         let added = fit.coordinates.len() - before.coordinates.len();
-        let placebo = placebo::largest_gain(self.problem, before, &allowed, added);
-        let nameless = placebo::gains(self.problem, before, CHARGE);
+        let placebo = placebo::largest_gain(&self.problem, before, &allowed, added);
+        let nameless = placebo::gains(&self.problem, before, CHARGE);
         let design = self.problem.design;
         Explanation {
             beats_noise: space.0.of_gain(space.1, gain) > self.spaces.threshold,
-            predicts: left_out(design, &fit, self.problem) < left_out(design, before, self.problem),
+            predicts: left_out(design, &fit, &self.problem) < left_out(design, before, &self.problem),
             beats_placebo: gain > placebo && score(&fit) < nameless + RATIO_100,
             adequacy,
+            gain,
             fit,
         }
+    }
+
+    /// Explanations found before, once more with this search's noise, each from where it was. `singles` are what pairs extend; without them the base is extended.
+    #[must_use]
+    pub fn again(&self, list: &[Explanation], singles: Option<&[Explanation]>) -> Vec<Explanation> {
+        let each = list.par_iter().filter_map(|e| {
+            let fit = self.problem.refit(&e.fit, &allowed(&self.problem, &e.fit));
+            let first = &e.fit.candidates[..e.fit.candidates.len() - 1];
+            let before = match singles {
+                Some(singles) => &singles.iter().find(|s| s.fit.candidates == first)?.fit,
+                None => &self.base,
+            };
+            Some(self.compared(fit, before))
+        });
+        sorted(each.collect())
     }
 
     /// Explanations by one effect, the best first.
@@ -217,7 +275,7 @@ impl Search<'_> {
         };
         let fit = self.problem.fit(&two.fit.candidates, &DVector::from_fn(list.len(), |i, _| place(i)));
         if fit.square < two.fit.square {
-            let fit = self.problem.refit(&fit, &allowed(self.problem, &fit));
+            let fit = self.problem.refit(&fit, &allowed(&self.problem, &fit));
             *two = self.judged(fit, &self.base, (&self.spaces, at));
         }
     }
@@ -230,7 +288,7 @@ impl Search<'_> {
         for (at, explanation) in than.iter().enumerate().take(EXTENDED) {
             let fit = &explanation.fit;
             let others: Vec<Candidate> = self.candidates.iter().filter(|c| other(c, fit)).copied().collect();
-            let signatures: Vec<DMatrix<f64>> = others.par_iter().map(|c| signature(self.problem, fit, c)).collect();
+            let signatures: Vec<DMatrix<f64>> = others.par_iter().map(|c| signature(&self.problem, fit, c)).collect();
             let spaces = Spaces::new(&signatures, &fit.jacobian, &few);
             let mut promise: Vec<(f64, Candidate)> =
                 others.iter().enumerate().map(|(i, c)| (spaces.read(i, &fit.residual), *c)).collect();
@@ -259,8 +317,8 @@ impl Search<'_> {
     /// What was found out about a fit with one candidate more than another.
     fn compared(&self, fit: Fit, before: &Fit) -> Explanation {
         let signatures: Vec<DMatrix<f64>> =
-            fit.candidates.last().map(|last| signature(self.problem, before, last)).into_iter().collect();
-        let space = Spaces::new(&signatures, &before.jacobian, self.twins);
+            fit.candidates.last().map(|last| signature(&self.problem, before, last)).into_iter().collect();
+        let space = Spaces::new(&signatures, &before.jacobian, &self.twins);
         self.judged(fit, before, (&space, 0))
     }
 }

@@ -1,6 +1,6 @@
 //! Finite elements of whole paths for the explanations that may be named.
 
-use lut_gen::effect::{second_term, softening};
+use lut_gen::effect::{friction, second_term, softening};
 use nalgebra::DVector;
 
 use super::super::fit::{Candidate, Fit, Problem, coordinates};
@@ -19,6 +19,26 @@ const RATIO: f64 = 0.3;
 /// Solves of one fit, each at the point where the last one led, and the change of the sum of squares that ends them.
 const SOLVES: usize = 3;
 const SAME: f64 = 1.0;
+/// Solves of the likeliest explanation, which must end where its solve is.
+const SETTLES: usize = 5;
+/// A fit near a solve may promise this much less than what was left at the solve; of one that promises more only that is believed.
+const KEPT: f64 = 4.0;
+
+/// Valleys of a second term that are followed to their ground.
+const FOLLOWED: usize = 2;
+
+/// What a solve at a point left, and what a fit near it does.
+struct Solved {
+    here: Fit,
+    near: Fit,
+}
+
+impl Solved {
+    /// What the fit promises to gain on the solve.
+    fn promise(&self) -> f64 {
+        self.here.discounted - self.near.discounted
+    }
+}
 
 impl Search<'_> {
     /// The fit once more with finite elements of the whole paths at its point; none where they fail, or where the chain needs none.
@@ -27,44 +47,84 @@ impl Search<'_> {
         if !lut_gen::chain::is_rough(&fit.model) {
             return None;
         }
-        let rough = fit.candidates.iter().any(|c| is_far(c, fit));
-        let rounds = if rough { SOLVES } else { 1 };
-        let own = self.rounds(&fit.candidates, fit.x.clone(), rounds);
-        // two terms have several valleys, and the chain's own may be none
-        let term = fit.candidates.first().filter(|c| rough && fit.candidates.len() == 1 && is_term(c));
-        let others = term.into_iter().flat_map(|c| c.effect.quantities[1].starts).filter_map(|alpha| {
+        if !fit.candidates.iter().any(|c| is_far(c, fit)) {
+            return self.solve_at(&fit.candidates, &fit.x).map(|solved| solved.near);
+        }
+        let Some(term) = fit.candidates.last().filter(|c| is_term(c)) else {
+            return self.rounds(&fit.candidates, &fit.x, SOLVES);
+        };
+        // two terms have several valleys, and the chain's own may be none: each is looked into, and the deepest followed
+        let others = term.effect.quantities[1].starts.iter().map(|alpha| {
             let list = coordinates(self.problem.design, &fit.candidates);
-            let known = self.base.x.len();
+            let (base, known) = (self.base.x.len(), list.len() - 2);
             let values = [RATIO, *alpha];
-            let place = |i: usize| if i < known { self.base.x[i] } else { list[i].of(values[i - known]) };
+            let place = |i: usize| match i {
+                i if i < base => self.base.x[i],
+                i if i < known => fit.x[i],
+                i => list[i].of(values[i - known]),
+            };
             let mut x = DVector::from_fn(list.len(), |i, _| place(i));
-            suit(self.problem, (&list, &fit.candidates), &measured(self.problem), &mut x);
-            self.rounds(&fit.candidates, x, SOLVES)
+            suit(&self.problem, (&list, &fit.candidates), &measured(&self.problem), &mut x);
+            x
         });
-        others.chain(own).min_by(|a, b| a.discounted.total_cmp(&b.discounted))
+        let starts: Vec<DVector<f64>> = others.chain([fit.x.clone()]).collect();
+        let mut valleys: Vec<Solved> = starts.iter().filter_map(|x| self.solve_at(&fit.candidates, x)).collect();
+        valleys.sort_by(|a, b| a.near.discounted.total_cmp(&b.near.discounted));
+        let followed =
+            valleys.iter().take(FOLLOWED).filter_map(|v| self.rounds(&fit.candidates, &v.near.x, SOLVES - 1));
+        followed.min_by(|a, b| a.discounted.total_cmp(&b.discounted))
     }
 
-    /// Solves at a point and fits near it, some times over.
-    fn rounds(&self, candidates: &[Candidate], mut x: DVector<f64>, most: usize) -> Option<Fit> {
-        let problem = self.problem;
+    /// A fit with one more candidate, solved where the chain has it roughly only, and what was found out about it.
+    #[must_use]
+    pub fn with(&self, before: &Fit, candidate: &Candidate) -> Explanation {
+        let fit = self.extended(before, candidate);
+        let fit = self.solved(&fit).unwrap_or(fit);
+        self.compared(fit, before)
+    }
+
+    /// A fit with solves at its own place until it stays there; none where finite elements fail or are not needed.
+    #[must_use]
+    pub fn settled(&self, fit: &Fit) -> Option<Fit> {
+        if !lut_gen::chain::is_rough(&fit.model) {
+            return None;
+        }
+        self.rounds(&fit.candidates, &fit.x, SETTLES)
+    }
+
+    /// Solves at a point, and fits near it.
+    fn solve_at(&self, candidates: &[Candidate], x: &DVector<f64>) -> Option<Solved> {
+        let problem = &self.problem;
         let groups: Vec<usize> = problem.design.series.iter().map(|s| s.group).collect();
         let windows = problem.design.windows();
-        let list = coordinates(problem.design, candidates);
-        let mut found: Option<Fit> = None;
+        let model = problem.model(&coordinates(problem.design, candidates), candidates, x);
+        let whole = problem.chain.whole(&model, &problem.contacts_mm, &windows, &groups).ok()?;
+        let own = Problem { whole: Some(whole), ..problem.clone() };
+        let near = own.fit(candidates, x);
+        let allowed = allowed(problem, &near);
+        Some(Solved { near: problem.refit(&near, &allowed), here: own.at(candidates, x, Some(&allowed)) })
+    }
+
+    /// Solves at a point and fits near it, some times over, and comes back with what is near the best point that was solved: what a fit
+    /// far from its solve promises need not be kept.
+    fn rounds(&self, candidates: &[Candidate], x: &DVector<f64>, most: usize) -> Option<Fit> {
+        let mut x = x.clone();
+        let mut best: Option<Solved> = None;
         for _ in 0..most {
-            let model = problem.model(&list, candidates, &x);
-            let whole = problem.chain.whole(&model, &problem.contacts_mm, &windows, &groups).ok()?;
-            let near = Problem { whole: Some(whole), ..problem.clone() };
-            let next = near.fit(candidates, &x);
-            let next = problem.refit(&next, &allowed(problem, &next));
-            let settled = found.as_ref().is_some_and(|before| (before.discounted - next.discounted).abs() < SAME);
-            x = next.x.clone();
-            found = Some(next);
+            let solved = self.solve_at(candidates, &x)?;
+            if let Some(best) = best.as_ref().filter(|best| solved.here.discounted >= best.here.discounted) {
+                // too far: half of the way
+                x = 0.5 * (&best.here.x + &x);
+                continue;
+            }
+            x = solved.near.x.clone();
+            let settled = solved.promise() < SAME;
+            best = Some(solved);
             if settled {
                 break;
             }
         }
-        found
+        best.map(|solved| if solved.promise() < KEPT { solved.near } else { solved.here })
     }
 
     /// Finite elements of the whole paths for the best of a list, each of which is compared with what it extends: the chain is not let
@@ -97,7 +157,7 @@ impl Search<'_> {
 fn is_far(candidate: &Candidate, fit: &Fit) -> bool {
     let code = candidate.effect.code;
     let near = fit.model.whole.as_ref().is_some_and(|whole| whole.covers(code));
-    [second_term::EFFECT.code, softening::EFFECT.code].contains(&code) && !near
+    [second_term::EFFECT.code, softening::EFFECT.code, friction::EFFECT.code].contains(&code) && !near
 }
 
 fn is_term(candidate: &Candidate) -> bool {

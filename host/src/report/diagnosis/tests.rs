@@ -116,6 +116,7 @@ fn fit(candidates: Vec<Candidate>, square: f64) -> Fit {
         model,
         square,
         discounted: square,
+        price: 0.0,
         information,
         residual,
         jacobian,
@@ -127,7 +128,7 @@ fn explanation(code: &str, square: f64) -> Explanation {
     let candidate = Candidate { effect: effect::find(code, None).unwrap(), owner: 0 };
     let adequacy = Adequacy { readings: vec![0.4, -1.1], threshold: 3.5, shows_in: Vec::new() };
     let fit = fit(vec![candidate], square);
-    Explanation { fit, adequacy, beats_noise: true, predicts: true, beats_placebo: true }
+    Explanation { fit, adequacy, beats_noise: true, predicts: true, beats_placebo: true, gain: 100.0 }
 }
 
 fn evidence(held: Vec<Explanation>) -> Evidence {

@@ -28,8 +28,10 @@ type Curve = Vec<(f64, f64)>;
 pub struct Whole {
     /// Shear modulus (MPa) that it was found at: it is in proportion to that.
     mu_mpa: f64,
-    /// N at the places of every passage.
-    missed_n: Vec<Vec<f64>>,
+    /// What finite elements add and what a few places miss of the motion, N at the places of every passage.
+    missed_n: Vec<Vec<(f64, f64)>>,
+    /// How large the effect is that the former is in proportion to; none where there are several.
+    size: Option<(&'static str, f64)>,
     /// Codes of the effects that the finite elements contain.
     codes: Vec<&'static str>,
 }
@@ -41,12 +43,47 @@ impl Whole {
         self.codes.contains(&code)
     }
 
-    /// What is missed in a run of `places` places, N, at a shear modulus; nothing for a run that it was not made for.
-    pub(super) fn missed_n(&self, run: usize, places: usize, mu_mpa: f64) -> impl Iterator<Item = f64> + '_ {
+    /// What is missed in a run of `places` places by a model, N; nothing for a run that it was not made for.
+    pub(super) fn missed_n(&self, run: usize, places: usize, model: &Model) -> impl Iterator<Item = f64> + '_ {
         let own = self.missed_n.get(run).filter(|missed| missed.len() == places);
-        own.into_iter().flatten().map(move |missed| missed * mu_mpa / self.mu_mpa)
+        let stiffer = model.mu_mpa / self.mu_mpa;
+        // without the effect nothing of it is missed
+        let larger = self.size.map_or(1.0, |(code, size)| size_of(model, code) / size);
+        own.into_iter().flatten().map(move |(solved, places)| stiffer * (larger * solved + places))
     }
 }
+
+/// How large an effect is that the chain is rough about: what it misses is about in proportion to that.
+fn size_of(model: &Model, code: &str) -> f64 {
+    let own = model.settings.iter().filter(|s| s.effect.code == code);
+    own.map(|s| {
+        let amplitudes = || s.values.iter().step_by(2).sum::<f64>();
+        match code {
+            // all of the force, and again its own law alone
+            _ if code == second_term::EFFECT.code => s.values[0] / (1.0 + s.values[0]),
+            _ if code == relaxation::ONE.code => amplitudes(),
+            _ => s.values[0],
+        }
+    })
+    .sum()
+}
+
+/// The only effect of a model that the chain is rough about, with its size; none where there are several, or nothing of it.
+fn size(model: &Model) -> Option<(&'static str, f64)> {
+    let mut codes: Vec<&'static str> =
+        model.settings.iter().map(|s| s.effect.code).filter(|code| ROUGH.contains(code)).collect();
+    codes.dedup();
+    match codes[..] {
+        [code] => Some((code, size_of(model, code))).filter(|(_, size)| size.abs() > LEAST_SIZE),
+        _ => None,
+    }
+}
+
+/// Codes of what finite elements of the path are needed for.
+const ROUGH: [&str; 4] =
+    [relaxation::ONE.code, second_term::EFFECT.code, softening::EFFECT.code, friction::EFFECT.code];
+/// Least size of an effect that others are compared with.
+const LEAST_SIZE: f64 = 1e-4;
 
 /// True when a model contains what the chain, on the few places of a run, is measurably wrong about.
 #[must_use]
@@ -55,8 +92,7 @@ pub fn is_rough(model: &Model) -> bool {
 }
 
 fn needs_solve(model: &Model) -> bool {
-    let codes = [relaxation::ONE.code, second_term::EFFECT.code, softening::EFFECT.code];
-    model.settings.iter().any(|s| codes.contains(&s.effect.code))
+    model.settings.iter().any(|s| ROUGH.contains(&s.effect.code))
 }
 
 fn has(model: &Model, effect: &Effect) -> bool {
@@ -165,21 +201,27 @@ impl Chain {
             job.added = self.added(&bare, job, history)?;
             Ok::<(), SolveError>(())
         })?;
-        let solved: Vec<(Kind, Curve)> = fine
+        let solved: Vec<(Kind, (Curve, Curve))> = fine
             .par_iter()
             .enumerate()
             .map(|(at, fine)| {
                 let added = of.get(at).map(|(job, turns)| (&jobs[*job], turns.as_slice()));
-                let places = self.missed(model, &bare, fine, &windows[fine.run], contact_mm[fine.run], added);
-                let times = self.passages[fine.run].time_s.iter().copied();
-                (kind(fine.run), times.zip(places).collect())
+                let missed = |added| self.missed(model, &bare, fine, &windows[fine.run], contact_mm[fine.run], added);
+                let (places, all) = (missed(None), missed(added));
+                let solved: Vec<f64> = all.iter().zip(&places).map(|(all, places)| all - places).collect();
+                let curve = |values: Vec<f64>| self.passages[fine.run].time_s.iter().copied().zip(values).collect();
+                (kind(fine.run), (curve(solved), curve(places)))
             })
             .collect();
-        let of = |kind| solved.iter().find(|(k, _)| *k == kind).map_or(&[][..], |(_, curve)| curve);
-        let each = self.passages.iter().enumerate();
-        let missed_n = each.map(|(run, p)| p.time_s.iter().map(|t| between(of(kind(run)), *t)).collect()).collect();
+        let nothing = (Vec::new(), Vec::new());
+        let of = |kind| solved.iter().find(|(k, _)| *k == kind).map_or(&nothing, |(_, curves)| curves);
+        let missed_n = self.passages.iter().enumerate().map(|(run, p)| {
+            let (solved, places) = of(kind(run));
+            p.time_s.iter().map(|t| (between(solved, *t), between(places, *t))).collect()
+        });
+        let missed_n = missed_n.collect();
         let codes = bare.settings.iter().map(|s| s.effect.code).collect();
-        Ok(Arc::new(Whole { mu_mpa: model.mu_mpa, missed_n, codes }))
+        Ok(Arc::new(Whole { mu_mpa: model.mu_mpa, missed_n, size: size(&bare), codes }))
     }
 
     fn fine(&self, model: &Model, (run, windows): (usize, &[Window]), contact_mm: f64, remembers: bool) -> Fine {
@@ -320,7 +362,7 @@ impl Chain {
             ball: Ball { radius_mm: geometry.ball_mm + model.first(&radius::EFFECT, passage.indenter) },
             interface: Interface { friction: model.first(&friction::EFFECT, 0), ..Interface::default() },
             motion,
-            resolution: if has(model, &second_term::EFFECT) {
+            resolution: if has(model, &second_term::EFFECT) || has(model, &friction::EFFECT) {
                 Resolution::Standard
             } else {
                 Resolution::Refined(COARSE)

@@ -1,0 +1,151 @@
+//! Which explanations hold, alone or with rivals that these data do not exclude.
+
+use super::super::Progress;
+use super::super::fit::{Candidate, Fit};
+use super::{CHARGE, Explanation, RATIO_100, Search, form_error, sorted};
+
+/// What a search came to.
+#[derive(Debug)]
+pub struct Found<'a> {
+    /// Data and noise as what was found sees them.
+    pub search: Search<'a>,
+    /// Every candidate alone, the best first.
+    pub singles: Vec<Explanation>,
+    /// What was tried with two effects, the best first.
+    pub pairs: Vec<Explanation>,
+    /// Explanations that hold and that none is a hundred times likelier than, with as few effects as will do, the best first.
+    pub held: Vec<Explanation>,
+}
+
+impl<'a> Found<'a> {
+    /// Searches for one effect and then for two. After each the noise is told about the likeliest explanation: jitter that is told about a base which is wrong
+    /// by a tenth of the force passes for many times what it is, and hides whatever else is there.
+    #[must_use]
+    pub fn of(search: Search<'a>, stated_n: Option<f64>, progress: &Progress<'_>) -> Self {
+        progress("effects", 0, 2);
+        let singles = search.singles();
+        let mut found = Self { search, singles, pairs: Vec::new(), held: Vec::new() };
+        let first = likeliest(&found.singles).cloned();
+        // one with a parameter at its bound is not named: the next must be as near to its own best
+        let sound = found.singles.iter().find(|e| e.beats_noise && !e.fit.at_bound).cloned();
+        for best in first
+            .iter()
+            .chain(sound.iter().filter(|s| first.as_ref().is_none_or(|f| f.fit.candidates != s.fit.candidates)))
+        {
+            found.settle(best.clone());
+        }
+        if let Some(best) = likeliest(&found.singles).cloned() {
+            found.tell_about(&best, stated_n);
+        }
+        found.held = alike(&found.singles);
+        // where an explanation that may itself be wrong holds nothing is added to it: a second name for what it leaves would be a wrong one
+        if found.held.first().is_some_and(|best| !best.is_exact()) {
+            return found;
+        }
+        progress("effects together", 1, 2);
+        let mut base: Vec<Explanation> = found.singles.iter().filter(|e| e.beats_noise).cloned().collect();
+        if let Some(best) = found.held.first() {
+            base.retain(|e| e.fit.candidates == best.fit.candidates);
+        }
+        found.pairs = found.search.one_more(&base);
+        if let Some(best) = likeliest(&found.pairs).filter(|two| found.needs(two)).cloned() {
+            let best = found.settle(best);
+            found.tell_about(&best, stated_n);
+            found.try_twins(&best);
+        }
+        let together = alike(&found.pairs);
+        if together.first().is_some_and(|two| found.needs(two)) {
+            found.held = together;
+        } else {
+            found.held = alike(&found.singles);
+        }
+        found
+    }
+
+    /// True where two effects are clearly likelier than any one that leaves no more than noise, be that one not to be named because it ends at a bound.
+    fn needs(&self, two: &Explanation) -> bool {
+        let alone = self.singles.iter().filter(|e| e.adequacy.passes());
+        two.score() + RATIO_100 < alone.map(Explanation::score).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The likeliest explanation solved until its fit stays where its solve is: what one that is merely near its best leaves, others would explain.
+    fn settle(&mut self, best: Explanation) -> Explanation {
+        let Some(fit) = self.search.settled(&best.fit) else { return best };
+        let list = if fit.candidates.len() > 1 { &mut self.pairs } else { &mut self.singles };
+        let Some(own) = list.iter_mut().find(|e| e.fit.candidates == fit.candidates) else { return best };
+        own.fit = fit;
+        own.clone()
+    }
+
+    /// Noise and all fits once more, about an explanation.
+    fn tell_about(&mut self, best: &Explanation, stated_n: Option<f64>) {
+        if let Some(search) = self.search.about(&best.fit, stated_n) {
+            self.singles = search.again(&self.singles, None);
+            self.pairs = search.again(&self.pairs, Some(&self.singles));
+            self.search = search;
+        }
+    }
+
+    /// Tries pairs that have a stated twin in the place of the second effect: what was not tried is not excluded.
+    fn try_twins(&mut self, best: &Explanation) {
+        let [first, second] = best.fit.candidates[..] else { return };
+        let Some(before) = self.singles.iter().find(|e| e.fit.candidates == [first]) else { return };
+        let tried = |c: &Candidate| {
+            self.pairs.iter().any(|e| e.fit.candidates.contains(c) && e.fit.candidates.contains(&first))
+        };
+        let missing = self
+            .search
+            .candidates
+            .iter()
+            .filter(|c| are_twins(c, &second) && c.effect.code != first.effect.code && !tried(c));
+        let more: Vec<Explanation> = missing.map(|c| self.search.with(&before.fit, c)).collect();
+        self.pairs.extend(more);
+        self.pairs = sorted(std::mem::take(&mut self.pairs));
+    }
+}
+
+/// The likeliest that is clearly not noise.
+fn likeliest(list: &[Explanation]) -> Option<&Explanation> {
+    list.iter().filter(|e| e.beats_noise).min_by(|a, b| a.score().total_cmp(&b.score()))
+}
+
+/// True where one effect is stated to look like the other.
+fn are_twins(a: &Candidate, b: &Candidate) -> bool {
+    a.effect.code != b.effect.code
+        && (a.effect.twins.contains(&b.effect.code) || b.effect.twins.contains(&a.effect.code))
+}
+
+/// The best explanation that meets every demand, and all that leave no more than noise and are no hundred times less likely: a
+/// rival that predicts worse, loses to a placebo or ends at a bound is not named alone, but it is not excluded either.
+fn alike(list: &[Explanation]) -> Vec<Explanation> {
+    let best = list.iter().filter(|e| e.holds()).min_by(|a, b| a.score().total_cmp(&b.score()));
+    let Some(best) = best else { return Vec::new() };
+    let same = |e: &Explanation| e.fit.candidates == best.fit.candidates;
+    let rival = |e: &&Explanation| !same(e) && e.adequacy.passes() && !is_excluded(e, best);
+    let mut rivals: Vec<Explanation> = list.iter().filter(rival).cloned().collect();
+    rivals.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    rivals.insert(0, best.clone());
+    rivals
+}
+
+/// True where a rival is a hundred times less likely than the best, whatever it is charged for: parameters, and freedom that it does not need, are reasons not to
+/// name it, none to exclude it. Of stated twins the gap must also exceed what the forms of both may be wrong by.
+fn is_excluded(rival: &Explanation, best: &Explanation) -> bool {
+    let more = rival.fit.coordinates.len().saturating_sub(best.fit.coordinates.len()) as f64;
+    let charged = rival.score() - best.score() - CHARGE * more;
+    let free = (rival.fit.discounted - rival.fit.price) - (best.fit.discounted - best.fit.price);
+    charged.min(free) > RATIO_100 + doubt(rival, best)
+}
+
+/// What the forms of twins may be wrong by, as a part of what telling them apart rests on: the square of a signature is wrong by twice what it is wrong by.
+fn doubt(rival: &Explanation, best: &Explanation) -> f64 {
+    let only = |of: &Fit, other: &Fit| -> Vec<Candidate> {
+        of.candidates.iter().filter(|c| !other.candidates.contains(c)).copied().collect()
+    };
+    match (&only(&rival.fit, &best.fit)[..], &only(&best.fit, &rival.fit)[..]) {
+        ([a], [b]) if are_twins(a, b) => {
+            2.0 * best.gain * (form_error::mean_share(a, &rival.fit) + form_error::mean_share(b, &best.fit))
+        }
+        _ => 0.0,
+    }
+}
