@@ -1,0 +1,45 @@
+//! What the tests of the emulated board share.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, dead_code)]
+
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+use emulator::board::{EmulatedBoard, LSI_HZ};
+use emulator::elf::Image;
+use palpate::demo;
+use palpate::plant::{Foam, Jitter};
+
+/// The image of the board, as it is flashed.
+pub fn image() -> Image {
+    let path = std::env::var_os("PALPATE_IMAGE").map_or_else(
+        || {
+            let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
+            let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+            target.join("thumbv7em-none-eabihf/board/palpate-board")
+        },
+        PathBuf::from,
+    );
+    Image::read(&path).unwrap_or_else(|error| {
+        panic!(
+            "{error}; build it with `cargo build --profile board --target thumbv7em-none-eabihf -p firmware --features board`, \
+             or name it in PALPATE_IMAGE"
+        )
+    })
+}
+
+/// An emulated board on an empty bench without jitter.
+pub fn board() -> EmulatedBoard {
+    EmulatedBoard::new(image(), 1, Jitter::NONE, LSI_HZ).unwrap()
+}
+
+/// The demo's table, computed once.
+pub fn table() -> &'static [u8] {
+    static TABLE: OnceLock<Vec<u8>> = OnceLock::new();
+    TABLE.get_or_init(|| demo::demo_table(&|_| {}).unwrap())
+}
+
+/// The four foams of the bench.
+pub fn foams() -> &'static [Foam] {
+    static FOAMS: OnceLock<Vec<Foam>> = OnceLock::new();
+    FOAMS.get_or_init(|| demo::bench_foams(4.0, &|_| {}).unwrap())
+}
