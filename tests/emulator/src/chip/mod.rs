@@ -299,7 +299,7 @@ impl Chip {
             0x4000_0400 => self.tim3.read(offset, now),
             0x4000_0800 => self.tim4.read(offset, now),
             0x4000_0c00 => self.tim5.read(offset, now),
-            0x4000_3000 => self.watchdog.read(offset),
+            0x4000_3000 => self.watchdog.read(offset, now),
             0x4000_4800 => self.usart.read(offset, now),
             0x4000_7000 => self.pwr.read(offset),
             0x4001_0000 => self.tim1.read(offset, now),

@@ -5,6 +5,13 @@ use crate::time::{SECOND, Time};
 const KR: usize = 0x00;
 const PR: usize = 0x04;
 const RLR: usize = 0x08;
+const SR: usize = 0x0c;
+
+const RVU: u32 = 1 << 1;
+
+/// Clocks of the oscillator until a new reload value counts (RM0090 section 21.3.3: up to five). The prescaler, which is written once before the start, is
+/// taken over at once.
+const UPDATE_CLOCKS: u64 = 5;
 
 /// Its counter, on the chip's RC oscillator.
 #[derive(Debug, Clone)]
@@ -13,6 +20,8 @@ pub struct Watchdog {
     oscillator_hz: u64,
     prescaler: u32,
     reload: u32,
+    /// A new reload value, and when it is taken over.
+    update: Option<(u32, Time)>,
     unlocked: bool,
     expires: Option<Time>,
 }
@@ -20,7 +29,7 @@ pub struct Watchdog {
 impl Watchdog {
     /// Not started.
     pub fn new(oscillator_hz: u64) -> Self {
-        Watchdog { oscillator_hz, prescaler: 0, reload: 0xfff, unlocked: false, expires: None }
+        Watchdog { oscillator_hz, prescaler: 0, reload: 0xfff, update: None, unlocked: false, expires: None }
     }
 
     /// Frequency of the oscillator, Hz.
@@ -38,17 +47,33 @@ impl Watchdog {
         self.expires
     }
 
-    /// Value of a register; what was written is taken over at once.
-    pub fn read(&self, offset: usize) -> u32 {
+    /// Takes over a new reload value when its time has come.
+    fn sync(&mut self, now: Time) {
+        if let Some((reload, _)) = self.update.take_if(|(_, at)| *at <= now) {
+            self.reload = reload;
+        }
+    }
+
+    /// Value of a register.
+    pub fn read(&mut self, offset: usize, now: Time) -> u32 {
+        self.sync(now);
         match offset {
             PR => self.prescaler,
             RLR => self.reload,
+            SR => {
+                if self.update.is_some() {
+                    RVU
+                } else {
+                    0
+                }
+            }
             _ => 0,
         }
     }
 
     /// Sets a register.
     pub fn write(&mut self, offset: usize, value: u32, now: Time) {
+        self.sync(now);
         match (offset, value) {
             (KR, 0x5555) => self.unlocked = true,
             (KR, 0xcccc) => self.expires = Some(now + self.timeout()),
@@ -57,7 +82,9 @@ impl Watchdog {
                 self.expires = self.expires.map(|_| now + self.timeout());
             }
             (PR, _) if self.unlocked => self.prescaler = value & 7,
-            (RLR, _) if self.unlocked => self.reload = value & 0xfff,
+            (RLR, _) if self.unlocked => {
+                self.update = Some((value & 0xfff, now + UPDATE_CLOCKS * SECOND / self.oscillator_hz))
+            }
             _ => {}
         }
     }
@@ -71,13 +98,16 @@ mod tests {
     fn it_expires_unless_it_is_fed_and_ignores_locked_writes() {
         let mut dog = Watchdog::new(32_000);
         dog.write(RLR, 7, 0);
-        assert_eq!(dog.read(RLR), 0xfff);
-        for (offset, value) in [(KR, 0x5555), (PR, 1), (RLR, 399), (KR, 0xcccc)] {
+        assert_eq!(dog.read(RLR, SECOND), 0xfff);
+        for (offset, value) in [(KR, 0x5555), (PR, 1), (RLR, 399)] {
             dog.write(offset, value, 0);
         }
+        let taken = 5 * SECOND / 32_000;
+        assert_eq!((dog.read(SR, taken - 1), dog.read(SR, taken)), (RVU, 0));
+        dog.write(KR, 0xcccc, taken);
         // 400 counts of 8 clocks of 32 kHz are 100 ms.
-        assert_eq!(dog.next_event(), Some(SECOND / 10));
-        dog.write(KR, 0xaaaa, 1000);
-        assert_eq!(dog.next_event(), Some(1000 + SECOND / 10));
+        assert_eq!(dog.next_event(), Some(taken + SECOND / 10));
+        dog.write(KR, 0xaaaa, taken + 1000);
+        assert_eq!(dog.next_event(), Some(taken + 1000 + SECOND / 10));
     }
 }

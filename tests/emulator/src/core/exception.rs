@@ -67,10 +67,10 @@ impl Core {
         let returns = if control & FPCA != 0 { to & !BASIC } else { to };
         // A hung program comes back to the place where it hangs, which the handlers' return must find.
         self.hung_below = hung.then_some(self.chip().nvic.depth()).or(self.hung_below);
-        if !stacked && exception != crate::chip::HARD_FAULT {
-            // The frame is lost: the derived fault is taken on the same stack pointer.
-            self.chip_mut().nvic.enter(crate::chip::HARD_FAULT);
-            return self.begin(crate::chip::HARD_FAULT, returns, vectors, status, control);
+        if !stacked {
+            // A fault while a frame is written escalates to HardFault, whose own frame cannot be written either.
+            self.activity = Activity::LockedUp;
+            return Ok(());
         }
         self.begin(exception, returns, vectors, status, control)
     }

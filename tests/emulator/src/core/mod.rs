@@ -290,17 +290,6 @@ impl Core {
         Ok(())
     }
 
-    #[doc(hidden)]
-    pub fn debug(&self) -> String {
-        format!(
-            "pc {:#x} sp {:#x} {:?} serving {}",
-            self.uc.pc_read().unwrap_or(0),
-            self.uc.reg_read(RegisterARM::SP).unwrap_or(0),
-            self.activity,
-            self.chip().nvic.serving()
-        )
-    }
-
     fn register(&self, register: RegisterARM) -> Result<u32, CoreError> {
         self.uc.reg_read(register).map(|v| v as u32).map_err(|source| CoreError::Emulator { pc: 0, source })
     }
