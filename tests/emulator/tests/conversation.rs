@@ -13,7 +13,6 @@ use palpate::link::{Disturbance, Disturbed, Link, Tcp};
 use palpate::session::{Event, Patience, Session};
 use protocol::lut::Table;
 use protocol::message::{ResetCause, State};
-use tests::samples::small_table;
 
 #[test]
 fn the_image_answers_hello_and_sends_a_record_every_tick() {
@@ -48,9 +47,7 @@ fn two_runs_are_the_same_to_the_bit_and_to_the_instruction() {
 
 #[test]
 fn a_table_gets_through_a_noisy_line_and_survives_a_power_cycle() {
-    let mut spec = small_table();
-    spec.provenance = "a sentence that makes the table longer than a few pieces; ".repeat(40);
-    let table = spec.to_bytes().unwrap();
+    let table = common::small_table(&"a sentence that makes the table longer than a few pieces; ".repeat(40));
     let line = Disturbed::new(EmulatedUart::new(common::board()), Disturbance::default(), 7);
     let (mut session, _) = Session::open(line, Patience::default()).unwrap();
     // One byte in a thousand is damaged or lost: of a piece with 210 bytes and its answer a fifth fail.

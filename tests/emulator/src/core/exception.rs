@@ -4,7 +4,7 @@ use unicorn_engine::RegisterARM;
 
 use crate::chip::{FLASH_BASE, Reset};
 
-use super::{Activity, Core, CoreError, RAM_BASE, RAM_LEN};
+use super::{Activity, Core, CoreError, RAM_BASE};
 
 /// Registers of the basic frame before return address and status.
 const SAVED: [RegisterARM; 6] =
@@ -131,8 +131,7 @@ impl Core {
     /// Starts from the vector table. RAM holds noise after a loss of power, and keeps its content otherwise.
     pub(super) fn reset(&mut self, cause: Reset) -> Result<(), CoreError> {
         if matches!(cause, Reset::Power | Reset::BrownOut) {
-            let noise: Vec<u8> = (0..RAM_LEN as u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-            self.uc.mem_write(RAM_BASE.into(), &noise).map_err(|e| self.failed(e))?;
+            self.uc.mem_write(RAM_BASE.into(), &super::memory::noise()).map_err(|e| self.failed(e))?;
         }
         self.replace_chip(cause);
         let now = self.chip().now;

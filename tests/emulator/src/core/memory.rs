@@ -70,6 +70,9 @@ pub(super) fn settle(uc: &mut Unicorn<'_, Shared>) -> bool {
         // An address outside RAM would be a wrong set-up of the stream, which the program sees by its ring staying empty.
         let _ = uc.mem_write(address.into(), &value.to_le_bytes());
     }
+    if let Some(log) = &mut uc.get_data_mut().flash_log {
+        log.extend(&changes);
+    }
     for change in changes {
         let _ = match change {
             Change::Word(offset, word) => uc.mem_write(place(offset), &word.to_le_bytes()),
@@ -89,13 +92,37 @@ fn place(offset: usize) -> u64 {
     u64::from(FLASH_BASE) + offset as u64
 }
 
+/// What RAM holds after power has come.
+pub(super) fn noise() -> Vec<u8> {
+    (0..RAM_LEN as u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect()
+}
+
 impl Core {
+    /// Most stack that was used since power came, and all there is, bytes: from the initial stack pointer down to the first byte that no longer holds the
+    /// noise of the start. The stack lies at the bottom of RAM.
+    ///
+    /// # Errors
+    /// [`CoreError`].
+    pub fn stack(&self) -> Result<(usize, usize), CoreError> {
+        let mut top = [0; 4];
+        self.uc.mem_read(FLASH_BASE.into(), &mut top).map_err(|e| self.failed(e))?;
+        let all = (u32::from_le_bytes(top) - RAM_BASE) as usize;
+        let found = self.uc.mem_read_as_vec(RAM_BASE.into(), all).map_err(|e| self.failed(e))?;
+        let untouched = found.iter().zip(noise()).take_while(|(byte, noise)| *byte == noise).count();
+        Ok((all - untouched, all))
+    }
+
     /// Content of the flash.
     ///
     /// # Errors
     /// [`CoreError`].
     pub fn flash(&self) -> Result<Vec<u8>, CoreError> {
         self.uc.mem_read_as_vec(FLASH_BASE.into(), FLASH_LEN).map_err(|e| self.failed(e))
+    }
+
+    /// Begins to note every change that the program makes in the flash, or ends it; returns what was noted so far.
+    pub fn log_flash(&mut self, on: bool) -> Vec<Change> {
+        std::mem::replace(&mut self.uc.get_data_mut().flash_log, on.then(Vec::new)).unwrap_or_default()
     }
 
     /// Puts bytes into the flash from `offset` on, as a programmer does.

@@ -6,7 +6,7 @@ mod memory;
 
 use unicorn_engine::{Arch, ArmCpuModel, Mode, RegisterARM, Unicorn, uc_error};
 
-use crate::chip::{Chip, FLASH_BASE, FLASH_LEN, HARD_FAULT, Reset, Wiring};
+use crate::chip::{Change, Chip, FLASH_BASE, FLASH_LEN, HARD_FAULT, Reset, Wiring};
 use crate::elf::Image;
 use crate::time::{SECOND, Time};
 
@@ -35,6 +35,8 @@ struct Shared {
     returning: bool,
     /// A fault was raised.
     faulted: bool,
+    /// Changes of the flash, while somebody wants to know them.
+    flash_log: Option<Vec<Change>>,
     /// Injected fault.
     trap: Option<Trap>,
     /// The trap's place was reached.
@@ -122,6 +124,7 @@ impl Core {
             sleeping: false,
             returning: false,
             faulted: false,
+            flash_log: None,
             trap: None,
             trapped: false,
         };

@@ -8,6 +8,7 @@ use emulator::board::{EmulatedBoard, LSI_HZ};
 use emulator::elf::Image;
 use palpate::demo;
 use palpate::plant::{Foam, Jitter};
+use protocol::lut::{AxisSpec, Role, Scale, TableSpec, axis_name};
 
 /// The image of the board, as it is flashed.
 pub fn image() -> Image {
@@ -30,6 +31,29 @@ pub fn image() -> Image {
 /// An emulated board on an empty bench without jitter.
 pub fn board() -> EmulatedBoard {
     EmulatedBoard::new(image(), 1, Jitter::NONE, LSI_HZ).unwrap()
+}
+
+/// A table of three columns and two depths, with a provenance of its own.
+pub fn small_table(provenance: &str) -> Vec<u8> {
+    let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
+        name: name.into(),
+        unit: unit.into(),
+        role,
+        scale: Scale::Listed,
+        values: values.to_vec(),
+    };
+    let spec = TableSpec {
+        axes: vec![
+            axis(axis_name::DEPTH, "mm", Role::Row, &[1.0, 2.0]),
+            axis(axis_name::ALPHA, "", Role::Column, &[1.0, 2.0, 3.0]),
+        ],
+        columns: [1.0, 2.0, 3.0].map(|n| vec![n, 2.0 * n]).to_vec(),
+        library: vec![],
+        discretisation: 0.0,
+        interpolation: 0.0,
+        provenance: provenance.into(),
+    };
+    spec.to_bytes().unwrap()
 }
 
 /// The demo's table, computed once.
