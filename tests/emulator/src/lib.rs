@@ -6,6 +6,7 @@
 pub mod board;
 pub mod chip;
 pub mod core;
+pub mod debug;
 pub mod elf;
 pub mod link;
 pub mod server;

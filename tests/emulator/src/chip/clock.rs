@@ -21,6 +21,7 @@ pub struct Rcc {
 }
 
 const CR: usize = 0x00;
+const PLLCFGR: usize = 0x04;
 const CFGR: usize = 0x08;
 const BDCR: usize = 0x70;
 const CSR: usize = 0x74;
@@ -47,7 +48,7 @@ impl Rcc {
         let kept = if cause == Reset::Power { 0 } else { earlier.map_or(0, |rcc| rcc.flags) };
         let mut words = [0; 0x24];
         words[CR / 4] = 0x83;
-        words[0x04 / 4] = 0x2400_3010;
+        words[PLLCFGR / 4] = 0x2400_3010;
         Rcc { words, flags: flags | kept }
     }
 

@@ -60,13 +60,7 @@ impl Watchdog {
         match offset {
             PR => self.prescaler,
             RLR => self.reload,
-            SR => {
-                if self.update.is_some() {
-                    RVU
-                } else {
-                    0
-                }
-            }
+            SR if self.update.is_some() => RVU,
             _ => 0,
         }
     }

@@ -136,7 +136,7 @@ impl Core {
         self.replace_chip(cause);
         let now = self.chip().now;
         self.resets.push((now, cause));
-        self.activity = Activity::Running;
+        self.activity = if self.catch_reset { Activity::Halted } else { Activity::Running };
         self.hung_below = None;
         let (stack, start) = (self.word(FLASH_BASE)?, self.word(FLASH_BASE + 4)?);
         for (register, value) in [

@@ -1,8 +1,10 @@
 //! The Cortex-M4F: instructions by the unicorn emulator, exceptions, sleep and time by ours.
 
 mod cost;
+mod debug;
 mod exception;
 mod memory;
+mod trap;
 
 use unicorn_engine::{Arch, ArmCpuModel, Mode, RegisterARM, Unicorn, uc_error};
 
@@ -11,6 +13,7 @@ use crate::elf::Image;
 use crate::time::{SECOND, Time};
 
 use cost::Cost;
+pub use trap::{Deed, Trap};
 
 /// RAM of the linker's map.
 pub(crate) const RAM_BASE: u32 = 0x2000_0000;
@@ -18,6 +21,10 @@ pub(crate) const RAM_LEN: usize = 192 << 10;
 
 /// Never reached: there is no memory.
 const NOWHERE: u64 = 0xf000_0000;
+
+/// Numbers that unicorn gives to what ends a block (QEMU's `EXCP_BKPT` and `EXCP_EXCEPTION_EXIT`).
+const BREAKPOINT: u32 = 7;
+const EXCEPTION_RETURN: u32 = 8;
 
 /// What the emulator's hooks share with the core.
 struct Shared {
@@ -33,6 +40,8 @@ struct Shared {
     sleeping: bool,
     /// An exception return was reached.
     returning: bool,
+    /// A breakpoint was reached.
+    breakpoint: bool,
     /// A fault was raised.
     faulted: bool,
     /// Changes of the flash, while somebody wants to know them.
@@ -43,28 +52,6 @@ struct Shared {
     trapped: bool,
 }
 
-/// What an injected fault does to the program when it reaches a place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Deed {
-    /// It never gets on from there; interrupts are served.
-    Hang,
-    /// The same with interrupts masked.
-    HangMasked,
-    /// The function returns at once, having done nothing.
-    Skip,
-    /// It goes on with so many bytes of stack left.
-    StackLeft(u32),
-}
-
-/// A place and what happens there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Trap {
-    /// Address of the function.
-    pub address: u32,
-    /// What happens.
-    pub deed: Deed,
-}
-
 /// How the core spends its time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Activity {
@@ -73,6 +60,8 @@ enum Activity {
     Sleeping,
     /// At an injected hang: time passes, interrupts are served unless masked.
     Hung,
+    /// In the hands of a debugger: no time passes.
+    Halted,
     /// A fault in a fault: only a reset helps (ARMv7-M ARM, B1.5.15).
     LockedUp,
 }
@@ -96,6 +85,10 @@ pub struct Core {
     activity: Activity,
     /// Depth of nested exceptions above which a hung program waits.
     hung_below: Option<usize>,
+    /// A debugger is connected, and wants the core halted after a reset.
+    debugged: bool,
+    catch_reset: bool,
+    at_breakpoint: bool,
     /// Reset causes since the start, in order.
     resets: Vec<(Time, Reset)>,
 }
@@ -123,6 +116,7 @@ impl Core {
             event: false,
             sleeping: false,
             returning: false,
+            breakpoint: false,
             faulted: false,
             flash_log: None,
             trap: None,
@@ -131,7 +125,15 @@ impl Core {
         let mut uc = Unicorn::new_with_data(Arch::ARM, Mode::THUMB | Mode::MCLASS, shared).map_err(failed)?;
         uc.ctl_set_cpu_model(ArmCpuModel::CORTEX_M4 as i32).map_err(failed)?;
         memory::map(&mut uc).map_err(failed)?;
-        let mut core = Core { uc, activity: Activity::Running, hung_below: None, resets: Vec::new() };
+        let mut core = Core {
+            uc,
+            activity: Activity::Running,
+            hung_below: None,
+            debugged: false,
+            catch_reset: false,
+            at_breakpoint: false,
+            resets: Vec::new(),
+        };
         core.hook(&sleeps, &wakes).map_err(failed)?;
         core.set_flash(0, &vec![0xff; FLASH_LEN])?;
         core.set_flash(0, &code)?;
@@ -162,12 +164,12 @@ impl Core {
             uc.add_code_hook(address.into(), address.into(), |uc, _, _| uc.get_data_mut().event = true)?;
         }
         uc.add_intr_hook(|uc, number| {
-            // 8: an exception return; everything else (undefined, SVC, BKPT) is none of the image's.
+            // Everything else (undefined, SVC) is none of the image's.
             let shared = uc.get_data_mut();
-            if number == 8 {
-                shared.returning = true;
-            } else {
-                shared.faulted = true;
+            match number {
+                EXCEPTION_RETURN => shared.returning = true,
+                BREAKPOINT => shared.breakpoint = true,
+                _ => shared.faulted = true,
             }
             let _ = uc.emu_stop();
         })?;
@@ -194,27 +196,6 @@ impl Core {
         self.uc.get_data().cost.instructions
     }
 
-    /// Lets `trap` happen when the program next comes to its place; `None` calls it off.
-    ///
-    /// # Errors
-    /// [`CoreError`].
-    pub fn set_trap(&mut self, trap: Option<Trap>) -> Result<(), CoreError> {
-        if let Some(trap) = trap {
-            let place = u64::from(trap.address);
-            let set = self.uc.add_code_hook(place, place, |uc, address, _| {
-                let shared = uc.get_data_mut();
-                if shared.trap.is_some_and(|t| u64::from(t.address) == address) {
-                    shared.trapped = true;
-                    let _ = uc.emu_stop();
-                }
-            });
-            // Blocks translated before do not know the hook.
-            set.and_then(|_| self.uc.ctl_flush_tb()).map_err(|e| self.failed(e))?;
-        }
-        self.uc.get_data_mut().trap = trap;
-        Ok(())
-    }
-
     /// Runs until `until`.
     ///
     /// # Errors
@@ -224,6 +205,9 @@ impl Core {
         while self.chip().now < until {
             if let Some(cause) = self.chip_mut().reset.take() {
                 self.reset(cause)?;
+            }
+            if self.activity == Activity::Halted {
+                break;
             }
             self.take_exception()?;
             match self.activity {
@@ -251,13 +235,19 @@ impl Core {
         let at = self.register(RegisterARM::PC)?;
         let shared = self.uc.get_data_mut();
         let returning = std::mem::take(&mut shared.returning) || at >= 0xffff_ff00;
+        let breakpoint = std::mem::take(&mut shared.breakpoint);
         let faulted = std::mem::take(&mut shared.faulted);
         let trapped = std::mem::take(&mut shared.trapped);
         let sleeping = std::mem::take(&mut shared.sleeping);
         if returning {
             return self.leave_exception(at);
         }
-        if faulted || result.is_err() {
+        if breakpoint && self.debugged {
+            self.activity = Activity::Halted;
+            self.at_breakpoint = true;
+            return Ok(());
+        }
+        if faulted || breakpoint || result.is_err() {
             return self.fault();
         }
         if trapped {
@@ -265,30 +255,8 @@ impl Core {
         }
         if sleeping {
             // Past the instruction, which is two bytes long.
-            self.set_register(RegisterARM::PC, at + 2 | 1)?;
+            self.set_register(RegisterARM::PC, (at + 2) | 1)?;
             self.activity = Activity::Sleeping;
-        }
-        Ok(())
-    }
-
-    /// Carries out the injected fault.
-    fn spring(&mut self) -> Result<(), CoreError> {
-        let Some(trap) = self.uc.get_data_mut().trap.take() else {
-            return Ok(());
-        };
-        match trap.deed {
-            Deed::Hang => self.activity = Activity::Hung,
-            Deed::HangMasked => {
-                self.set_register(RegisterARM::PRIMASK, 1)?;
-                self.activity = Activity::Hung;
-            }
-            Deed::Skip => {
-                let back = self.register(RegisterARM::LR)?;
-                self.set_register(RegisterARM::PC, back | 1)?;
-                // Until it is called off.
-                self.uc.get_data_mut().trap = Some(trap);
-            }
-            Deed::StackLeft(bytes) => self.set_register(RegisterARM::SP, RAM_BASE + (bytes & !7))?,
         }
         Ok(())
     }

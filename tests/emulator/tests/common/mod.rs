@@ -12,20 +12,25 @@ use protocol::lut::{AxisSpec, Role, Scale, TableSpec, axis_name};
 
 /// The image of the board, as it is flashed.
 pub fn image() -> Image {
-    let path = std::env::var_os("PALPATE_IMAGE").map_or_else(
-        || {
-            let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-            let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-            target.join("thumbv7em-none-eabihf/board/palpate-board")
-        },
-        PathBuf::from,
-    );
+    let path = image_path();
     Image::read(&path).unwrap_or_else(|error| {
         panic!(
             "{error}; build it with `cargo build --profile board --target thumbv7em-none-eabihf -p firmware --features board`, \
              or name it in PALPATE_IMAGE"
         )
     })
+}
+
+/// Where the image is.
+pub fn image_path() -> PathBuf {
+    std::env::var_os("PALPATE_IMAGE").map_or_else(
+        || {
+            let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
+            let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+            target.join("thumbv7em-none-eabihf/board/palpate-board")
+        },
+        PathBuf::from,
+    )
 }
 
 /// An emulated board on an empty bench without jitter.
