@@ -3,7 +3,7 @@
 board_target := "thumbv7em-none-eabihf"
 
 # What CI runs, in its order.
-check: format lint docs board slurm test
+check: format lint docs board slurm emulator test
 
 # Formatting, as rustfmt.toml has it.
 format:
@@ -23,6 +23,10 @@ docs:
 board:
     cargo build --profile board --target {{board_target}} -p firmware --features board
     firmware/size-budget.sh
+
+# The real image on an emulated board; needs cmake and libclang, which it installs with apt-get where it can.
+emulator:
+    .ci/emulator
 
 # The README's test command.
 test:

@@ -8,7 +8,7 @@ set -eu
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 elf=${1:-${CARGO_TARGET_DIR:-$root/target}/thumbv7em-none-eabihf/board/palpate-board}
-# Code and constants of 128 KiB leave five sixths of bank 1; RAM keeps half of 192 KiB for the stack.
+# Code and constants of 128 KiB leave five sixths of bank 1; of 192 KiB of RAM the stack has 64 KiB to itself.
 text_budget=131072
 ram_budget=98304
 

@@ -3,22 +3,19 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use embassy_futures::select::{Either, select};
-use embassy_stm32::peripherals::IWDG;
-use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_time::{Duration, Instant, Ticker};
 use firmware::board::{Board, Inputs};
+use protocol::message::State;
 
 use super::flash::BoardFlash;
 use super::outputs::{Actuator, Arm};
-use super::{FAST, Link, PACKET_LEN, RECEIVED, TO_UART, TO_USB, sampling};
+use super::watchdog::Watchdog;
+use super::{FAST, Link, PACKET_LEN, RECEIVED, TO_UART, TO_USB, sampling, stop};
 
-/// Time the watchdog waits: 25 ticks, and four times the longest check of a table when an upload is committed.
-pub const WATCHDOG_US: u32 = 500_000;
-
-/// Ticks within which sampling and links must have shown themselves.
-const CHECK_IN_TICKS: u32 = 10;
+/// Ticks within which sampling and links must have shown themselves: two turns of a link that is silent.
+const CHECK_IN_TICKS: u32 = 5;
 
 /// Turns of the receiving tasks of both links, which also turn when nothing arrives.
 pub static USB_TURNS: AtomicU32 = AtomicU32::new(0);
@@ -46,14 +43,15 @@ impl CheckIn {
 }
 
 /// Between ticks bytes of the links are carried out as they come. The watchdog is fed here and nowhere else, and only while
-/// sampling and the receiving tasks of both links turn: a hang of any of them resets the board, outputs off. The watchdog runs on the
-/// chip's RC oscillator (17 to 47 kHz, data sheet), so its time is 0.34 to 0.94 s, after up to 0.2 s until a missing check-in counts.
+/// sampling and the receiving tasks of both links turn. While outputs are on a missing check-in switches them off at once, and a missing sampling
+/// always: by registers, as the task that drives them may be the one that hangs, and nothing turns them on again before the reset that follows. A hang
+/// of this task itself leaves them on for as long as the watchdog waits.
 #[embassy_executor::task]
 pub async fn run(
     board: &'static mut Board<BoardFlash>,
     mut actuator: Actuator,
     mut arm: Arm,
-    mut watchdog: IndependentWatchdog<'static, IWDG>,
+    mut watchdog: Watchdog,
     has_uart: bool,
 ) -> ! {
     let mut ticker = Ticker::every(Duration::from_hz(u64::from(protocol::TICK_HZ)));
@@ -62,7 +60,8 @@ pub async fn run(
     let mut tick_us = 0;
     let period = Duration::from_hz(u64::from(protocol::TICK_HZ));
     let mut previous = Instant::now();
-    watchdog.unleash();
+    let mut given_up = false;
+    watchdog.start();
     defmt::info!("board started");
     loop {
         match select(ticker.next(), RECEIVED.receive()).await {
@@ -78,6 +77,8 @@ pub async fn run(
                 let overrun = sampling::OVERRUN.swap(false, Ordering::Relaxed);
                 let inputs = Inputs::from_fast(&averaged.unwrap_or_default(), overrun, tick_us);
                 let outputs = board.tick(&inputs);
+                let on = matches!(board.state(), State::Approach | State::Contact | State::Display);
+                watchdog.set_outputs_on(on);
                 FAST.lock(|cell| {
                     if let Some(fast) = cell.borrow_mut().as_mut() {
                         fast.set_target_a(outputs.coil_target_a);
@@ -90,8 +91,12 @@ pub async fn run(
                 // All three are looked at in every tick, or a counter would be compared with an old one.
                 let alive =
                     [sampled.alive(&sampling::HALVES), usb.alive(&USB_TURNS), uart.alive(&UART_TURNS) || !has_uart];
-                if alive == [true; 3] {
-                    watchdog.pet();
+                // The coil's switch is in the hands of the sampling task, whatever this board wants.
+                if !alive[0] || on && alive != [true; 3] {
+                    stop::outputs_off();
+                    given_up = true;
+                } else if alive == [true; 3] && !given_up {
+                    watchdog.feed();
                 }
             }
             Either::Second(packet) => {

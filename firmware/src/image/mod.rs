@@ -8,6 +8,7 @@ mod sampling;
 mod serial;
 mod stop;
 mod usb;
+mod watchdog;
 
 use core::cell::RefCell;
 
@@ -15,7 +16,6 @@ use embassy_executor::{InterruptExecutor, Spawner};
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, adc, bind_interrupts, dma, peripherals, rcc, time::Hertz, usart};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
@@ -27,6 +27,7 @@ use firmware::fast::FastLoop;
 use static_cell::StaticCell;
 
 use self::flash::BoardFlash;
+use self::watchdog::Watchdog;
 
 bind_interrupts!(struct Irqs {
     DMA2_STREAM0 => dma::InterruptHandler<peripherals::DMA2_CH0>;
@@ -119,7 +120,7 @@ async fn main(spawner: Spawner) {
             coil_current: p.PB1,
         },
     );
-    let watchdog = IndependentWatchdog::new(p.IWDG, control::WATCHDOG_US);
+    let watchdog = Watchdog::take(p.IWDG);
     let usb = usb::start(p.USB_OTG_FS, p.PA12, p.PA11);
     let uart = serial::start(p.USART3, p.PD9, p.PD8);
 

@@ -4,8 +4,8 @@ use firmware::board::Outputs;
 use firmware::sensor::RawSamples;
 
 use super::{
-    Actuator, Arm, Coil, Converter, Finger, Fluid, Foam, Fsr, Jitter, LoadCell, Noise, Placed, Potentiometer, STEP_S,
-    Source, Touch, Transducer, Truth,
+    Actuator, Arm, Broken, Coil, Converter, Finger, Fluid, Foam, Fsr, Input, Jitter, LoadCell, Noise, OVERSAMPLED,
+    Placed, Potentiometer, STEP_S, Source, Touch, Transducer, Truth,
 };
 
 /// Height of the arm's home above the specimen, mm: the approach in which the board learns the force's zero.
@@ -22,6 +22,9 @@ const COIL_SUPPLY_V: f64 = 36.0;
 
 /// Shunt amplifier of the coil: reading without current, and A for the full reference.
 const SHUNT: (f64, f64) = (0.05, 3.3);
+
+/// Analog inputs of the board.
+const INPUTS: usize = 5;
 
 /// Everything around the board.
 #[derive(Debug, Clone)]
@@ -43,6 +46,7 @@ pub struct Bench {
     coil: Coil,
     fluid: Fluid,
     converter: Converter,
+    broken: [Option<Broken>; INPUTS],
 }
 
 impl Bench {
@@ -68,6 +72,7 @@ impl Bench {
             coil: Coil::default(),
             fluid: Fluid::default(),
             converter: Converter::new(seed),
+            broken: [None; INPUTS],
         }
     }
 
@@ -104,8 +109,27 @@ impl Bench {
         }
     }
 
+    /// Breaks the sensor of an input, or mends it.
+    pub fn set_broken(&mut self, input: Input, broken: Option<Broken>) {
+        self.broken[input as usize] = broken;
+    }
+
     /// Lets [`STEP_S`] pass under the board's outputs and the fast loop's duty; returns what the converter then reads.
     pub fn step(&mut self, outputs: &Outputs, coil_duty: f32) -> RawSamples {
+        self.advance(outputs, coil_duty);
+        let ratios = self.ratios();
+        RawSamples::from_channels(ratios.map(|true_ratio| self.converter.ratio(true_ratio)))
+    }
+
+    /// What the inputs' next readings see, by input and reading, in codes and not rounded: for a board with a converter of its own. The noise
+    /// is that of [`Bench::step`].
+    pub fn voltages(&mut self) -> [[f64; OVERSAMPLED]; INPUTS] {
+        let ratios = self.ratios();
+        ratios.map(|true_ratio| self.converter.voltages(true_ratio))
+    }
+
+    /// Lets [`STEP_S`] pass without a reading.
+    pub fn advance(&mut self, outputs: &Outputs, coil_duty: f32) {
         let rate_mm_s = if outputs.arm_run {
             -f64::from(outputs.arm_rate_mm_s)
         } else {
@@ -118,16 +142,20 @@ impl Bench {
         self.actuator.step(f64::from(outputs.actuator_v), STEP_S);
         self.coil.step(f64::from(coil_duty) * COIL_SUPPLY_V, STEP_S);
         self.fluid.step(self.coil.current_a(), STEP_S);
+    }
+
+    /// True voltages at the inputs, as fractions of the reference.
+    fn ratios(&self) -> [f64; INPUTS] {
         let probe_mm = self.arm.position_mm();
         let felt_n = self.placed.as_ref().map_or(0.0, |p| p.felt_n(probe_mm));
-        let mut read = |true_ratio| self.converter.ratio(true_ratio);
-        RawSamples {
-            load_cell: read(self.load_cell.ratio(felt_n)),
-            fsr: read(self.fsr.ratio()),
-            potentiometer: read(self.potentiometer.ratio(self.actuator.position_mm())),
-            probe_position: read(self.transducer.ratio(probe_mm)),
-            coil_current: read(SHUNT.0 + self.coil.current_a() / SHUNT.1),
-        }
+        let sound = [
+            self.load_cell.ratio(felt_n),
+            self.fsr.ratio(),
+            self.potentiometer.ratio(self.actuator.position_mm()),
+            self.transducer.ratio(probe_mm),
+            SHUNT.0 + self.coil.current_a() / SHUNT.1,
+        ];
+        std::array::from_fn(|i| self.broken[i].map_or(sound[i], Broken::ratio))
     }
 
     /// What no sensor says, for the board's tick number `tick` at `time_s`.

@@ -6,7 +6,7 @@ use super::{Noise, Source};
 const CODES: f64 = 4096.0;
 
 /// Readings averaged into one.
-const OVERSAMPLED: u32 = 16;
+pub const OVERSAMPLED: usize = 16;
 
 /// Input noise, codes (typical of the STM32F4's converter at 3.3 V; it is also the dither that makes the
 /// average finer than a code).
@@ -24,16 +24,17 @@ impl Converter {
         Converter { noise: Noise::new(seed, Source::Converter) }
     }
 
+    /// Voltages of the oversampled readings with the input's noise, in codes and not rounded, of a voltage that is a fraction of the
+    /// reference, 0 to 1.
+    pub fn voltages(&mut self, true_ratio: f64) -> [f64; OVERSAMPLED] {
+        std::array::from_fn(|_| true_ratio * CODES + NOISE_CODES * self.noise.normal())
+    }
+
     /// Mean of the oversampled readings of a voltage, both as fraction of the reference, 0 to 1.
     pub fn ratio(&mut self, true_ratio: f64) -> f32 {
-        let mut sum = 0.0;
-        for _ in 0..OVERSAMPLED {
-            let code = (true_ratio * CODES + NOISE_CODES * self.noise.normal()).floor();
-            sum += code.clamp(0.0, CODES - 1.0);
-        }
-        // Half a code: a code stands for the middle of its voltages.
-        let mean = sum / f64::from(OVERSAMPLED) + 0.5;
-        (mean / CODES) as f32
+        // The first transition lies at half a code (STM32F429 data sheet): a code stands for the voltages about its own.
+        let sum: f64 = self.voltages(true_ratio).map(|code| code.round().clamp(0.0, CODES - 1.0)).iter().sum();
+        (sum / OVERSAMPLED as f64 / CODES) as f32
     }
 }
 

@@ -11,16 +11,26 @@ use firmware::board::{Board, Identity, Inputs, Outputs};
 use firmware::config::BoardConfig;
 use firmware::fast::{FAST_STEPS, FastLoop};
 use firmware::flash::{BANK_LEN, RamFlash};
+use firmware::sensor::RawSamples;
 use protocol::TICK_HZ;
 use protocol::lut::Table;
 use protocol::message::{ResetCause, State};
 
 pub use server::{Server, serve};
 
-use crate::plant::{Bench, Foam, Jitter, Touch, Truth};
+use crate::plant::{Bench, Broken, Foam, Input, Jitter, Touch, Truth};
 
 /// Truths kept for a listener that does not take them: ten seconds.
 const TRUTHS: usize = 500;
+
+/// When the control tick comes and acts, against the fast loop's steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Timing {
+    /// Steps of the fast loop before those of the first tick.
+    pub early_steps: u32,
+    /// A tick falls into a step that has begun under the previous outputs, as on the real board; otherwise right between two.
+    pub within_step: bool,
+}
 
 /// A board with simulated surroundings.
 #[derive(Debug)]
@@ -28,7 +38,10 @@ pub struct SimulatedBoard {
     board: Board<RamFlash<Vec<u8>>>,
     fast: FastLoop,
     bench: Bench,
+    timing: Timing,
     outputs: Outputs,
+    /// Readings of the step into which the last tick fell.
+    begun: Option<RawSamples>,
     coil_duty: f32,
     tick: u32,
     tick_us: u16,
@@ -49,12 +62,24 @@ impl SimulatedBoard {
             tick_us_max: config.safety.tick_us,
             board: Board::new(config, RamFlash::new(vec![0xff; BANK_LEN]), identity),
             bench: Bench::new(seed, jitter),
+            timing: Timing::default(),
             outputs: Outputs::default(),
+            begun: None,
             coil_duty: 0.0,
             tick: 0,
             tick_us: 0,
             truths: std::collections::VecDeque::new(),
         }
+    }
+
+    /// Gives a board that has not been stepped yet another timing.
+    pub fn set_timing(&mut self, timing: Timing) {
+        self.timing = timing;
+    }
+
+    /// Breaks a sensor, or mends it.
+    pub fn set_broken(&mut self, input: Input, broken: Option<Broken>) {
+        self.bench.set_broken(input, broken);
     }
 
     /// Bytes from the host.
@@ -75,10 +100,15 @@ impl SimulatedBoard {
 
     /// Lets one control tick pass.
     pub fn step(&mut self) {
+        let early = if self.tick == 0 { self.timing.early_steps } else { 0 };
         self.bench.next_sample();
-        for _ in 0..FAST_STEPS {
-            let raw = self.bench.step(&self.outputs, self.coil_duty);
+        for _ in 0..early + FAST_STEPS {
+            let begun = self.begun.take();
+            let raw = begun.unwrap_or_else(|| self.bench.step(&self.outputs, self.coil_duty));
             self.coil_duty = self.fast.step(&raw);
+        }
+        if self.timing.within_step {
+            self.begun = Some(self.bench.step(&self.outputs, self.coil_duty));
         }
         let inputs = Inputs::from_fast(&self.fast.take(), false, self.tick_us);
         let started = Instant::now();

@@ -1,0 +1,51 @@
+//! `palpate flash` end to end: probe-rs' own flash algorithm for the STM32F4, executed by the emulated core.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use std::path::Path;
+
+use emulator::chip::{FLASH_LEN, Reset};
+use emulator::debug::{Handle, lister};
+use emulator::link::EmulatedUart;
+use palpate::flash::{CHIP, Firmware, Job, Step, TableImage, write};
+use palpate::session::{Patience, Session};
+use protocol::lut::Table;
+
+#[test]
+fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
+    let board = Handle::start(|| {
+        let mut board = emulator::board::EmulatedBoard::new(common::image(), 1, palpate::plant::Jitter::NONE, 32_000)?;
+        // As it comes from the factory.
+        board.core().set_flash(0, &vec![0xff; FLASH_LEN])?;
+        board.power_cycle(Reset::Power)?;
+        Ok(board)
+    })
+    .unwrap();
+    let elf = common::image_path();
+    let table = common::table().to_vec();
+    let job = Job {
+        probe: None,
+        chip: CHIP.into(),
+        firmware: Some(Firmware::read(&elf).unwrap()),
+        table: Some(TableImage::from_bytes(Path::new("demo.lut"), table.clone()).unwrap()),
+    };
+    let mut verified = 0;
+    let written = write(&lister(board.clone()), &job, |progress| {
+        if progress.step == Step::Verify {
+            verified = progress.done;
+        }
+    })
+    .unwrap();
+    assert_eq!(written.table_bytes, table.len() as u64);
+    assert!(written.firmware_bytes > 50_000 && verified >= written.firmware_bytes, "{written:?}, {verified} verified");
+
+    let hash = Table::parse(&table).unwrap().hash();
+    let found = board
+        .with(move |target| {
+            let (mut session, hello) = Session::open(EmulatedUart::new(target.board()), Patience::default()).unwrap();
+            (hello.unique_id, session.status().unwrap().table_hash)
+        })
+        .unwrap();
+    assert_eq!(found, (*b"palpate-emu\0", hash));
+}
