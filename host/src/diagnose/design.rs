@@ -133,6 +133,12 @@ struct Raw {
 }
 
 impl Design {
+    /// Largest force of all runs, N.
+    #[must_use]
+    pub fn largest_n(&self) -> f64 {
+        self.series.iter().flat_map(|s| &s.nodes).map(|n| n.force_n).fold(0.0, f64::max)
+    }
+
     /// Reads the design of one material from its data.
     ///
     /// # Errors

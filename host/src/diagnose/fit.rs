@@ -175,12 +175,13 @@ impl Coordinate {
 /// Parameters of the base with candidates.
 #[must_use]
 pub fn coordinates(design: &Design, candidates: &[Candidate]) -> Vec<Coordinate> {
+    let largest_n = design.largest_n();
     let mut list = vec![Coordinate::LnMu, Coordinate::LnAlpha];
     if !design.zero_is_contact {
         list.push(Coordinate::Zero);
     }
     for (at, candidate) in candidates.iter().enumerate() {
-        list.extend(candidate.effect.quantities.iter().map(|q| Coordinate::Of(at, *q)));
+        list.extend(candidate.effect.quantities.iter().map(|q| Coordinate::Of(at, q.bounded_at(largest_n))));
     }
     list
 }
@@ -219,7 +220,7 @@ impl Problem<'_> {
     /// Largest force of all runs, N.
     #[must_use]
     pub fn largest_n(&self) -> f64 {
-        self.design.series.iter().flat_map(|s| &s.nodes).map(|n| n.force_n).fold(0.0, f64::max)
+        self.design.largest_n()
     }
 
     /// Measured less predicted, whitened; entries that are not used are 0.

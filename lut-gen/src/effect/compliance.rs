@@ -11,7 +11,8 @@ pub const EFFECT: Effect = Effect {
     signature: "grows with F and dF/dd",
     twins: &["thickness"],
     separated_by: "a press on a stiff block",
-    quantities: &[Quantity::amplitude("mm_per_N", 0.0, (0.0, 20.0), 0.05, &[0.02, 0.3]).per_force(-1)],
+    // at the largest force: a machine that yields by more is seen to
+    quantities: &[Quantity::amplitude("mm_per_N", 0.0, (0.0, 2.0), 0.05, &[0.02, 0.3]).per_force(-1)],
     owner: Owner::All,
 };
 

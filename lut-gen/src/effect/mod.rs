@@ -81,7 +81,7 @@ pub struct Quantity {
     pub starts: &'static [f64],
     /// How it is searched.
     pub spread: Spread,
-    /// Power of a force in its unit: `plausible` and `starts` are given for a largest force of 1 N, see [`Quantity::scaled`].
+    /// Power of a force in its unit: bounds, `plausible` and `starts` are given for a largest force of 1 N, see [`Quantity::scaled`].
     pub force_power: i32,
 }
 
@@ -167,11 +167,16 @@ impl Quantity {
         self
     }
 
-    /// A plausible or start value at an experiment's largest force (N), within the bounds.
+    /// A plausible or start value at an experiment's largest force (N).
     #[must_use]
     pub fn scaled(&self, value: f64, largest_n: f64) -> f64 {
-        let scaled = self.null + (value - self.null) * largest_n.max(1e-9).powi(self.force_power);
-        scaled.clamp(self.low, self.high)
+        self.null + (value - self.null) * largest_n.max(1e-9).powi(self.force_power)
+    }
+
+    /// The same quantity with its bounds at an experiment's largest force (N).
+    #[must_use]
+    pub fn bounded_at(self, largest_n: f64) -> Self {
+        Self { low: self.scaled(self.low, largest_n), high: self.scaled(self.high, largest_n), ..self }
     }
 
     /// A shape parameter searched in its logarithm.
