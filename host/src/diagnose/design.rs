@@ -11,6 +11,7 @@ use crate::experiment::{Base, BaseLaw, Experiment, Recording, Test};
 use crate::identify::contact;
 
 use super::Refusal;
+use super::check::{self, Check};
 
 /// Windows of a loading branch, a hold and a way back.
 const WINDOWS: (usize, usize, usize) = (36, 14, 24);
@@ -107,6 +108,8 @@ pub struct Design {
     pub material: String,
     /// Used runs.
     pub series: Vec<Series>,
+    /// Runs that show sensor and machine alone.
+    pub checks: Vec<Check>,
     /// Balls on specimens.
     pub geometries: Vec<Geometry>,
     /// Rates of loading, mm/s, rising.
@@ -163,6 +166,7 @@ impl Design {
         let mut design = Self {
             material: material.to_owned(),
             series: Vec::new(),
+            checks: Vec::new(),
             geometries: Vec::new(),
             rates_mm_per_s: Vec::new(),
             spots: 0,
@@ -177,6 +181,9 @@ impl Design {
             design.add(experiment, raw);
         }
         design.number();
+        let (checks, messages) = check::of(experiment, design.largest_n());
+        design.checks = checks;
+        design.messages.extend(messages);
         if design.geometries.iter().any(|geometry| geometry.nu > 0.0) {
             design.messages.push(format!(
                 "ogden: computed with Poisson's ratio {RUBBER_NU}, as near to incompressible as the force models go; another Poisson's ratio cannot be seen"
@@ -469,7 +476,8 @@ fn path(nodes: &[Node], corners: Vec<(f64, f64)>) -> (Vec<(f64, f64)>, Vec<usize
     (all.into_iter().map(|(t, d, _)| (t, d)).collect(), at)
 }
 
-fn even(windows: &mut Vec<(Range<usize>, Branch)>, samples: Range<usize>, most: usize, branch: Branch) {
+/// Windows of equal numbers of samples, at most so many.
+pub(super) fn even(windows: &mut Vec<(Range<usize>, Branch)>, samples: Range<usize>, most: usize, branch: Branch) {
     let count = samples.len().min(most);
     for k in 0..count {
         let at = |k: usize| samples.start + k * samples.len() / count;
@@ -477,7 +485,13 @@ fn even(windows: &mut Vec<(Range<usize>, Branch)>, samples: Range<usize>, most: 
     }
 }
 
-fn growing(windows: &mut Vec<(Range<usize>, Branch)>, recording: &Recording, hold: Range<usize>, most: usize) {
+/// Windows of growing length, at most so many.
+pub(super) fn growing(
+    windows: &mut Vec<(Range<usize>, Branch)>,
+    recording: &Recording,
+    hold: Range<usize>,
+    most: usize,
+) {
     let time = &recording.time_s;
     let (from, to) = (time[hold.start], time[hold.end - 1]);
     let mut start = hold.start;
@@ -493,7 +507,8 @@ fn growing(windows: &mut Vec<(Range<usize>, Branch)>, recording: &Recording, hol
     }
 }
 
-fn node(
+/// Mean of some samples; the depth is 0 where none was recorded.
+pub(super) fn node(
     recording: &Recording,
     window: &Range<usize>,
     branch: Branch,
@@ -501,7 +516,8 @@ fn node(
     held_from_s: f64,
     zero_mm: f64,
 ) -> Node {
-    let mean = |values: &[f64]| values[window.clone()].iter().sum::<f64>() / window.len() as f64;
+    let mean =
+        |values: &[f64]| values.get(window.clone()).map_or(0.0, |own| own.iter().sum::<f64>() / window.len() as f64);
     let time_s = mean(&recording.time_s) - start_s;
     let first = recording.time_s[window.start];
     let next = recording.time_s.get(window.end).copied().unwrap_or_else(|| {

@@ -6,6 +6,7 @@ use lut_gen::chain::{Chain, Model, Setting, Whole};
 use lut_gen::effect::{Effect, Quantity, Spread, contact_offset};
 use nalgebra::{DMatrix, DVector};
 
+use super::check::Check;
 use super::design::Design;
 use super::noise::Curve;
 use super::whiten::{Whitening, kernel};
@@ -108,7 +109,7 @@ pub struct Fit {
     pub residual: DVector<f64>,
     /// Derivative of the whitened prediction by every parameter.
     pub jacobian: DMatrix<f64>,
-    /// True when a quantity of an effect lies at a bound that is not its null value, or the exponent at one.
+    /// True when a quantity of an effect lies at a bound that is not its null value, or the exponent or the contact at one.
     pub at_bound: bool,
 }
 
@@ -216,6 +217,20 @@ pub fn predicted(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f
     design.series.iter().zip(paths).map(|(s, force_n)| s.at.iter().map(|at| force_n[*at]).collect()).collect()
 }
 
+/// What a model predicts for every row of a residual: forces (N) at the nodes of every run, then what runs without the specimen show.
+#[must_use]
+pub fn rows(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f64]) -> DVector<f64> {
+    let mut rows: Vec<f64> = predicted(design, chain, model, contacts_mm).concat();
+    rows.extend(design.checks.iter().flat_map(|check| check.predicted(model)));
+    DVector::from_vec(rows)
+}
+
+/// What was recorded there.
+fn measured(design: &Design) -> impl Iterator<Item = f64> + '_ {
+    let forces = design.series.iter().flat_map(|s| s.nodes.iter().map(|n| n.force_n));
+    forces.chain(design.checks.iter().flat_map(Check::measured))
+}
+
 impl Problem<'_> {
     /// Largest force of all runs, N.
     #[must_use]
@@ -234,18 +249,12 @@ impl Problem<'_> {
         }
     }
 
-    /// Measured less predicted, N, moved back to contact 0 to first order.
+    /// Measured less predicted, N (mm where depths are compared), moved back to contact 0 to first order.
     #[must_use]
     pub fn plain(&self, model: &Model) -> DVector<f64> {
-        let predicted = predicted(self.design, self.chain, model, &self.contacts_mm);
-        let mut residual = DVector::zeros(self.whitening.residuals());
-        for (s, (series, curve)) in self.design.series.iter().zip(&predicted).enumerate() {
-            let first = self.whitening.first(s);
-            for (k, (node, force_n)) in series.nodes.iter().zip(curve).enumerate() {
-                let at = first + k;
-                residual[at] = if self.used[at] { node.force_n - force_n - self.back_n[at] } else { 0.0 };
-            }
-        }
+        let mut residual = rows(self.design, self.chain, model, &self.contacts_mm);
+        let own = residual.iter_mut().zip(measured(self.design)).zip(self.used.iter().zip(self.back_n.iter()));
+        own.for_each(|((r, measured), (used, back_n))| *r = if *used { measured - *r - back_n } else { 0.0 });
         residual
     }
 
@@ -291,14 +300,12 @@ impl Problem<'_> {
 
     /// A point as if it were a fit, errors of the effects allowed for.
     #[must_use]
-    pub fn at(&self, candidates: &[Candidate], x: &DVector<f64>, allowed: Option<&Allowed>) -> Fit {
+    pub fn at(&self, candidates: &[Candidate], x: &DVector<f64>, allowed: &Allowed) -> Fit {
         let coordinates = coordinates(self.design, candidates);
         let residual = self.residual(&self.model(&coordinates, candidates, x));
         let mut fit = self.told(coordinates, candidates, x.clone(), residual);
-        if let Some(allowed) = allowed {
-            fit.price = allowed.price;
-            fit.discounted = allowed.discounted(&fit.residual).norm_squared() + allowed.price;
-        }
+        fit.price = allowed.price;
+        fit.discounted = allowed.discounted(&fit.residual).norm_squared() + allowed.price;
         fit
     }
 
@@ -319,7 +326,7 @@ impl Problem<'_> {
                 let null = c.of(q.null);
                 (near(*low) && (low - null).abs() > 1e-9) || (near(*high) && (high - null).abs() > 1e-9)
             }
-            Coordinate::LnAlpha => (x - low).min(high - x) < 1e-3 * (high - low),
+            Coordinate::LnAlpha | Coordinate::Zero => (x - low).min(high - x) < 1e-3 * (high - low),
             _ => false,
         });
         let model = self.model(&coordinates, candidates, &x);

@@ -93,13 +93,12 @@ fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Ser
 }
 
 fn used_of(problem: &Problem<'_>, predicted: &dyn Fn(&super::design::Series) -> bool) -> Vec<bool> {
-    problem
-        .design
-        .series
-        .iter()
-        .flat_map(|s| {
-            let own = predicted(s);
-            s.nodes.iter().map(move |n| own && !n.lifted).collect::<Vec<_>>()
-        })
-        .collect()
+    let of = |s: &super::design::Series| {
+        let own = predicted(s);
+        s.nodes.iter().map(move |n| own && !n.lifted).collect::<Vec<_>>()
+    };
+    let mut used: Vec<bool> = problem.design.series.iter().flat_map(of).collect();
+    // nothing is predicted without the specimen
+    used.resize(problem.whitening.residuals(), false);
+    used
 }

@@ -25,6 +25,12 @@ pub enum Variable {
     Height,
     /// Session clock.
     Clock,
+    /// A stiff block instead of the specimen.
+    Block,
+    /// A known mass on the sensor.
+    Mass,
+    /// Nothing on the sensor.
+    Air,
 }
 
 impl Variable {
@@ -40,6 +46,9 @@ impl Variable {
             Variable::Radius => "radius",
             Variable::Height => "height",
             Variable::Clock => "session clock",
+            Variable::Block => "stiff block",
+            Variable::Mass => "mass",
+            Variable::Air => "air",
         }
     }
 }
@@ -87,6 +96,7 @@ pub fn margins(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Margin> {
     list.balls(design);
     list.heights(design);
     list.clock(design);
+    list.checks(design);
     list.margins
 }
 
@@ -207,6 +217,20 @@ impl Builder<'_, '_> {
                 self.add(Variable::Height, format!("specimen {specimen}, {}", part_name(part, 3)), |s, n| {
                     s.specimen == specimen && n.branch == Branch::Loading && in_part(share(s, n), part, 3)
                 });
+            }
+        }
+    }
+
+    /// What runs without the specimen show.
+    fn checks(&mut self, design: &Design) {
+        for (at, check) in design.checks.iter().enumerate() {
+            let first = self.problem.whitening.first(design.series.len() + at);
+            for (variable, label, weights) in check.directions() {
+                let mut direction = DVector::zeros(self.problem.whitening.residuals());
+                direction.rows_mut(first, weights.len()).copy_from_slice(&weights);
+                let entries = (0..weights.len()).filter(|k| weights[*k] != 0.0).map(|k| first + k).collect();
+                self.problem.whitening.apply(&mut direction);
+                self.margins.push(Margin { variable, label, direction, entries });
             }
         }
     }

@@ -5,6 +5,7 @@
 //! tell apart; what the extended model is; what it gains on conditions that no fit has seen ([`held_out`]); and what this design cannot see.
 
 pub mod answer;
+pub mod check;
 pub mod design;
 pub mod display;
 pub mod evidence;
@@ -280,7 +281,7 @@ impl Diagnosis {
         let ripple = ripple::of(experiment, &design, shown, &search.noise.sensor);
         self.messages.extend(ripple.map(|r| r.to_string()));
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
-        self.cancelling = verdict::cancelling(experiment);
+        self.cancelling = verdict::cancelling(&design);
         self.proposals = plan::proposals(experiment, &search, &held, &self.blind_to);
         verdict::conclude(self, (visible, in_margins), ripple.as_ref(), &held, held_out.as_ref());
         let Search { noise, base, curves: base_curves, adequacy, margins, .. } = search;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::experiment::Experiment;
 
+use super::check::{Check, Kind};
 use super::design::{Branch, Design, Node, Series};
 use super::fit;
 use super::fit::{Fit, Problem};
@@ -27,9 +28,24 @@ pub struct Proposal {
     pub motion: Plan,
 }
 
-/// Motion and condition of a run that could be made; each is made on two fresh spots.
+/// What is pressed, or what loads the sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum On {
+    /// The specimen.
+    Specimen,
+    /// A stiff block, to a load in N.
+    Block(f64),
+    /// A known load on the sensor, N.
+    Mass(f64),
+    /// Nothing.
+    Air,
+}
+
+/// Motion and condition of a run that could be made; each is made twice, on the specimen on fresh spots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
+    /// What is pressed.
+    pub on: On,
     /// Index of the specimen whose material, base and declared height are meant.
     pub specimen: usize,
     /// Height, as a factor on that of the specimen.
@@ -52,6 +68,8 @@ pub struct Plan {
 
 /// Spots that a planned run is made on.
 const SPOTS: usize = 2;
+/// Time that a load stands on the sensor, s.
+const STANDING_S: f64 = 60.0;
 /// Samples a second that a planned run is recorded with.
 const SAMPLE_HZ: f64 = 50.0;
 /// Nodes of loading, hold and way back.
@@ -76,6 +94,7 @@ fn feasible(design: &Design) -> Vec<Plan> {
         }
         seen.push((series.specimen, series.indenter));
         let usual = Plan {
+            on: On::Specimen,
             specimen: series.specimen,
             height: 1.0,
             indenter: series.indenter,
@@ -101,6 +120,12 @@ fn feasible(design: &Design) -> Vec<Plan> {
             list.push(Plan { radius, depth_mm, ..usual });
             list.push(Plan { radius, depth_mm, hold_s: 10.0, unload: true, ..usual });
         }
+        if seen.len() == 1 {
+            // machine and sensor alone, whatever the ball
+            let load_n = design.largest_n();
+            let alone = Plan { hold_s: STANDING_S, ..usual };
+            list.extend([On::Block(load_n), On::Mass(load_n), On::Air].map(|on| Plan { on, ..alone }));
+        }
     }
     list
 }
@@ -110,6 +135,23 @@ impl Plan {
     #[must_use]
     pub fn words(&self, experiment: &Experiment) -> String {
         let ball = &experiment.indenters[self.indenter];
+        let twice = match self.on {
+            On::Specimen => None,
+            On::Block(load_n) => Some(format!(
+                "press ball {} onto a stiff block to {:.2} N at {} mm/s, hold for {} s, twice",
+                ball.name,
+                load_n,
+                significant(self.rate_mm_per_s),
+                self.hold_s
+            )),
+            On::Mass(load_n) => {
+                Some(format!("put a known load of {load_n:.2} N on the sensor for {} s, twice", self.hold_s))
+            }
+            On::Air => Some(format!("record {} s in air at the end of the session, twice", self.hold_s)),
+        };
+        if let Some(text) = twice {
+            return text;
+        }
         let specimen = &experiment.specimens[self.specimen];
         let ball = match ball.radius_mm.known() {
             Some(mm) if self.radius != 1.0 => format!("another ball of {:.1} mm", self.radius * mm),
@@ -136,10 +178,24 @@ impl Plan {
         text
     }
 
+    /// The runs without the specimen, with readings to be filled in.
+    fn checks(&self, like: &Design) -> Vec<Check> {
+        let (kind, load_n) = match self.on {
+            On::Specimen => return Vec::new(),
+            On::Block(load_n) => (Kind::Block, load_n),
+            On::Mass(load_n) => (Kind::Mass, load_n),
+            On::Air => (Kind::Air, 0.0),
+        };
+        let end_s = like.series.iter().map(|s| s.start_s).try_fold(0.0, |end: f64, start| Some(end.max(start?)));
+        let one = Check::planned(kind, (load_n, self.hold_s), SAMPLE_HZ, (end_s, like.largest_n()));
+        vec![one; SPOTS]
+    }
+
     /// The runs as a design of their own, with forces to be filled in.
     fn design(&self, like: &Design, geometry: usize) -> Design {
         let mut series = Vec::new();
-        for spot in 0..SPOTS {
+        let spots = if self.on == On::Specimen { SPOTS } else { 0 };
+        for spot in 0..spots {
             for cycle in 1..=self.cycles {
                 let nodes = self.nodes();
                 let path: Vec<(f64, f64)> = nodes.iter().map(|n| (n.time_s, n.depth_mm)).collect();
@@ -165,9 +221,10 @@ impl Plan {
         Design {
             material: like.material.clone(),
             series,
+            checks: self.checks(like),
             geometries: like.geometries.clone(),
             rates_mm_per_s: vec![self.rate_mm_per_s],
-            spots: SPOTS,
+            spots,
             conditions: self.cycles,
             groups: 1,
             zero_is_contact: like.zero_is_contact,
@@ -262,7 +319,8 @@ impl<'a> Bench<'a> {
     fn placed(&self, model: &lut_gen::chain::Model) -> lut_gen::chain::Model {
         // what finite elements of other paths add is nothing here
         let mut placed = lut_gen::chain::Model { whole: None, ..model.clone() };
-        let geometry = &self.search.problem.design.geometries[self.design.series[0].geometry];
+        let Some(first) = self.design.series.first() else { return placed };
+        let geometry = &self.search.problem.design.geometries[first.geometry];
         if self.plan.radius != 1.0 {
             // a new ball has its own radius
             placed.settings.retain(|s| s.effect.code != radius::EFFECT.code || s.owner != self.plan.indenter);
@@ -279,8 +337,7 @@ impl<'a> Bench<'a> {
     }
 
     fn forces(&self, model: &lut_gen::chain::Model) -> DVector<f64> {
-        let each = fit::predicted(&self.design, &self.chain, &self.placed(model), &self.contacts());
-        let mut forces = DVector::from_iterator(each.iter().map(Vec::len).sum(), each.into_iter().flatten());
+        let mut forces = fit::rows(&self.design, &self.chain, &self.placed(model), &self.contacts());
         self.whitening.apply(&mut forces);
         forces
     }

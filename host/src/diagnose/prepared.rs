@@ -101,11 +101,12 @@ fn placed<'a>(
 
 /// Entries that are fitted: no held-out runs, no group that is left out.
 pub(super) fn used(design: &Design, left_out: Option<usize>) -> Vec<bool> {
-    design
-        .series
-        .iter()
-        .flat_map(|s| s.nodes.iter().map(move |n| !n.lifted && !s.hold_out && Some(s.group) != left_out))
-        .collect()
+    let of = |s: &Series| -> Vec<bool> {
+        s.nodes.iter().map(|n| !n.lifted && !s.hold_out && Some(s.group) != left_out).collect()
+    };
+    let mut used: Vec<bool> = design.series.iter().flat_map(of).collect();
+    used.extend(design.checks.iter().flat_map(|check| (0..check.rows()).map(|_| true)));
+    used
 }
 
 /// First-order step from the contact points back to contact 0.

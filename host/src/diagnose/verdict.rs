@@ -1,8 +1,8 @@
 //! From explanations to a verdict with names.
 
-use crate::experiment::{BaseLaw, Experiment};
-
 use super::Diagnosis;
+use super::check::Kind;
+use super::design::Design;
 use super::evidence::{Gauge, Panel};
 use super::held_out::HeldOut;
 use super::ripple::{Over, Ripple, SPOILS};
@@ -84,18 +84,19 @@ pub(super) fn blind_spots(search: &Search<'_>) -> Vec<&'static str> {
     blind
 }
 
-/// Effects that hide each other when they are of equal size and opposite sign, whatever is pressed into.
-pub(super) fn cancelling(experiment: &Experiment) -> Vec<&'static str> {
-    let stiff = |run: &crate::experiment::Run| {
-        run.specimen.is_some_and(|at| experiment.specimens[at].base_law == BaseLaw::Rigid)
-    };
-    if experiment.runs.iter().any(stiff) {
-        return Vec::new();
+/// Effects that hide each other when they are of equal size and opposite sign, whatever is pressed into: only runs without the specimen tell.
+pub(super) fn cancelling(design: &Design) -> Vec<&'static str> {
+    let has = |kind: Kind| design.checks.iter().any(|check| check.kind == kind);
+    let mut list = Vec::new();
+    if !has(Kind::Block) && !has(Kind::Mass) {
+        list.push(
+            "relaxation of the specimen and creep of the sensor with equal size and time cancel: without a hold on a stiff block this design cannot exclude it",
+        );
     }
-    vec![
-        "relaxation of the specimen and creep of the sensor with equal size and time cancel: without a hold on a stiff block this design cannot exclude it",
-        "the gain of the sensor is part of mu: without a known mass this design cannot exclude it",
-    ]
+    if !has(Kind::Mass) {
+        list.push("the gain of the sensor is part of mu: without a known mass this design cannot exclude it");
+    }
+    list
 }
 
 /// Fills in verdict and findings. `in_margins` tells whether a discrepancy shows in any variable, `visible` whether it shows at all.

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::check::Check;
 use super::design::Design;
 use super::noise::{Curve, Noise};
 
@@ -31,6 +32,8 @@ struct Spot {
     jitter: DMatrix<f64>,
     /// `K` of `(I + Z Z')^(-1/2) = I - Z K Z'`.
     kernel: DMatrix<f64>,
+    /// True where the columns are jitter between spots, whose size was estimated.
+    estimated: bool,
 }
 
 /// Standard deviation of the simulated force's error, relative, along each of three smooth shapes over depth: the
@@ -71,6 +74,11 @@ impl Whitening {
             let lower = noise.sensor.covariance(&series.nodes, &curve.force_n).cholesky()?.unpack();
             runs.push(Factor { lower });
         }
+        for check in &design.checks {
+            first.push(len);
+            len += check.rows();
+            runs.push(Factor { lower: check.factor(noise)? });
+        }
         let shared = (DMatrix::zeros(len, 0), DMatrix::zeros(0, 0));
         let mut out = Self { runs, spots: Vec::new(), shared, first, len };
         for spot in 0..design.spots {
@@ -93,7 +101,14 @@ impl Whitening {
                 jitter.rows_mut(rows, curve.force_n.len()).copy_from(&white);
             }
             let kernel = kernel(&jitter);
-            out.spots.push(Spot { entries, jitter, kernel });
+            out.spots.push(Spot { entries, jitter, kernel, estimated: true });
+        }
+        for (at, check) in design.checks.iter().enumerate() {
+            let run = design.series.len() + at;
+            let entries: Vec<usize> = (out.first[run]..out.first[run] + check.rows()).collect();
+            let jitter = out.runs[run].lower.solve_lower_triangular(&check.freedom(noise))?;
+            let kernel = kernel(&jitter);
+            out.spots.push(Spot { entries, jitter, kernel, estimated: false });
         }
         out.share(design, curves);
         Some(out)
@@ -103,8 +118,15 @@ impl Whitening {
     fn share(&mut self, design: &Design, curves: &[Curve]) {
         let smooth = 3 * design.geometries.len();
         let mut columns = DMatrix::zeros(self.len, smooth + 1 + MODES);
-        let peak_n = curves.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
+        let peaks = curves.iter().flat_map(|c| c.force_n.iter().copied());
+        let peak_n = peaks.chain(design.checks.iter().map(|check| check.scale_n)).fold(0.0, f64::max);
         columns.column_mut(smooth).fill(TARE * peak_n);
+        for (at, check) in design.checks.iter().enumerate() {
+            let first = self.first[design.series.len() + at];
+            (0..check.rows())
+                .filter(|row| !check.is_reading(*row))
+                .for_each(|row| columns[(first + row, smooth)] = 0.0);
+        }
         self.wander(design, peak_n, &mut columns.columns_mut(smooth + 1, MODES));
         for (s, (series, curve)) in design.series.iter().zip(curves).enumerate() {
             let depth_mm = design.geometries[series.geometry].depth_mm;
@@ -126,18 +148,23 @@ impl Whitening {
 
     /// Brownian motion of the zero over the session clock, mode by mode; nothing where no clock is known.
     fn wander(&self, design: &Design, peak_n: f64, columns: &mut nalgebra::DMatrixViewMut<'_, f64>) {
-        let Some(starts) = design.series.iter().map(|s| s.start_s).collect::<Option<Vec<f64>>>() else { return };
+        let runs = design.series.iter().map(|s| (s.start_s, s.nodes.len()));
+        // depths of a check come after its readings, and have no zero of the sensor in them
+        let readings = |check: &Check| (0..check.rows()).filter(|row| check.is_reading(*row)).count();
+        let checks = design.checks.iter().map(|check| (check.start_s, readings(check)));
+        let (starts, lengths): (Vec<Option<f64>>, Vec<usize>) = runs.chain(checks).unzip();
+        let Some(starts) = starts.into_iter().collect::<Option<Vec<f64>>>() else { return };
         let first = starts.iter().copied().fold(f64::INFINITY, f64::min);
         let length_s = starts.iter().copied().fold(first, f64::max) - first;
         if length_s <= 0.0 {
             return;
         }
         let size_n = WANDER * peak_n * (length_s / 3600.0).sqrt();
-        for (s, series) in design.series.iter().enumerate() {
+        for (s, length) in lengths.into_iter().enumerate() {
             for mode in 0..MODES {
                 let wave = (mode as f64 + 0.5) * std::f64::consts::PI;
                 let value = size_n * 2.0_f64.sqrt() * (wave * (starts[s] - first) / length_s).sin() / wave;
-                columns.view_mut((self.first[s], mode), (series.nodes.len(), 1)).fill(value);
+                columns.view_mut((self.first[s], mode), (length, 1)).fill(value);
             }
         }
     }
@@ -148,7 +175,7 @@ impl Whitening {
         self.len
     }
 
-    /// First entry of a run.
+    /// First entry of a run; runs without the specimen come after the others.
     #[must_use]
     pub fn first(&self, run: usize) -> usize {
         self.first[run]
@@ -186,7 +213,8 @@ impl Whitening {
     pub fn draw(&self, sensor: f64, jitter: [f64; 3], mut normal: impl FnMut() -> f64) -> DVector<f64> {
         let mut values = DVector::from_fn(self.len, |_, _| sensor * normal());
         for spot in &self.spots {
-            let amounts = DVector::from_fn(spot.jitter.ncols(), |k, _| jitter[k.min(2)] * normal());
+            let size = |k: usize| if spot.estimated { jitter[k.min(2)] } else { 1.0 };
+            let amounts = DVector::from_fn(spot.jitter.ncols(), |k, _| size(k) * normal());
             let shift = &spot.jitter * amounts;
             for (k, &entry) in spot.entries.iter().enumerate() {
                 values[entry] += shift[k];

@@ -245,7 +245,7 @@ fn run(
 ) -> Result<Run, ExperimentError> {
     section.only(&[
         "file", "specimen", "indenter", "spot", "cycle", "order", "start_s", "hold_out", "test", "columns", "format",
-        "from_s", "to_s",
+        "from_s", "to_s", "load_N",
     ])?;
     let test = section.word("test", &TESTS)?.unwrap_or(Test::Indentation);
     let expected = "the name of a data file";
@@ -280,6 +280,7 @@ fn run(
         order: section.integer("order", i64::MIN..=i64::MAX, whole)?,
         start_s: section.number("start_s", TIMES_S, "a time in s")?,
         hold_out: section.flag("hold_out")?.unwrap_or(false),
+        load_n: section.number("load_N", -1e6..=1e6, "the known load in N, pressing positive")?,
         path,
         recording,
     })

@@ -140,6 +140,8 @@ pub struct Run {
     pub start_s: Option<f64>,
     /// Never fitted, only predicted.
     pub hold_out: bool,
+    /// Load of a mass that the sensor carries, N, if stated.
+    pub load_n: Option<f64>,
     /// The samples.
     pub recording: Recording,
 }
@@ -159,6 +161,7 @@ impl Run {
             order: None,
             start_s: None,
             hold_out: false,
+            load_n: None,
             recording,
         }
     }

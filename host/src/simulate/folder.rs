@@ -28,6 +28,8 @@ pub struct SimulatedRun {
     pub start_s: f64,
     /// Never to be fitted.
     pub hold_out: bool,
+    /// Load of a mass, N.
+    pub load_n: Option<f64>,
     /// Time, s.
     pub time_s: Vec<f64>,
     /// Recorded depth, mm; empty for air and mass.
@@ -105,6 +107,7 @@ impl SimulatedExperiment {
                 order: Some(one.order),
                 start_s: Some(one.start_s),
                 hold_out: one.hold_out,
+                load_n: one.load_n,
                 recording,
             }
         };
@@ -177,6 +180,9 @@ impl SimulatedExperiment {
         text.push_str(&format!("start_s = {:?}\n", run.start_s));
         if run.hold_out {
             text.push_str("hold_out = true\n");
+        }
+        if let Some(load_n) = run.load_n {
+            text.push_str(&format!("load_N = {load_n:?}\n"));
         }
         text
     }

@@ -1,20 +1,30 @@
 //! Between computed points.
 
 /// A function through points, without overshoot: piecewise cubic with the slopes of Fritsch and Butland
-/// (1984, doi:10.1137/0905021), constant beyond the ends.
+/// (1984, doi:10.1137/0905021), constant beyond the ends. Where it has a corner its slopes to either side know nothing of each other.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Smooth {
     x: Vec<f64>,
     y: Vec<f64>,
-    slope: Vec<f64>,
+    /// Slope to the left and to the right of every point.
+    slope: Vec<[f64; 2]>,
 }
 
 impl Smooth {
     /// Through points with rising `x`; a point that does not rise is left out. Without any point the function is `otherwise`.
     pub fn through(points: impl IntoIterator<Item = (f64, f64)>, otherwise: f64) -> Self {
+        Self::with_corners(points.into_iter().map(|point| (point, false)), otherwise)
+    }
+
+    /// The same with corners at some points.
+    pub fn with_corners(points: impl IntoIterator<Item = ((f64, f64), bool)>, otherwise: f64) -> Self {
         let (mut x, mut y): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
-        for (at, value) in points {
+        let mut corners = vec![0];
+        for ((at, value), corner) in points {
             if at.is_finite() && value.is_finite() && x.last().is_none_or(|last| at > *last) {
+                if corner {
+                    corners.push(x.len());
+                }
                 x.push(at);
                 y.push(value);
             }
@@ -22,7 +32,19 @@ impl Smooth {
         if x.is_empty() {
             (x, y) = (vec![0.0], vec![otherwise]);
         }
-        let slope = slopes(&x, &y);
+        corners.push(x.len() - 1);
+        let mut slope = vec![[0.0; 2]; x.len()];
+        for two in corners.windows(2).filter(|two| two[1] > two[0]) {
+            let own = two[0]..=two[1];
+            for (i, value) in own.clone().zip(slopes(&x[own.clone()], &y[own])) {
+                if i > two[0] {
+                    slope[i][0] = value;
+                }
+                if i < two[1] {
+                    slope[i][1] = value;
+                }
+            }
+        }
         Self { x, y, slope }
     }
 
@@ -39,7 +61,7 @@ impl Smooth {
         let h = self.x[i + 1] - self.x[i];
         let t = (x - self.x[i]) / h;
         let (a, b) = (self.y[i], self.y[i + 1]);
-        let (m, n) = (h * self.slope[i], h * self.slope[i + 1]);
+        let (m, n) = (h * self.slope[i][1], h * self.slope[i + 1][0]);
         let s = 1.0 - t;
         s * s * (a * (1.0 + 2.0 * t) + m * t) + t * t * (b * (3.0 - 2.0 * t) - n * s)
     }
@@ -92,5 +114,15 @@ mod tests {
         assert_eq!(through.at(-1.0), 1.0);
         assert_eq!(through.at(9.0), f(3.0));
         assert_eq!(Smooth::through([], 7.0).at(1.0), 7.0);
+    }
+
+    /// Level to a corner and steep from there on: without the corner the slope there is 0, and the function late by a third of a step.
+    #[test]
+    fn a_corner_stays_one() {
+        let points = || (0..=8).map(f64::from).map(|x| (x, -(x - 4.0_f64).max(0.0)));
+        let cornered = Smooth::with_corners(points().map(|p| (p, p.0 == 4.0)), 0.0);
+        let rounded = Smooth::through(points(), 0.0);
+        assert!((cornered.at(4.5) + 0.5).abs() < 1e-12 && cornered.at(3.5) == 0.0);
+        assert!(rounded.at(4.5) > -0.4, "{}", rounded.at(4.5));
     }
 }

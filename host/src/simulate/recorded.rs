@@ -62,8 +62,14 @@ fn pressed(spec: &Spec, condition: &Condition, visit: &Visit, step_s: f64) -> Ve
         return (0..template.cycles).map(|_| Raw { recorded_mm: Vec::new(), force_n: vec![load; count] }).collect();
     }
     let elastic = condition.spot(visit.replicate);
-    let recorded = condition.recorded(step_s);
-    let driven: Vec<f64> = condition.machine.driven(&recorded, step_s).iter().map(|d| d + visit.jitter_mm).collect();
+    let mut recorded = condition.recorded(step_s);
+    let mut driven = condition.machine.driven(&recorded, step_s);
+    if elastic.hertz > 0.0 {
+        // a stiff block is pressed to its load, wherever its surface is: the depth that is recorded then scatters
+        recorded.iter_mut().for_each(|d| *d -= visit.jitter_mm);
+    } else {
+        driven.iter_mut().for_each(|d| *d += visit.jitter_mm);
+    }
     let highest = driven.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let turn = driven.iter().rposition(|d| *d >= highest - 1e-9).unwrap_or(0);
     let mut forces = Vec::new();
@@ -120,6 +126,7 @@ fn labelled(spec: &Spec, condition: &Condition, visit: &Visit, at: usize, order:
         order: order as i64,
         start_s: rounded(start_s, TIMES),
         hold_out: template.hold_out,
+        load_n: (template.test == Test::Mass).then_some(template.load_n),
         time_s: Vec::new(),
         depth_mm: Vec::new(),
         force_n: Vec::new(),

@@ -153,16 +153,20 @@ impl History {
         let Timing { start_s, period_s, cycles } = timing;
         let peak = record.depth_mm.iter().copied().fold(0.0, f64::max);
         let hard: Vec<f64> = record.stations.iter().map(|s| curve.hard_n(s.depth_mm, s.force_n)).collect();
-        let all: Vec<(f64, f64)> = share(record, &hard, elastic, added, peak)
-            .map(|(i, value)| (record.stations[i].time_s - start_s, value))
+        // where the ball begins to stand, or turns, what is left of the elastic force has a corner
+        let depth = |i: usize| record.stations.get(i).map(|s| s.depth_mm);
+        let way = |i: usize| depth(i + 1).zip(depth(i)).map(|(to, from)| (to - from).partial_cmp(&0.0));
+        let corner = |i: usize| i > 0 && way(i) != way(i - 1);
+        let all: Vec<(f64, f64, bool)> = share(record, &hard, elastic, added, peak)
+            .map(|(i, value)| (record.stations[i].time_s - start_s, value, corner(i)))
             .collect();
         // touch itself: nothing has relaxed yet
         let begin = (-start_s, if added { 0.0 } else { 1.0 });
         let cycle = |n: usize| {
             let from = n as f64 * period_s;
-            let inside = all.iter().filter(|(t, _)| *t > from + begin.0 && *t < from + period_s + begin.0);
-            let first = (n == 0).then_some(begin);
-            Smooth::through(first.into_iter().chain(inside.map(|(t, v)| (t - from, *v))), begin.1)
+            let inside = all.iter().filter(|(t, ..)| *t > from + begin.0 && *t < from + period_s + begin.0);
+            let first = (n == 0).then_some((begin, false));
+            Smooth::with_corners(first.into_iter().chain(inside.map(|(t, v, c)| ((t - from, *v), *c))), begin.1)
         };
         Self::Timed { cycles: (0..cycles).map(cycle).collect(), added }
     }

@@ -233,18 +233,37 @@ impl Chain {
     }
 
     fn sensed(&self, model: &Model, passage: &Passage, mut force: Vec<f64>) -> Prediction {
-        for setting in model.of(&sensor_creep::CREEP) {
-            sensor_creep::creep(&passage.time_s, &mut force, (setting.values[0], setting.values[1]));
-        }
-        for setting in model.of(&sensor_creep::HYSTERESIS) {
-            sensor_creep::hysteresis(&mut force, setting.values[0]);
-        }
-        let quadratic = model.first(&sensor_nonlinearity::EFFECT, 0);
-        let gain = model.first(&sensor_gain::EFFECT, 0);
-        let per_hour = model.first(&drift::EFFECT, 0);
-        for (f, t) in force.iter_mut().zip(&passage.time_s) {
-            *f = gain * (*f + quadratic * *f * *f) + drift::zero_n(per_hour, passage.start_s + t);
-        }
+        model.read(&passage.time_s, passage.start_s, &mut force);
         force
+    }
+}
+
+impl Model {
+    /// Makes readings of the forces (N) on a sensor at times (s) of a run that begins at `start_s` on the session clock.
+    pub fn read(&self, time_s: &[f64], start_s: f64, force_n: &mut [f64]) {
+        self.remember(time_s, force_n);
+        let quadratic = self.first(&sensor_nonlinearity::EFFECT, 0);
+        let gain = self.first(&sensor_gain::EFFECT, 0);
+        let per_hour = self.first(&drift::EFFECT, 0);
+        for (f, t) in force_n.iter_mut().zip(time_s) {
+            *f = gain * (*f + quadratic * *f * *f) + drift::zero_n(per_hour, start_s + t);
+        }
+    }
+
+    /// The part of [`Model::read`] that depends on earlier forces: creep and hysteresis of the sensor.
+    pub fn remember(&self, time_s: &[f64], force_n: &mut [f64]) {
+        for setting in self.of(&sensor_creep::CREEP) {
+            sensor_creep::creep(time_s, force_n, (setting.values[0], setting.values[1]));
+        }
+        for setting in self.of(&sensor_creep::HYSTERESIS) {
+            sensor_creep::hysteresis(force_n, setting.values[0]);
+        }
+    }
+
+    /// Recorded depth (mm) on a block that does not give way, where its surface is at 0: what the machine yields under a force (N), less what
+    /// the recorded contact is too late.
+    #[must_use]
+    pub fn yielded_mm(&self, force_n: f64) -> f64 {
+        self.first(&compliance::EFFECT, 0) * force_n - self.first(&contact_offset::EFFECT, 0)
     }
 }

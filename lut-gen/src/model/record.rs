@@ -27,7 +27,7 @@ impl Record {
     pub fn new(path: Path) -> Self {
         let energy: Vec<f64> = path.stations.iter().map(|s| s.penalty_energy).collect();
         let depth: Vec<f64> = path.stations.iter().map(|s| s.depth_mm).collect();
-        let share = penalty_share(&path.stations, &depth, &energy);
+        let share = penalty_share(&path.stations, &depth, &energy, path.remembers);
         let with_share = || path.stations.iter().zip(&share);
         Self {
             force_n: with_share().map(|(s, e)| if s.by_force { s.force_n } else { s.force_n + e }).collect(),
@@ -62,12 +62,17 @@ impl Record {
 ///
 /// `E` is differentiated along depth within a run of one direction; while depth or force is held,
 /// `dE/dd` moves like `E`: both with the square of the stress. A jump begins a new run.
-pub(super) fn penalty_share<T: Real>(stations: &[Station], depth: &[T], energy: &[T]) -> Vec<T> {
+///
+/// Where something remembers, `E` falls on the way back for other reasons than depth: at a depth
+/// that was reached before, `dE/dd` is to `E` what it was when it was reached first.
+pub(super) fn penalty_share<T: Real>(stations: &[Station], depth: &[T], energy: &[T], remembers: bool) -> Vec<T> {
     let zero = T::from(0.0);
     let mut out = vec![zero; stations.len()];
     // point 0 is the untouched start, point i is station i - 1
     let point = |i: usize| if i == 0 { (zero, zero) } else { (depth[i - 1], energy[i - 1]) };
     let moves = |i: usize| (point(i + 1).0.value() - point(i).0.value()).signum();
+    // depths that were reached first, with `dE/dd` over `E` there
+    let mut reached: Vec<(T, T)> = Vec::new();
     let mut start = 0;
     while start < stations.len() {
         if stations[start].jumped {
@@ -89,12 +94,32 @@ pub(super) fn penalty_share<T: Real>(stations: &[Station], depth: &[T], energy: 
             end += 1;
         }
         for i in start + 1..=end {
+            let here = point(i);
+            let known = reached.last().is_some_and(|last| here.0.value() <= last.0.value());
+            if remembers && known {
+                out[i - 1] = here.1 * ratio(&reached, here.0);
+                continue;
+            }
             let low = if i == end { end.saturating_sub(2).max(start) } else { i - 1 };
-            out[i - 1] = parabola_slope(&[low, low + 1, (low + 2).min(end)].map(point), point(i).0);
+            out[i - 1] = parabola_slope(&[low, low + 1, (low + 2).min(end)].map(point), here.0);
+            if here.1.value() > 0.0 && !known {
+                reached.push((here.0, out[i - 1] / here.1));
+            }
         }
         start = end;
     }
     out
+}
+
+/// `dE/dd` over `E` at a depth between those that were reached; like the inverse of the depth above the first.
+fn ratio<T: Real>(reached: &[(T, T)], depth: T) -> T {
+    let next = reached.partition_point(|p| p.0.value() < depth.value());
+    match (next.checked_sub(1).and_then(|i| reached.get(i)), reached.get(next)) {
+        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (depth - a.0) / (b.0 - a.0),
+        (None, Some(first)) if depth.value() > 0.0 => first.1 * first.0 / depth,
+        (Some(end), None) | (None, Some(end)) => end.1,
+        (None, None) => T::from(0.0),
+    }
 }
 
 /// Of the line to the next station; 0, the softness left in, when the motion ends or turns there.

@@ -6,7 +6,7 @@ use super::{Record, Simulation, Watcher};
 use crate::law::{Material, Parameter};
 use crate::mesh::BlockMesh;
 use crate::scalar::{Dual, Real};
-use crate::solve::{Accepted, History, Matrix, Observer, SolveError, State, Station, Step, System};
+use crate::solve::{Accepted, History, Matrix, Observer, SolveError, State, Station, Step, System, remembers};
 
 /// `dF/dp` along a simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,7 +106,7 @@ impl Tracker {
             .into_iter()
             .zip(self.tracks)
             .map(|(parameter, t)| {
-                let share = penalty_share(&stations, &t.depth, &t.energy);
+                let share = penalty_share(&stations, &t.depth, &t.energy, remembers(&t.system, &t.material));
                 let force = t.raw.iter().zip(&share).zip(&stations);
                 Sensitivity {
                     parameter,

@@ -16,6 +16,7 @@ pub use error::SolveError;
 pub use matrix::Matrix;
 pub use motion::{Motion, Segment, Target};
 pub use newton::{Configuration, Control, Newton, Problem, Workspace};
+pub(crate) use path::remembers;
 pub use path::{Accepted, Course, Observer, Path, Station};
 pub use sparse::{Factor, HELD, Pattern, Stored};
 pub use stepping::Stepping;

@@ -4,6 +4,7 @@ use super::newton::{Configuration, Control, Problem, Workspace};
 use super::stepping::Stepping;
 use super::{History, Motion, Newton, SolveError, State, Step, System, Target};
 use crate::law::Material;
+use crate::scalar::Real;
 
 /// One equilibrium on the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +44,8 @@ pub struct Station {
 pub struct Path {
     /// Equilibria in order of time, without the one at the motion's start.
     pub stations: Vec<Station>,
+    /// True when material or contact remember: at one depth the force is another on the way back.
+    pub remembers: bool,
     /// Corrections, failed steps included.
     pub iterations: usize,
     /// Factorisations, failed steps included.
@@ -115,6 +118,11 @@ struct Here {
     history: History,
 }
 
+/// True when a material or a contact remembers.
+pub(crate) fn remembers<T: Real>(system: &System<T>, material: &Material<T>) -> bool {
+    !material.is_elastic() || system.surface().has_friction()
+}
+
 /// Most equilibria of a path.
 const MOST_STATIONS: usize = 100_000;
 
@@ -135,7 +143,8 @@ impl Course<'_> {
             target: None,
             history: self.system.untouched(self.material, start),
         };
-        let mut out = Path { stations: Vec::new(), iterations: 0, factorisations: 0, cuts: 0 };
+        let remembers = remembers(self.system, self.material);
+        let mut out = Path { stations: Vec::new(), remembers, iterations: 0, factorisations: 0, cuts: 0 };
         for index in 0..self.motion.segments.len() {
             self.segment(index, &mut here, &mut w, &mut out, observer)?;
         }

@@ -1,9 +1,9 @@
 //! What becomes of an ambiguous answer when the runs are made that it proposes.
 
-use palpate::diagnose::plan::Plan;
+use palpate::diagnose::plan::{On, Plan};
 use palpate::diagnose::{self, Diagnosis, Models, Verdict};
-use palpate::experiment::Experiment;
-use palpate::simulate::{RunTemplate, SimulatedExperiment, Solver, simulate};
+use palpate::experiment::{Experiment, Test};
+use palpate::simulate::{RunTemplate, SimulatedExperiment, Solver, TrueLaw, simulate};
 
 use crate::hidden::Case;
 
@@ -16,6 +16,8 @@ pub const MOST_RUNS: usize = 2;
 const SPOTS: usize = 2;
 /// Time between the cycles of a planned run, and after the session until it is made, s.
 const REST_S: f64 = 60.0;
+/// Reduced modulus of a stiff block, MPa: a hard plastic.
+const BLOCK_MPA: f64 = 3000.0;
 
 /// How following the plan ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,14 +98,35 @@ fn planned(
     if spec.indenters.iter().all(|i| i.name != ball) {
         spec.indenters.push(palpate::simulate::TrueIndenter { name: ball.clone(), radius_mm });
     }
-    spec.runs = vec![RunTemplate {
+    let (test, load_n) = match plan.on {
+        On::Specimen => (Test::Indentation, 0.0),
+        On::Block(load_n) => {
+            specimen = "block".to_owned();
+            (Test::Indentation, load_n)
+        }
+        On::Mass(load_n) => (Test::Mass, load_n),
+        On::Air => (Test::Air, 0.0),
+    };
+    if matches!(plan.on, On::Block(_))
+        && let Some(like) = spec.specimens.first().cloned()
+    {
+        let law = TrueLaw::Rigid { reduced_modulus_mpa: BLOCK_MPA };
+        spec.specimens.push(palpate::simulate::TrueSpecimen { name: specimen.clone(), law, ..like });
+    }
+    let mut run = RunTemplate {
+        test,
+        load_n,
         hold_s: plan.hold_s,
         unload: plan.unload,
         cycles: plan.cycles,
         rest_s: REST_S,
         replicates: SPOTS,
         ..RunTemplate::ramp(&specimen, &ball, plan.depth_mm, plan.rate_mm_per_s)
-    }];
+    };
+    if test != Test::Indentation {
+        (run.specimen, run.indenter) = (None, None);
+    }
+    spec.runs = vec![run];
     // the session goes on, and so does what drifts with its clock
     spec.session.start_s = end_s(so_far) + REST_S;
     Ok(simulate(&spec, solver, &|_, _, _| {})?)

@@ -78,7 +78,8 @@ pub fn strength(
     models: &Models,
     solver: &Solver,
 ) -> Result<Vec<f64>, SimulateError> {
-    let design = &evidence.design;
+    // what runs without the specimen show is not counted: the strength is that of the effect on the specimen's runs
+    let design = &Design { checks: Vec::new(), ..evidence.design.clone() };
     let mut shifts = Vec::new();
     for at in 0..made.truth.effects.len() {
         let mut spec = made.truth.clone();

@@ -41,6 +41,16 @@ pub(super) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
         back.axpy(share.1, &added, 1.0);
     }
     let mut columns = Vec::new();
+    for (at, check) in problem.design.checks.iter().enumerate() {
+        // sensor and machine are as far from their equations there as anywhere
+        let mut column = DVector::zeros(len);
+        let first = problem.whitening.first(problem.design.series.len() + at);
+        column.rows_mut(first, check.rows()).copy_from(&forth.rows(first, check.rows()));
+        if column.norm() > 0.0 {
+            problem.whitening.apply(&mut column);
+            columns.push(column);
+        }
+    }
     for group in 0..problem.design.groups {
         for (branch, wrong) in [(Branch::Loading, &forth), (Branch::Hold, &forth), (Branch::Unloading, &back)] {
             for shape in 0..3 {

@@ -25,17 +25,19 @@ impl<'a> Found<'a> {
         progress("effects", 0, 2);
         let singles = search.singles();
         let mut found = Self { search, singles, pairs: Vec::new(), held: Vec::new() };
-        let first = likeliest(&found.singles).cloned();
-        // one with a parameter at its bound is not named: the next must be as near to its own best
-        let sound = found.singles.iter().find(|e| e.beats_noise && !e.fit.at_bound).cloned();
-        for best in first
-            .iter()
-            .chain(sound.iter().filter(|s| first.as_ref().is_none_or(|f| f.fit.candidates != s.fit.candidates)))
-        {
-            found.settle(best.clone());
+        // one with a parameter at its bound is not named: the next must be as near to its own best, and so must the other forms of the likeliest effect
+        let sound = found.singles.iter().position(|e| e.beats_noise && !e.fit.at_bound);
+        let mut best: Vec<usize> = likeliest(&found.singles).into_iter().chain(sound).collect();
+        let forms = best.first().map(|at| found.forms(&found.singles[*at])).unwrap_or_default();
+        best.extend(forms);
+        best.sort_unstable();
+        best.dedup();
+        for at in best {
+            found.search.settle(&mut found.singles[at]);
         }
-        if let Some(best) = likeliest(&found.singles).cloned() {
-            found.tell_about(&best, stated_n);
+        if let Some(best) = likeliest(&found.singles) {
+            let fit = found.singles[best].fit.clone();
+            found.tell_about(&fit, stated_n);
         }
         found.held = alike(&found.singles);
         // where an explanation that may itself be wrong holds nothing is added to it: a second name for what it leaves would be a wrong one
@@ -48,10 +50,11 @@ impl<'a> Found<'a> {
             base.retain(|e| e.fit.candidates == best.fit.candidates);
         }
         found.pairs = found.search.one_more(&base);
-        if let Some(best) = likeliest(&found.pairs).filter(|two| found.needs(two)).cloned() {
-            let best = found.settle(best);
-            found.tell_about(&best, stated_n);
-            found.try_twins(&best);
+        if let Some(best) = likeliest(&found.pairs).filter(|best| found.needs(&found.pairs[*best])) {
+            found.search.settle(&mut found.pairs[best]);
+            let fit = found.pairs[best].fit.clone();
+            found.tell_about(&fit, stated_n);
+            found.try_twins(&fit);
         }
         let together = alike(&found.pairs);
         if together.first().is_some_and(|two| found.needs(two)) {
@@ -68,18 +71,16 @@ impl<'a> Found<'a> {
         two.score() + RATIO_100 < alone.map(Explanation::score).fold(f64::INFINITY, f64::min)
     }
 
-    /// The likeliest explanation solved until its fit stays where its solve is: what one that is merely near its best leaves, others would explain.
-    fn settle(&mut self, best: Explanation) -> Explanation {
-        let Some(fit) = self.search.settled(&best.fit) else { return best };
-        let list = if fit.candidates.len() > 1 { &mut self.pairs } else { &mut self.singles };
-        let Some(own) = list.iter_mut().find(|e| e.fit.candidates == fit.candidates) else { return best };
-        own.fit = fit;
-        own.clone()
+    /// Places of the other forms of a single effect that are clearly not noise.
+    fn forms(&self, of: &Explanation) -> Vec<usize> {
+        let key = |e: &Explanation| e.fit.candidates.first().map(|c| (c.effect.code, c.owner));
+        let same = |e: &Explanation| e.beats_noise && key(e) == key(of) && e.fit.candidates != of.fit.candidates;
+        self.singles.iter().enumerate().filter(|(_, e)| same(e)).map(|(at, _)| at).collect()
     }
 
     /// Noise and all fits once more, about an explanation.
-    fn tell_about(&mut self, best: &Explanation, stated_n: Option<f64>) {
-        if let Some(search) = self.search.about(&best.fit, stated_n) {
+    fn tell_about(&mut self, best: &Fit, stated_n: Option<f64>) {
+        if let Some(search) = self.search.about(best, stated_n) {
             self.singles = search.again(&self.singles, None);
             self.pairs = search.again(&self.pairs, Some(&self.singles));
             self.search = search;
@@ -87,8 +88,8 @@ impl<'a> Found<'a> {
     }
 
     /// Tries pairs that have a stated twin in the place of the second effect: what was not tried is not excluded.
-    fn try_twins(&mut self, best: &Explanation) {
-        let [first, second] = best.fit.candidates[..] else { return };
+    fn try_twins(&mut self, best: &Fit) {
+        let [first, second] = best.candidates[..] else { return };
         let Some(before) = self.singles.iter().find(|e| e.fit.candidates == [first]) else { return };
         let tried = |c: &Candidate| {
             self.pairs.iter().any(|e| e.fit.candidates.contains(c) && e.fit.candidates.contains(&first))
@@ -104,9 +105,10 @@ impl<'a> Found<'a> {
     }
 }
 
-/// The likeliest that is clearly not noise.
-fn likeliest(list: &[Explanation]) -> Option<&Explanation> {
-    list.iter().filter(|e| e.beats_noise).min_by(|a, b| a.score().total_cmp(&b.score()))
+/// The place of the likeliest that is clearly not noise.
+fn likeliest(list: &[Explanation]) -> Option<usize> {
+    let clear = list.iter().enumerate().filter(|(_, e)| e.beats_noise);
+    clear.min_by(|a, b| a.1.score().total_cmp(&b.1.score())).map(|(at, _)| at)
 }
 
 /// True where one effect is stated to look like the other.

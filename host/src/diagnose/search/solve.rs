@@ -83,13 +83,15 @@ impl Search<'_> {
         self.compared(fit, before)
     }
 
-    /// A fit with solves at its own place until it stays there; none where finite elements fail or are not needed.
-    #[must_use]
-    pub fn settled(&self, fit: &Fit) -> Option<Fit> {
-        if !lut_gen::chain::is_rough(&fit.model) {
-            return None;
+    /// Puts in the place of an explanation's fit one with solves at its own place until it stays there: what one that is merely near its best leaves,
+    /// others would explain. Nothing changes where finite elements fail or are not needed.
+    pub fn settle(&self, explanation: &mut Explanation) {
+        let fit = &explanation.fit;
+        if lut_gen::chain::is_rough(&fit.model)
+            && let Some(settled) = self.rounds(&fit.candidates, &fit.x, SETTLES)
+        {
+            explanation.fit = settled;
         }
-        self.rounds(&fit.candidates, &fit.x, SETTLES)
     }
 
     /// Solves at a point, and fits near it.
@@ -102,7 +104,7 @@ impl Search<'_> {
         let own = Problem { whole: Some(whole), ..problem.clone() };
         let near = own.fit(candidates, x);
         let allowed = allowed(problem, &near);
-        Some(Solved { near: problem.refit(&near, &allowed), here: own.at(candidates, x, Some(&allowed)) })
+        Some(Solved { near: problem.refit(&near, &allowed), here: own.at(candidates, x, &allowed) })
     }
 
     /// Solves at a point and fits near it, some times over, and comes back with what is near the best point that was solved: what a fit
@@ -140,10 +142,13 @@ impl Search<'_> {
             let term = matches!(&e.fit.candidates[..], [only] if is_term(only));
             rough && (term || e.beats_noise && e.score() < best + FAR * (none - best))
         };
+        // of forms of one effect the chain may prefer the wrong one by as much as it is itself wrong by
+        let codes = |e: &Explanation| e.fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect::<Vec<_>>();
+        let solved: Vec<_> = list.iter().filter(|e| e.beats_noise && near(e)).take(SOLVED).map(codes).collect();
         let mut left = SOLVED;
         for (explanation, before) in list.iter_mut().zip(&before) {
             let wanted = explanation.beats_noise && near(explanation) && left > 0;
-            if (wanted || far(explanation))
+            if (wanted || far(explanation) || solved.contains(&codes(explanation)))
                 && let Some(fit) = self.solved(&explanation.fit)
             {
                 *explanation = self.compared(fit, before);

@@ -151,6 +151,7 @@ fn evidence(held: Vec<Explanation>) -> Evidence {
         design: Design {
             material: "eva".to_owned(),
             series: all,
+            checks: Vec::new(),
             geometries: vec![Geometry { specimen: block, ball_mm: 4.0, depth_mm: 3.0, nu: 0.0 }],
             rates_mm_per_s: vec![2.0],
             spots: 2,

@@ -189,6 +189,7 @@ impl DisplaySpec {
                     order: i64::try_from(runs.len() + 1).ok(),
                     start_s: Some(start_s),
                     hold_out: one.hold_out,
+                    load_n: None,
                     recording: run::recorded(self, one, number),
                 });
                 start_s += one.length_s() + 600.0;

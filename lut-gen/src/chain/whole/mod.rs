@@ -56,14 +56,11 @@ impl Whole {
 /// How large an effect is that the chain is rough about: what it misses is about in proportion to that.
 fn size_of(model: &Model, code: &str) -> f64 {
     let own = model.settings.iter().filter(|s| s.effect.code == code);
-    own.map(|s| {
-        let amplitudes = || s.values.iter().step_by(2).sum::<f64>();
-        match code {
-            // all of the force, and again its own law alone
-            _ if code == second_term::EFFECT.code => s.values[0] / (1.0 + s.values[0]),
-            _ if code == relaxation::ONE.code => amplitudes(),
-            _ => s.values[0],
-        }
+    own.map(|s| match code {
+        // all of the force, and again its own law alone
+        _ if code == second_term::EFFECT.code => s.values[0] / (1.0 + s.values[0]),
+        // amplitudes, each followed by its time or place where it has one
+        _ => s.values.iter().step_by(2).sum::<f64>(),
     })
     .sum()
 }
@@ -171,6 +168,30 @@ impl History {
     }
 }
 
+/// Ball and block: geometry, specimen, ball.
+type Block = (usize, usize, usize);
+
+/// The first term alone, without history, pressed once on the mesh of the paths: its force depends on the depth only, and the marks that the lines
+/// of the mesh leave in a force cancel where it is taken off.
+struct Twin {
+    block: Block,
+    deepest_mm: f64,
+    record: Record,
+    /// What the softness of the penalty takes from a force, over its square (1/N), by depth (mm).
+    softness: Curve,
+}
+
+impl Twin {
+    /// Force (N) at a depth (mm).
+    fn force_n(&self, depth_mm: f64) -> f64 {
+        // a piece of the ramp a second
+        self.record.force_at(RAMP as f64 * (depth_mm / self.deepest_mm).clamp(0.0, 1.0))
+    }
+}
+
+/// Pieces of an elastic ramp: straight between their ends, its force is met to 0.12/40^2, less than one in ten thousand.
+const RAMP: usize = 40;
+
 /// What was solved for a run, and the run's own turns.
 type Added<'a> = (&'a Job, &'a [(f64, f64)]);
 /// Which runs are alike, and whether their spot was pressed before.
@@ -197,8 +218,11 @@ impl Chain {
             first.par_iter().map(|&run| self.fine(model, (run, &windows[run]), contact_mm[run], remembers)).collect();
         let history = History::of(&bare);
         let (mut jobs, of) = if needs_solve(&bare) { self.jobs(&fine, history) } else { (Vec::new(), Vec::new()) };
+        let twins = self.twins(&bare, &jobs)?;
         jobs.par_iter_mut().try_for_each(|job| {
-            job.added = self.added(&bare, job, history)?;
+            if let Some(twin) = twins.iter().find(|twin| twin.block == self.block(job.run)) {
+                job.added = self.added(&bare, job, history, twin)?;
+            }
             Ok::<(), SolveError>(())
         })?;
         let solved: Vec<(Kind, (Curve, Curve))> = fine
@@ -206,9 +230,8 @@ impl Chain {
             .enumerate()
             .map(|(at, fine)| {
                 let added = of.get(at).map(|(job, turns)| (&jobs[*job], turns.as_slice()));
-                let missed = |added| self.missed(model, &bare, fine, &windows[fine.run], contact_mm[fine.run], added);
-                let (places, all) = (missed(None), missed(added));
-                let solved: Vec<f64> = all.iter().zip(&places).map(|(all, places)| all - places).collect();
+                let missed = self.missed((model, &bare), fine, &windows[fine.run], contact_mm[fine.run], added);
+                let (solved, places): (Vec<f64>, Vec<f64>) = missed.into_iter().unzip();
                 let curve = |values: Vec<f64>| self.passages[fine.run].time_s.iter().copied().zip(values).collect();
                 (kind(fine.run), (curve(solved), curve(places)))
             })
@@ -241,13 +264,9 @@ impl Chain {
         for one in fine {
             let pieces = straight_pieces(&one.path);
             let own = history.path(pieces);
-            let passage = |run: usize| {
-                let p = &self.passages[run];
-                (p.geometry, p.specimen, p.indenter)
-            };
             let same = |job: &Job| {
                 let near = (job.before_mm - one.before_mm).abs() <= 0.002 * one.before_mm;
-                history != History::Time && passage(job.run) == passage(one.run) && near && alike(&job.path, &own)
+                history != History::Time && self.block(job.run) == self.block(one.run) && near && alike(&job.path, &own)
             };
             let at = jobs.iter().position(same).unwrap_or_else(|| {
                 let path = if history == History::Time { own.clone() } else { a_second_a_millimetre(&own) };
@@ -259,32 +278,62 @@ impl Chain {
         (jobs, of)
     }
 
-    /// What the chain misses (N) at the places of a run; `added` is what finite elements add on a path, with the run's own turns.
+    /// What the chain misses (N) at the places of a run: what finite elements add on a path, given with the run's own turns, and what few places miss
+    /// of the motion.
     fn missed(
         &self,
-        model: &Model,
-        bare: &Model,
+        (model, bare): (&Model, &Model),
         fine: &Fine,
         windows: &[Window],
         contact_mm: f64,
         added: Option<Added<'_>>,
-    ) -> Vec<f64> {
+    ) -> Vec<(f64, f64)> {
         let passage = &self.passages[fine.run];
         let depth_mm: Vec<f64> = fine.path.iter().map(|p| p.1).collect();
         let history = History::of(bare);
         let added_n =
             |point: (f64, f64)| added.map_or(0.0, |(job, own)| between(&job.added, history.place(own, point)));
+        let added: Curve = fine.path.iter().map(|point| (point.0, added_n(*point))).collect();
         let at_fine = self.on_ball(bare, &Passage { depth_mm, ..fine.recorded.clone() });
-        let curve: Curve =
-            fine.path.iter().zip(at_fine).map(|(point, force_n)| (point.0, force_n + added_n(*point))).collect();
+        let chain: Curve = fine.path.iter().zip(at_fine).map(|(point, force_n)| (point.0, force_n)).collect();
         let coarse_mm = self.ball_depth(model, passage, contact_mm);
         let at_places = self.on_ball(bare, &Passage { depth_mm: coarse_mm, ..passage.clone() });
         let each = passage.time_s.iter().zip(windows).zip(at_places);
-        each.map(|((t, window), force_n)| window.mean(&curve, *t) - force_n).collect()
+        each.map(|((t, window), force_n)| (window.mean(&added, *t), window.mean(&chain, *t) - force_n)).collect()
+    }
+
+    /// Ball and block of a run.
+    fn block(&self, run: usize) -> Block {
+        let p = &self.passages[run];
+        (p.geometry, p.specimen, p.indenter)
+    }
+
+    /// The elastic ramps of the balls and blocks of some paths, each as deep as any of them.
+    fn twins(&self, bare: &Model, jobs: &[Job]) -> Result<Vec<Twin>, SolveError> {
+        let mut deepest: Vec<(Block, usize, f64)> = Vec::new();
+        for job in jobs {
+            let own = job.path.iter().map(|p| p.1).fold(job.before_mm, f64::max);
+            match deepest.iter_mut().find(|(block, ..)| *block == self.block(job.run)) {
+                Some((.., depth_mm)) => *depth_mm = depth_mm.max(own),
+                None => deepest.push((self.block(job.run), job.run, own)),
+            }
+        }
+        let pressed = deepest.into_par_iter().filter(|(.., depth_mm)| *depth_mm > 0.0);
+        let solve = |(block, run, deepest_mm): (Block, usize, f64)| {
+            let passage = &self.passages[run];
+            let place = |k: usize| deepest_mm * (k + 1) as f64 / RAMP as f64;
+            let motion = (0..RAMP).fold(Motion::from_touch(), |m, k| m.to_depth_within(place(k), 1.0));
+            let rich = self.simulation(bare, passage, motion)?;
+            let material = plain(bare, self.nu(bare, passage))?;
+            let record = Simulation { material, interface: Interface::default(), ..rich }.solve()?;
+            let softness = softness(&record);
+            Ok(Twin { block, deepest_mm, record, softness })
+        };
+        pressed.map(solve).collect()
     }
 
     /// What finite elements of a path add to the chain along it, N.
-    fn added(&self, bare: &Model, job: &Job, history: History) -> Result<Curve, SolveError> {
+    fn added(&self, bare: &Model, job: &Job, history: History, elastic: &Twin) -> Result<Curve, SolveError> {
         let passage = &self.passages[job.run];
         let (Some(start), Some(end)) = (job.path.first().copied(), job.path.last().copied()) else {
             return Ok(Vec::new());
@@ -298,14 +347,7 @@ impl Chain {
         }
         path.extend(&job.path);
         let Some((motion, begin_s)) = motion(&path) else { return Ok(Vec::new()) };
-        let rich = self.simulation(bare, passage, motion)?;
-        // the same path without history on the same mesh: the marks that its lines leave in a force cancel
-        let elastic = Simulation {
-            material: plain(bare, self.nu(bare, passage))?,
-            interface: Interface::default(),
-            ..rich.clone()
-        };
-        let (rich, elastic) = (rich.solve()?, elastic.solve()?);
+        let rich = self.simulation(bare, passage, motion)?.solve()?;
         let own: Vec<usize> =
             (0..rich.stations.len()).filter(|i| rich.stations[*i].time_s + begin_s >= start.0 - 1e-9).collect();
         let stations: Vec<f64> = own.iter().map(|i| rich.stations[*i].time_s + begin_s).collect();
@@ -318,12 +360,11 @@ impl Chain {
         let base = Model { settings: shapes, ..bare.clone() };
         let (with, without) = (self.on_ball(bare, &moved), self.on_ball(&base, &moved));
         let chain: Curve = moved.time_s.iter().zip(with.iter().zip(&without)).map(|(t, (a, b))| (*t, a - b)).collect();
-        let softness = softness(&elastic);
         let each = own.iter().zip(stations).map(|(i, t)| {
             let s = &rich.stations[*i];
-            let hard_n = s.force_n + between(&softness, s.depth_mm) * s.force_n * s.force_n;
+            let hard_n = s.force_n + between(&elastic.softness, s.depth_mm) * s.force_n * s.force_n;
             let place = history.place(&job.path, (t.min(end.0), s.depth_mm));
-            (place, hard_n - elastic.force_at(s.time_s) - between(&chain, t))
+            (place, hard_n - elastic.force_n(s.depth_mm) - between(&chain, t))
         });
         Ok(each.collect())
     }

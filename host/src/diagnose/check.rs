@@ -1,0 +1,355 @@
+//! Runs without the specimen: in air, under a known mass, on a stiff block. They show sensor and machine alone.
+//!
+//! In air and under a mass the force on the sensor is known. On a block that does not give way it is not, but it stands still while the ball does, so that what
+//! the reading does then is the sensor's; on the way back it is what it was at the same depth on the way down; and what the depth grows by as the force does is the
+//! machine's.
+
+use lut_gen::chain::Model;
+use nalgebra::DMatrix;
+
+use crate::experiment::{BaseLaw, Experiment, Recording, Run, Test};
+
+use super::design::{Branch, Node, even, growing, node};
+use super::margin::Variable;
+use super::noise::Noise;
+
+/// What was touched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Nothing.
+    Air,
+    /// A known load.
+    Mass,
+    /// A stiff block.
+    Block,
+}
+
+/// One such run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Check {
+    /// What was touched.
+    pub kind: Kind,
+    /// Start on the session clock, s, if known.
+    pub start_s: Option<f64>,
+    /// Largest force of the experiment's other runs, N: the zero wanders by a part of it.
+    pub scale_n: f64,
+    /// Force (N) on the sensor over time (s); on a block the reading stands for it.
+    path: Vec<(f64, f64)>,
+    /// Places of the path that are the way down to a block.
+    down: usize,
+    /// Readings that are compared.
+    nodes: Vec<Node>,
+    /// Place of each in the path.
+    at: Vec<usize>,
+    /// Depths that are compared.
+    depths: Vec<Depth>,
+    /// Radius of the ball, mm; of no matter without a block.
+    ball_mm: f64,
+}
+
+/// A recorded depth on a block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Depth {
+    depth_mm: f64,
+    /// Reading there, N.
+    force_n: f64,
+    /// Standard deviation, mm.
+    sigma_mm: f64,
+}
+
+/// Windows of a run in air, of a standing force, and of the ways to a block and back.
+const WINDOWS: (usize, usize, usize) = (3, 14, 12);
+/// A load is known to this part of itself.
+const KNOWN: f64 = 0.002;
+/// The force on a block is known to this part of itself: its reading stands for it.
+const LEVEL: f64 = 0.05;
+/// Places of depth and force in one row of a recording differ by less than this, mm.
+const BESIDE_MM: f64 = 0.003;
+/// Where the surface of a block is: unknown to this, mm.
+const SURFACE_MM: f64 = 0.5;
+/// Reduced modulus of a block that gives way as far as a stiff one does, MPa.
+const BLOCK_MPA: f64 = 1000.0;
+/// Resolution of a recorded depth, mm.
+const RESOLUTION_MM: f64 = 0.003;
+/// A ball stands where it is deeper than all but this part of the range.
+const STANDING: f64 = 0.02;
+/// Least samples of a standing force, and of a way down that a way back is compared with.
+const LEAST: (usize, usize) = (8, 6);
+/// A sensor is loaded above this part of the largest force.
+const LOADED: f64 = 0.02;
+
+/// All such runs of an experiment, with what the reader should know of those that say nothing.
+pub(super) fn of(experiment: &Experiment, scale_n: f64) -> (Vec<Check>, Vec<String>) {
+    let mut checks = Vec::new();
+    let mut messages = Vec::new();
+    for run in &experiment.runs {
+        let rigid = run.specimen.is_some_and(|at| experiment.specimens[at].base_law == BaseLaw::Rigid);
+        let ball_mm = run.indenter.and_then(|at| experiment.indenters[at].radius_mm.known());
+        let found = match run.test {
+            Test::Air => standing(run, Kind::Air, 0.0),
+            Test::Mass => match run.load_n {
+                Some(load_n) => standing(run, Kind::Mass, load_n),
+                None => Err("a mass without load_N says nothing of the sensor".to_owned()),
+            },
+            Test::Indentation if rigid => match ball_mm {
+                Some(ball_mm) => on_block(run, ball_mm),
+                None => Err("a ball of unknown radius on a stiff block says nothing of the machine".to_owned()),
+            },
+            _ => continue,
+        };
+        match found {
+            Ok(check) => checks.push(Check { scale_n, ..check }),
+            Err(why) => messages.push(format!("{}: {why}", run.file)),
+        }
+    }
+    (checks, messages)
+}
+
+impl Check {
+    fn new(kind: Kind, start_s: Option<f64>) -> Self {
+        let (path, nodes, at, depths) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { kind, start_s, scale_n: 0.0, path, down: 0, nodes, at, depths, ball_mm: 1.0 }
+    }
+
+    /// A load (N) that stands for a time (s), recorded at a rate (Hz), for a plan: its readings are to come.
+    pub(super) fn planned(kind: Kind, (load_n, hold_s): (f64, f64), sample_hz: f64, like: (Option<f64>, f64)) -> Self {
+        let count = (hold_s * sample_hz) as usize + 1;
+        let time_s: Vec<f64> = (0..count).map(|k| k as f64 / sample_hz).collect();
+        let mut recording = Recording::default();
+        recording.force_n = vec![load_n; count];
+        recording.depth_mm = vec![0.0; count];
+        recording.time_s = time_s;
+        let mut check = Self { scale_n: like.1, ..Self::new(kind, like.0) };
+        check.stand(&recording, 0..count, |_| load_n);
+        if kind == Kind::Block {
+            let place = |force_n: f64| Depth { depth_mm: 0.0, force_n, sigma_mm: RESOLUTION_MM };
+            check.depths = vec![place(0.0), place(load_n)];
+        }
+        check
+    }
+
+    /// Number of rows: readings (N), then depths (mm).
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.nodes.len() + self.depths.len()
+    }
+
+    /// What was recorded, a row each.
+    pub(super) fn measured(&self) -> impl Iterator<Item = f64> + '_ {
+        self.nodes.iter().map(|n| n.force_n).chain(self.depths.iter().map(|d| d.depth_mm))
+    }
+
+    /// What a model makes of it.
+    pub(super) fn predicted(&self, model: &Model) -> Vec<f64> {
+        let (time_s, known): (Vec<f64>, Vec<f64>) = self.path.iter().copied().unzip();
+        let mut force_n = known.clone();
+        if self.kind == Kind::Block {
+            model.remember(&time_s, &mut force_n);
+            // the reading on the way down stands for the force: what the sensor adds there is in it already
+            let mut there: Vec<(f64, f64)> =
+                (0..self.down).map(|k| (self.path[k].1, force_n[k] - self.path[k].1)).collect();
+            there.sort_by(|a, b| a.0.total_cmp(&b.0));
+            force_n.iter_mut().zip(&known).for_each(|(f, own)| *f -= between(&there, *own));
+        } else {
+            model.read(&time_s, self.start_s.unwrap_or(0.0), &mut force_n);
+        }
+        let readings = self.at.iter().map(|at| force_n[*at]);
+        readings.chain(self.depths.iter().map(|d| model.yielded_mm(d.force_n))).collect()
+    }
+
+    /// Lower triangular factor of the covariance of its rows; none where that is not positive definite.
+    pub(super) fn factor(&self, noise: &Noise) -> Option<DMatrix<f64>> {
+        let force_n: Vec<f64> = self.at.iter().map(|at| self.path[*at].1).collect();
+        let own = noise.sensor.covariance(&self.nodes, &force_n).cholesky()?.unpack();
+        let mut factor = DMatrix::zeros(self.rows(), self.rows());
+        factor.view_mut((0, 0), own.shape()).copy_from(&own);
+        for (k, depth) in self.depths.iter().enumerate() {
+            factor[(self.nodes.len() + k, self.nodes.len() + k)] = depth.sigma_mm;
+        }
+        Some(factor)
+    }
+
+    /// What its rows may be off by together, a column of unit variance each.
+    pub(super) fn freedom(&self, noise: &Noise) -> DMatrix<f64> {
+        let readings = self.nodes.len();
+        let known = |k: usize| self.path[self.at[k]].1;
+        let reading = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            (0..self.rows()).map(|k| if k < readings { of(k) } else { 0.0 }).collect()
+        };
+        let depth = |of: &dyn Fn(&Depth) -> f64| -> Vec<f64> {
+            let own = |k: usize| if k < readings { 0.0 } else { of(&self.depths[k - readings]) };
+            (0..self.rows()).map(own).collect()
+        };
+        let mut columns = vec![reading(&|_| noise.jitter.zero_n)];
+        match self.kind {
+            Kind::Air => {}
+            Kind::Mass => columns.push(reading(&|k| KNOWN * known(k))),
+            Kind::Block => {
+                columns.push(reading(&|k| LEVEL * known(k)));
+                columns.push(reading(&|k| match self.nodes[k].branch {
+                    Branch::Unloading => BESIDE_MM * self.stiffness(known(k)),
+                    Branch::Loading | Branch::Hold => 0.0,
+                }));
+                columns.push(depth(&|_| SURFACE_MM));
+                columns.push(depth(&|d| dent_mm(d.force_n, self.ball_mm)));
+            }
+        }
+        DMatrix::from_fn(self.rows(), columns.len(), |i, j| columns[j][i])
+    }
+
+    /// Slope (N/mm) of the way down to a block at a force (N).
+    fn stiffness(&self, force_n: f64) -> f64 {
+        let pairs = || self.depths.windows(2).map(|w| (&w[0], &w[1]));
+        let slope = |(a, b): (&Depth, &Depth)| (b.force_n - a.force_n) / (b.depth_mm - a.depth_mm).max(RESOLUTION_MM);
+        pairs().find(|(_, b)| b.force_n >= force_n).or(pairs().next_back()).map_or(0.0, slope)
+    }
+
+    /// True for a row that is a reading of the force: the zero of the session is in it.
+    pub(super) fn is_reading(&self, row: usize) -> bool {
+        row < self.nodes.len()
+    }
+
+    /// Directions that a discrepancy may lie in: variable, label, and a weight a row.
+    pub(super) fn directions(&self) -> Vec<(Variable, String, Vec<f64>)> {
+        let readings = self.nodes.len();
+        let of = |weight: &dyn Fn(usize) -> f64| (0..self.rows()).map(weight).collect::<Vec<f64>>();
+        let late = |k: usize| (2 * k + 1) as f64 / readings as f64 - 1.0;
+        let level = of(&|k| f64::from(u8::from(k < readings)));
+        let trend = of(&|k| if k < readings { late(k) } else { 0.0 });
+        match self.kind {
+            Kind::Air => vec![(Variable::Air, "zero in air".to_owned(), level)],
+            Kind::Mass => vec![
+                (Variable::Mass, "reading of a mass".to_owned(), level),
+                (Variable::Mass, "reading of a mass over time".to_owned(), trend),
+            ],
+            Kind::Block => {
+                let yielding = of(&|k| if k < readings { 0.0 } else { self.depths[k - readings].force_n });
+                vec![
+                    (Variable::Block, "reading on a standing block over time".to_owned(), trend),
+                    (Variable::Block, "depth over force on a block".to_owned(), yielding),
+                ]
+            }
+        }
+    }
+
+    /// Readings of samples in which the force stands, in windows that grow, with the force that is known there (N).
+    fn stand(&mut self, recording: &Recording, samples: std::ops::Range<usize>, known: impl Fn(&Node) -> f64) {
+        let start_s = recording.time_s[0];
+        let held_from_s = recording.time_s[samples.start];
+        let mut windows = Vec::new();
+        if self.kind == Kind::Air {
+            even(&mut windows, samples, WINDOWS.0, Branch::Hold);
+        } else {
+            // a load that comes at once begins with the first sample
+            self.path.push((held_from_s - start_s, known(&first(recording, samples.start))));
+            growing(&mut windows, recording, samples, WINDOWS.1);
+        }
+        for (window, branch) in windows {
+            self.push(node(recording, &window, branch, start_s, held_from_s, 0.0), &known);
+        }
+    }
+
+    fn push(&mut self, node: Node, known: impl Fn(&Node) -> f64) {
+        self.at.push(self.path.len());
+        self.path.push((node.time_s, known(&node)));
+        self.nodes.push(node);
+    }
+}
+
+/// A force that is known and stands.
+fn standing(run: &Run, kind: Kind, load_n: f64) -> Result<Check, String> {
+    let recording = &run.recording;
+    if recording.len() < LEAST.0 {
+        return Err(format!("{} samples, of at least {}", recording.len(), LEAST.0));
+    }
+    let mut check = Check::new(kind, run.start_s);
+    check.stand(recording, 0..recording.len(), |_| load_n);
+    Ok(check)
+}
+
+/// A ball that is pressed onto a block, stands there, and may go back.
+fn on_block(run: &Run, ball_mm: f64) -> Result<Check, String> {
+    let recording = &run.recording;
+    let (depth, force) = (&recording.depth_mm, &recording.force_n);
+    let largest_n = force.iter().copied().fold(0.0, f64::max);
+    let loaded = |i: &usize| force[*i] > LOADED * largest_n;
+    let Some(begin) = (0..force.len()).find(loaded).filter(|_| largest_n > 0.0) else {
+        return Err("the stiff block was not touched".to_owned());
+    };
+    let deepest = depth.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let tolerance = RESOLUTION_MM.max(STANDING * (deepest - depth[begin]));
+    let stands = |i: &usize| depth[*i] >= deepest - tolerance && force[*i] > 0.5 * largest_n;
+    let start = (begin..force.len()).find(stands).unwrap_or(begin);
+    let end = (start..force.len()).find(|i| !stands(i)).unwrap_or(force.len());
+    if end - start < LEAST.0 {
+        return Err(format!("the ball stands on the stiff block for {} samples, of at least {}", end - start, LEAST.0));
+    }
+    let mut check = Check { ball_mm, ..Check::new(Kind::Block, run.start_s) };
+    check.go_down(recording, begin, start);
+    let level_n = force[start];
+    let whole = node(recording, &(start..end), Branch::Hold, 0.0, 0.0, 0.0);
+    check.depths.push(Depth { depth_mm: whole.depth_mm, force_n: whole.force_n, sigma_mm: RESOLUTION_MM });
+    check.stand(recording, start..end, |_| level_n);
+    // the first sample that stands belongs to the way down
+    check.down += 1;
+    check.go_back(recording, end);
+    Ok(check)
+}
+
+impl Check {
+    /// The way down from the last sample that is not loaded to the first that stands.
+    fn go_down(&mut self, recording: &Recording, begin: usize, start: usize) {
+        let start_s = recording.time_s[0];
+        let mut windows = Vec::new();
+        even(&mut windows, begin..start, WINDOWS.2, Branch::Loading);
+        if let Some(before) = begin.checked_sub(1) {
+            // the surface is somewhere on the way to the next sample
+            let step_mm = (recording.depth_mm[begin] - recording.depth_mm[before]).abs();
+            let sigma_mm = RESOLUTION_MM.hypot(step_mm / 12.0_f64.sqrt());
+            self.depths.push(Depth { depth_mm: recording.depth_mm[before], force_n: 0.0, sigma_mm });
+        }
+        for (window, branch) in windows {
+            let n = node(recording, &window, branch, start_s, 0.0, 0.0);
+            self.depths.push(Depth { depth_mm: n.depth_mm, force_n: n.force_n, sigma_mm: RESOLUTION_MM });
+            self.path.push((n.time_s, n.force_n));
+        }
+        self.down = self.path.len();
+    }
+
+    /// The way back, where there was a way down to compare it with.
+    fn go_back(&mut self, recording: &Recording, end: usize) {
+        let on_way: Vec<(f64, f64)> = self.depths.iter().map(|d| (d.depth_mm, d.force_n)).collect();
+        if self.down < LEAST.1 {
+            return;
+        }
+        let start_s = recording.time_s[0];
+        let shallow = on_way[0].0;
+        let last = (end..recording.len()).find(|i| recording.depth_mm[*i] <= shallow).unwrap_or(recording.len());
+        let mut windows = Vec::new();
+        even(&mut windows, end..last, WINDOWS.2, Branch::Unloading);
+        for (window, branch) in windows {
+            let n = node(recording, &window, branch, start_s, 0.0, 0.0);
+            self.push(n, |n| between(&on_way, n.depth_mm));
+        }
+    }
+}
+
+fn first(recording: &Recording, at: usize) -> Node {
+    node(recording, &(at..at + 1), Branch::Hold, recording.time_s[0], recording.time_s[at], 0.0)
+}
+
+/// Hertz' depth (mm) of a dent in a block under a force (N).
+fn dent_mm(force_n: f64, ball_mm: f64) -> f64 {
+    (0.75 * force_n.max(0.0) / (BLOCK_MPA * ball_mm.sqrt())).powf(2.0 / 3.0)
+}
+
+/// A value between points in rising order, at its ends the nearest; 0 where there are none.
+fn between(points: &[(f64, f64)], x: f64) -> f64 {
+    let next = points.partition_point(|p| p.0 < x);
+    match (next.checked_sub(1).map(|i| points[i]), points.get(next)) {
+        (Some((x0, y0)), Some((x1, y1))) => y0 + (y1 - y0) * (x - x0) / (x1 - x0).max(f64::MIN_POSITIVE),
+        (Some((_, y)), None) => y,
+        (None, Some((_, y))) => *y,
+        (None, None) => 0.0,
+    }
+}
