@@ -78,36 +78,42 @@ fn a_ramp_and_hold_is_the_convolution() {
     }
 }
 
-/// What the record takes off for the penalty's softness leaves the force of a penalty that is sixteen times stiffer, on the way down, in the hold, and on the way
+/// What the record takes off for the penalty's softness leaves the force of a penalty that is five times stiffer, on the way down, in the hold, and on the way
 /// back, where the energy in the penalty falls because the foam has relaxed as well as because the ball withdraws.
 #[test]
 fn the_penalty_is_taken_off_on_the_way_back_too() {
+    const PIECES: usize = 30;
     let term = PronyTerm { g: 0.4, k: 0.4, tau_s: 0.65 };
+    // pieces, so that both have equilibria at the same times
+    let depth = |k: usize| 3.0 * k as f64 / PIECES as f64;
+    let down = (1..=PIECES).fold(Motion::from_touch(), |m, k| m.to_depth(depth(k), 2.0));
+    let motion = (0..PIECES).rev().fold(down.hold(5.0), |m, k| m.to_depth(depth(k), 2.0));
     let case = Simulation {
         material: foam().relaxing(vec![term]).unwrap(),
         specimen: Specimen { height_mm: 12.7, radius_mm: 25.0, base: Base::Bonded },
         ball: Ball { radius_mm: 4.0 },
         interface: Interface::default(),
-        motion: Motion::ramp(3.0, 2.0).hold(5.0).to_depth(0.0, 2.0),
-        resolution: Resolution::Refined(0.5),
+        motion,
+        resolution: Resolution::Refined(1.0),
     };
     let record = |stiffer: f64| {
         let stepping = Stepping::of_ball(case.ball.radius_mm);
-        Record::new(case.follow(&case.mesh(0.5), stiffer, Newton::default(), stepping, &mut ()).unwrap().0)
+        Record::new(case.follow(&case.mesh(1.0), stiffer, Newton::default(), stepping, &mut ()).unwrap().0)
     };
-    let (soft, stiff) = (record(1.0), record(16.0));
+    let (soft, stiff) = (record(1.0), record(5.0));
     let peak = soft.force_n.iter().copied().fold(0.0, f64::max);
     let mut worst = [(0.0_f64, 0.0_f64); 3];
     for (station, force_n) in soft.stations.iter().zip(&soft.force_n) {
-        // between stations the forces are straight: compared where both have one
         let Some(k) = stiff.stations.iter().position(|s| (s.time_s - station.time_s).abs() < 1e-9) else { continue };
-        let own = &mut worst[station.segment];
+        let own = &mut worst[1 + usize::from(station.segment > PIECES) - usize::from(station.segment < PIECES)];
         own.0 = own.0.max((force_n - stiff.force_n[k]).abs() / peak);
         own.1 = own.1.max((station.force_n - stiff.force_n[k]).abs() / peak);
     }
     println!("worst of the peak on the way down, in the hold, back (as recorded, with the penalty): {worst:?}");
-    // second order in the softness: the square of what is taken off
-    for (recorded, with_penalty) in worst {
-        assert!(recorded < 0.0015 && with_penalty > 3.0 * recorded, "{worst:?}");
+    // a third of what is taken off is left on the way down, where the lines of the mesh leave their marks, an eighth in the hold; differentiated on the way back, where the
+    // energy also relaxes, 0.14 % of the peak would be left there
+    let limits = [0.0012, 0.0004, 0.0008];
+    for ((recorded, with_penalty), limit) in worst.into_iter().zip(limits) {
+        assert!(recorded < limit && with_penalty > 1.5 * recorded, "{worst:?}");
     }
 }
