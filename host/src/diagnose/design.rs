@@ -34,6 +34,11 @@ const MEANT_MM: f64 = 0.4;
 /// is where the chain is farthest from finite elements. Where loading itself had less than the second share of the peak, nothing has lifted.
 const LIFTED: (f64, f64) = (0.35, 0.05);
 
+/// Readings at the beginning of a run whose mean is the force it begins at, and the parts of the largest force that one run begins within and two differ by where the
+/// zero drifts.
+const FIRST: usize = 3;
+const DRIFTED: (f64, f64) = (0.02, 0.05);
+
 /// Part of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Branch {
@@ -347,8 +352,30 @@ fn place<K: PartialEq>(list: &mut Vec<K>, key: K) -> usize {
     })
 }
 
+/// True where some runs begin at no force and others far from it, as those of a session whose zero drifts do; all that were triggered by a force begin at that one.
+fn zero_drifts(experiment: &Experiment) -> bool {
+    let rigid = |at: usize| experiment.specimens[at].base_law == BaseLaw::Rigid;
+    let pressed =
+        experiment.runs.iter().filter(|run| run.test == Test::Indentation && !run.specimen.is_some_and(rigid));
+    let forces = pressed.map(|run| run.recording.force_n.as_slice());
+    let (mut low, mut high, mut peak) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+    for own in forces {
+        let begin = begins_at_n(own);
+        (low, high) = (low.min(begin), high.max(begin));
+        peak = own.iter().copied().fold(peak, f64::max);
+    }
+    low.abs().min(high.abs()) < DRIFTED.0 * peak && high - low > DRIFTED.1 * peak
+}
+
+/// Mean of the first readings, N.
+fn begins_at_n(force_n: &[f64]) -> f64 {
+    let first = &force_n[..force_n.len().min(FIRST)];
+    first.iter().sum::<f64>() / first.len().max(1) as f64
+}
+
 fn raw_runs(experiment: &Experiment, material: &str, messages: &mut Vec<String>) -> Vec<Raw> {
     let mut raws = Vec::new();
+    let drifts = zero_drifts(experiment);
     for (at, run) in experiment.runs.iter().enumerate() {
         let (Some(specimen), Some(indenter), Test::Indentation) = (run.specimen, run.indenter, run.test) else {
             continue;
@@ -371,7 +398,10 @@ fn raw_runs(experiment: &Experiment, material: &str, messages: &mut Vec<String>)
         };
         let loading = motion.loading.clone();
         let depth = &run.recording.depth_mm[loading.clone()];
-        let guess = contact::guess(depth, &run.recording.force_n[loading.clone()], ball_mm);
+        let force_n = &run.recording.force_n[loading.clone()];
+        let zero_n = if drifts { begins_at_n(force_n) } else { 0.0 };
+        let force_n: Vec<f64> = force_n.iter().map(|f| f - zero_n).collect();
+        let guess = contact::guess(depth, &force_n, ball_mm);
         let Some(guess) = guess.filter(|_| depth.len() >= LEAST_SAMPLES) else {
             messages.push(format!("{}: no contact, or fewer than {LEAST_SAMPLES} samples on the way down", run.file));
             continue;

@@ -152,7 +152,7 @@ fn amounts(design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Vec<Amoun
 impl Amounts {
     fn of(design: &Design, curves: &[Curve], sensor: &SensorNoise, series: usize) -> Option<Self> {
         let (nodes, curve) = (&design.series[series].nodes, &curves[series]);
-        let factor = sensor.covariance(nodes, &curve.force_n).cholesky()?;
+        let factor = sensor.factor(nodes, &curve.force_n)?;
         let lower = factor.l_dirty();
         let residual = DVector::from_fn(nodes.len(), |k, _| nodes[k].force_n - curve.force_n[k]);
         let y = lower.solve_lower_triangular(&residual)?;

@@ -58,6 +58,11 @@ pub enum Refusal {
         "no two runs repeat a condition and no noise is stated: without one of them nobody can say what is noise and what is a discrepancy; repeat at least one condition on another spot, or state [sensor] noise_N"
     )]
     NoNoise,
+    /// Repeats differ by what is no noise.
+    #[error(
+        "repeats of one condition differ by what neither noise of the sensor nor another contact, gain or zero on each spot explains: look at them one over the other before anything is concluded"
+    )]
+    NoSuchNoise,
     /// The data are not what the description says.
     #[error("{0}")]
     Faulty(String),
@@ -69,9 +74,6 @@ pub enum DiagnoseError {
     /// A force model could not be made.
     #[error("no force model: {0}")]
     Model(#[from] LibraryError),
-    /// A number is not one.
-    #[error("the noise of {0} has no positive definite covariance")]
-    Covariance(String),
 }
 
 /// Force models that were made before, to be shared by many diagnoses.
@@ -255,8 +257,10 @@ impl Diagnosis {
         let solves = library.solves();
         let chain = Chain { library, passages: design.passages() };
         progress("base", 0, 1);
-        let prepared = Prepared::new(&design, &chain, experiment.sensor.noise_n)
-            .ok_or_else(|| DiagnoseError::Covariance(self.material.clone()))?;
+        let Some(prepared) = Prepared::new(&design, &chain, experiment.sensor.noise_n) else {
+            self.refusal = Some(Refusal::NoSuchNoise);
+            return Ok(());
+        };
         if prepared.noise.source == Source::Stated {
             self.messages.push(
                 "nothing repeats: the noise is the stated one, and the scatter between spots is assumed (0.05 mm of contact, 1 % of gain)".to_owned(),

@@ -1,7 +1,7 @@
 //! What repeats of one condition differ by: sensor noise with its correlation in time, and jitter of contact point, gain
 //! and zero.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::design::{Design, Node};
 use super::jitter::Posterior;
@@ -101,6 +101,23 @@ impl SensorNoise {
         c
     }
 }
+
+impl SensorNoise {
+    /// Cholesky's factor of that covariance, with as little of a white part added as makes it one: windows of which some overlap in what they are correlated with may leave
+    /// a covariance that rounding, or the sums themselves, make no longer positive definite. `None` where numbers are none.
+    #[must_use]
+    pub fn factor(&self, nodes: &[Node], force_n: &[f64]) -> Option<Cholesky<f64, Dyn>> {
+        let covariance = self.covariance(nodes, force_n);
+        WHITENED.iter().find_map(|part| {
+            let mut own = covariance.clone();
+            (0..own.nrows()).for_each(|i| own[(i, i)] *= 1.0 + part);
+            own.cholesky()
+        })
+    }
+}
+
+/// White parts that are added to a covariance until it is positive definite.
+const WHITENED: [f64; 4] = [0.0, 1e-9, 1e-6, 1e-3];
 
 /// What repeats of a condition differ by: one of as many orthonormal contrasts as there are runs less one (Helmert's).
 #[derive(Debug)]
@@ -224,7 +241,7 @@ fn level(design: &Design, curves: &[Curve], runs: &[&Contrast], unit: &SensorNoi
     let (mut square, mut log, mut count) = (0.0, 0.0, 0.0);
     for run in runs {
         let series = &design.series[run.series];
-        let factor = unit.covariance(&series.nodes, &curves[run.series].force_n).cholesky()?;
+        let factor = unit.factor(&series.nodes, &curves[run.series].force_n)?;
         let (rest, information) = without_shapes(run, &factor)?;
         square += rest;
         log += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum() + information;
@@ -234,7 +251,7 @@ fn level(design: &Design, curves: &[Curve], runs: &[&Contrast], unit: &SensorNoi
     (variance > 0.0).then(|| (variance.sqrt(), log + count * variance.ln()))
 }
 
-type Factor = nalgebra::Cholesky<f64, nalgebra::Dyn>;
+type Factor = Cholesky<f64, Dyn>;
 
 /// Whitened square of what the three shapes leave, and the logarithm of their information.
 fn without_shapes(run: &Contrast, factor: &Factor) -> Option<(f64, f64)> {

@@ -95,6 +95,31 @@ fn a_design_is_read_from_the_data() {
     assert!(design.series.iter().all(|s| s.nodes.len() == 36 && s.nodes.iter().all(|n| n.branch == Branch::Loading)));
 }
 
+/// A zero that drifts by a third of the largest force over the session moves no contact; a session of presses that were triggered by a force begins within the specimen.
+#[test]
+fn a_drifting_zero_is_no_late_contact() {
+    let largest_n =
+        |all: &Experiment| all.runs.iter().flat_map(|r| r.recording.force_n.iter().copied()).fold(0.0, f64::max);
+    let mut drifting = experiment(3);
+    let (step_n, peak_n) = (largest_n(&drifting) / 24.0, largest_n(&drifting));
+    for (at, run) in drifting.runs.iter_mut().enumerate() {
+        run.recording.force_n.iter_mut().for_each(|f| *f -= step_n * at as f64);
+    }
+    assert!(Design::of(&drifting, "foam").unwrap().zero_is_contact);
+    let mut triggered = experiment(3);
+    for run in &mut triggered.runs {
+        let first = run.recording.force_n.iter().position(|f| *f > 0.2 * peak_n).unwrap();
+        let at_mm = run.recording.depth_mm[first];
+        run.recording = Recording::from_samples(
+            run.recording.time_s.split_off(first),
+            run.recording.depth_mm.split_off(first).into_iter().map(|d| d - at_mm).collect(),
+            run.recording.force_n.split_off(first),
+        );
+    }
+    let design = Design::of(&triggered, "foam").unwrap();
+    assert!(!design.zero_is_contact && design.zero_mm < -0.4, "{}", design.zero_mm);
+}
+
 /// Means over 30 experiments of 8 spots, whose standard errors are 7 % of a jitter (6 degrees of freedom each), 2 % of the noise.
 #[test]
 fn noise_and_jitter_are_found_from_replicates() {

@@ -71,7 +71,7 @@ impl Whitening {
         for (series, curve) in design.series.iter().zip(curves) {
             first.push(len);
             len += series.nodes.len();
-            let lower = noise.sensor.covariance(&series.nodes, &curve.force_n).cholesky()?.unpack();
+            let lower = noise.sensor.factor(&series.nodes, &curve.force_n)?.unpack();
             runs.push(Factor { lower });
         }
         for check in &design.checks {

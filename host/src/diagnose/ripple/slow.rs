@@ -126,7 +126,7 @@ impl Sums {
         unit: &SensorNoise,
     ) -> Option<Self> {
         let nodes = &design.series[contrast.series].nodes;
-        let factor = unit.covariance(nodes, &curves[contrast.series].force_n).cholesky()?;
+        let factor = unit.factor(nodes, &curves[contrast.series].force_n)?;
         let whitened = |columns: &DMatrix<f64>| factor.l_dirty().solve_lower_triangular(columns);
         let free = whitened(&contrast.shapes)?.qr();
         let q = free.q();

@@ -4,6 +4,10 @@ use super::super::Progress;
 use super::super::fit::{Candidate, Fit};
 use super::{CHARGE, Explanation, RATIO_100, Search, form_error, sorted};
 
+/// By how much two effects must be better than one, as a difference of sums of squares: a likelihood ratio of ten thousand. There are twenty times as many pairs as
+/// effects, and the jitter that a second name could be is known from a few spots only.
+const SECOND: f64 = 2.0 * RATIO_100;
+
 /// What a search came to.
 #[derive(Debug)]
 pub struct Found<'a> {
@@ -68,7 +72,7 @@ impl<'a> Found<'a> {
     /// True where two effects are clearly likelier than any one that leaves no more than noise, be that one not to be named because it ends at a bound.
     fn needs(&self, two: &Explanation) -> bool {
         let alone = self.singles.iter().filter(|e| e.adequacy.passes());
-        two.score() + RATIO_100 < alone.map(Explanation::score).fold(f64::INFINITY, f64::min)
+        two.score() + SECOND < alone.map(Explanation::score).fold(f64::INFINITY, f64::min)
     }
 
     /// Places of the other forms of a single effect that are clearly not noise.

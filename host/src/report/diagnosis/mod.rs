@@ -120,6 +120,9 @@ fn advice(found: &Diagnosis) -> Option<&'static str> {
         Refusal::NothingToFit(_) => Some(
             "Record presses of a ball of known radius that start above the surface and go at least a tenth of the ball's radius deep, with at least a dozen samples on the way down.",
         ),
+        Refusal::NoSuchNoise => Some(
+            "Look at the repeats of each condition one over the other: something differs between them that is neither noise nor another contact, gain or zero, such as stick and slip.",
+        ),
         Refusal::Faulty(_) => Some(
             "Check the sensor's cable and zero with a known mass, repeat the runs named above, or take them out of experiment.toml; then diagnose again.",
         ),

@@ -70,6 +70,7 @@ fn reason(found: &Diagnosis) -> String {
         Some(Refusal::NoNoise) => {
             "no condition repeats and no noise is stated, so that noise and discrepancy cannot be told apart".to_owned()
         }
+        Some(Refusal::NoSuchNoise) => "repeats differ by what is no noise".to_owned(),
         Some(Refusal::Faulty(told)) => told.trim_end_matches('.').to_owned(),
     }
 }
