@@ -318,10 +318,11 @@ impl Check {
 
     /// The way back, where there was a way down to compare it with.
     fn go_back(&mut self, recording: &Recording, end: usize) {
-        let on_way: Vec<(f64, f64)> = self.depths.iter().map(|d| (d.depth_mm, d.force_n)).collect();
         if self.down < LEAST.1 {
             return;
         }
+        let mut on_way: Vec<(f64, f64)> = self.depths.iter().map(|d| (d.depth_mm, d.force_n)).collect();
+        on_way.sort_by(|a, b| a.0.total_cmp(&b.0));
         let start_s = recording.time_s[0];
         let shallow = on_way[0].0;
         let last = (end..recording.len()).find(|i| recording.depth_mm[*i] <= shallow).unwrap_or(recording.len());
@@ -347,9 +348,88 @@ fn dent_mm(force_n: f64, ball_mm: f64) -> f64 {
 fn between(points: &[(f64, f64)], x: f64) -> f64 {
     let next = points.partition_point(|p| p.0 < x);
     match (next.checked_sub(1).map(|i| points[i]), points.get(next)) {
-        (Some((x0, y0)), Some((x1, y1))) => y0 + (y1 - y0) * (x - x0) / (x1 - x0).max(f64::MIN_POSITIVE),
+        (Some((x0, y0)), Some((x1, y1))) if *x1 > x0 => y0 + (y1 - y0) * (x - x0) / (x1 - x0),
+        (Some((_, y)), Some(_)) => y,
         (Some((_, y)), None) => y,
         (None, Some((_, y))) => *y,
         (None, None) => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use lut_gen::chain::Setting;
+    use lut_gen::effect::{compliance, sensor_creep};
+
+    use super::*;
+
+    const LOAD_N: f64 = 2.0;
+    const MM_PER_N: f64 = 0.1;
+
+    /// Down in half a second, standing for ten, and back, on a block in a machine of 0.1 mm/N; `sensed` makes readings of the forces.
+    fn pressed(sensed: impl Fn(&[f64], &mut [f64])) -> Check {
+        let time_s: Vec<f64> = (0..=550).map(|k| 0.02 * f64::from(k)).collect();
+        let way = |t: f64| (t / 0.5).min((11.0 - t) / 0.5).clamp(0.0, 1.0);
+        let mut force_n: Vec<f64> = time_s.iter().map(|t| LOAD_N * way(*t)).collect();
+        let depth_mm = force_n.iter().map(|f| MM_PER_N * f).collect();
+        sensed(&time_s, &mut force_n);
+        let run = Run::indentation("block".to_owned(), 0, 0, Recording::from_samples(time_s, depth_mm, force_n));
+        on_block(&run, 4.0).unwrap()
+    }
+
+    fn with(effect: &'static lut_gen::effect::Effect, values: Vec<f64>) -> Model {
+        let mut model = Model::base(0.1, 8.0);
+        model.settings.push(Setting { effect, owner: 0, values });
+        model
+    }
+
+    /// Largest difference of readings (N) and of depths (mm), the latter beyond a common surface.
+    fn missed(check: &Check, model: &Model) -> (f64, f64) {
+        let differences: Vec<f64> = check.measured().zip(check.predicted(model)).map(|(a, b)| a - b).collect();
+        let (readings, depths) = differences.split_at(check.nodes.len());
+        let surface = depths.iter().sum::<f64>() / depths.len() as f64;
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, x| m.max(x.abs()));
+        (largest(&mut readings.iter().copied()), largest(&mut depths.iter().map(|d| d - surface)))
+    }
+
+    #[test]
+    fn a_machine_that_yields_moves_the_depth_and_no_reading() {
+        let check = pressed(|_, _| ());
+        assert!(check.depths.len() > 6 && check.nodes.iter().any(|n| n.branch == Branch::Unloading));
+        let (rigid, yielding) = (Model::base(0.1, 8.0), with(&compliance::EFFECT, vec![MM_PER_N]));
+        assert!(missed(&check, &rigid).1 > 0.05 && missed(&check, &yielding).1 < 1e-9);
+        // means over windows that a corner cuts: a reading and a half
+        assert!(missed(&check, &rigid).0 < 0.06 * LOAD_N, "{:?}", missed(&check, &rigid));
+    }
+
+    #[test]
+    fn a_sensor_that_creeps_moves_the_reading_while_the_ball_stands() {
+        let check = pressed(|time_s, force_n| sensor_creep::creep(time_s, force_n, (0.1, 1.5)));
+        let held = |model: &Model| {
+            let all = check.measured().zip(check.predicted(model)).zip(&check.nodes);
+            let own: Vec<f64> = all.filter(|(_, n)| n.branch == Branch::Hold).map(|((a, b), _)| a - b).collect();
+            own[own.len() - 1] - own[0]
+        };
+        assert!(held(&Model::base(0.1, 8.0)) > 0.08 * LOAD_N);
+        // to first order: the creep of the creep is a hundredth
+        assert!(held(&with(&sensor_creep::CREEP, vec![0.1, 1.5])).abs() < 0.01 * LOAD_N);
+    }
+
+    #[test]
+    fn what_does_not_stand_or_touch_is_told() {
+        let recording = |force_n: Vec<f64>| {
+            let time_s: Vec<f64> = (0..force_n.len()).map(|k| 0.02 * k as f64).collect();
+            Run::indentation("x".to_owned(), 0, 0, Recording::from_samples(time_s.clone(), time_s, force_n))
+        };
+        let why = |run: &Run| on_block(run, 4.0).unwrap_err();
+        assert_eq!(why(&recording(vec![0.0; 50])), "the stiff block was not touched");
+        let told = why(&recording((0..50).map(f64::from).collect()));
+        assert!(
+            told.starts_with("the ball stands on the stiff block for ") && told.ends_with("of at least 8"),
+            "{told}"
+        );
+        let short = standing(&recording(vec![1.0; 5]), Kind::Mass, 1.0).unwrap_err();
+        assert_eq!(short, "5 samples, of at least 8");
     }
 }
