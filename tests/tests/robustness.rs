@@ -134,6 +134,27 @@ fn every_seed_is_accepted() {
     }
 }
 
+/// Found by fuzzing: scales that are finite, but not so the forces of their largest counts.
+#[test]
+fn a_table_whose_forces_would_be_infinite_is_refused() {
+    let whole = seeds::small_table();
+    let offset = |at: usize| u32::from_le_bytes([whole[at], whole[at + 1], whole[at + 2], whole[at + 3]]) as usize;
+    let (scales, library) = (offset(68), offset(76));
+    // Of column 3; of the first material's forces, display points and displacements.
+    for (at, expected) in [
+        (scales + 12, "table column 3: scale is not a number above zero, or so large that forces are not finite"),
+        (library + 28, "table library material 0: a scale is so large that forces or displacements are not finite"),
+        (library + 32, "table library material 0: a scale is so large that forces or displacements are not finite"),
+        (library + 36, "table library material 0: a scale is so large that forces or displacements are not finite"),
+    ] {
+        let mut table = whole.clone();
+        table[at..at + 4].copy_from_slice(&1e36f32.to_le_bytes());
+        assert_eq!(Table::parse(&robustness::sealed(&table)).unwrap_err().to_string(), expected);
+        table[at..at + 4].copy_from_slice(&1e30f32.to_le_bytes());
+        assert!(Table::parse(&robustness::sealed(&table)).is_ok());
+    }
+}
+
 /// A change of one seed: bytes replaced, put in, taken out or repeated, and the end cut off.
 #[derive(Debug, Clone)]
 struct Change {

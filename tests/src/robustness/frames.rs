@@ -60,23 +60,13 @@ fn parser(bytes: &[u8]) -> Result<usize, String> {
         if let Some(Ok(frame)) = decoder.push(*byte) {
             accepted += 1;
             last = (frame.kind, frame.seq, frame.body.to_vec());
-            let (kind, seq, body) = &last;
-            let mut out = [0; MAX_FRAME];
-            let again = encode(
-                *kind,
-                *seq,
-                |room| Some(room.get_mut(..body.len())?.copy_from_slice(body)).map(|()| body.len()),
-                &mut out,
-            )
-            .map_err(|e| format!("a frame of {} bytes was accepted: {e}", body.len()))?;
-            if decoded(again).as_ref() != Some(&last) {
+            let again = framed(last.0, last.1, &last.2)?;
+            if decoded(&again).as_ref() != Some(&last) {
                 return Err(format!("frame {last:?} does not survive the line"));
             }
         }
     }
-    let mut out = [0; MAX_FRAME];
-    let probe = encode(0x55, 0xa5a5, |room| Some(room.get_mut(..3)?.copy_from_slice(b"\0ok")).map(|()| 3), &mut out)
-        .map_err(|e| e.to_string())?;
+    let probe = framed(0x55, 0xa5a5, b"\0ok")?;
     let _ = decoder.push(0);
     for byte in probe {
         if let Some(Ok(frame)) = decoder.push(*byte) {
@@ -87,6 +77,19 @@ fn parser(bytes: &[u8]) -> Result<usize, String> {
         return Err("the frame after a zero was not accepted".into());
     }
     Ok(accepted)
+}
+
+/// A frame around a body.
+///
+/// # Errors
+/// A body that is too long.
+pub(super) fn framed(kind: u8, seq: u16, body: &[u8]) -> Result<Vec<u8>, String> {
+    let mut out = [0; MAX_FRAME];
+    let fill = |room: &mut [u8]| {
+        room.get_mut(..body.len())?.copy_from_slice(body);
+        Some(body.len())
+    };
+    encode(kind, seq, fill, &mut out).map(<[u8]>::to_vec).map_err(|e| format!("{} bytes of body: {e}", body.len()))
 }
 
 /// The last frame of some bytes.

@@ -1,10 +1,11 @@
 //! Messages in sound frames.
 
 use firmware::flash::BANK_LEN;
-use protocol::frame::{MAX_BODY, MAX_FRAME, encode};
+use protocol::frame::MAX_BODY;
 use protocol::message::{Report, Request};
 
 use super::board::{board, check_outputs, inputs, reports};
+use super::frames::framed;
 use super::{Held, seeds};
 
 /// Messages one after the other, each a byte of kind, a byte of length and the body: each decodes to a message that encodes to itself, or to an
@@ -22,9 +23,7 @@ pub fn messages(bytes: &[u8]) -> Held {
         let (body, after) = tail.split_at(usize::from(*length).min(MAX_BODY).min(tail.len()));
         rest = after;
         decode(*kind, body)?;
-        let mut out = [0; MAX_FRAME];
-        let fill = |room: &mut [u8]| Some(room.get_mut(..body.len())?.copy_from_slice(body)).map(|()| body.len());
-        board.receive(encode(*kind, seq, fill, &mut out).map_err(|e| e.to_string())?);
+        board.receive(&framed(*kind, seq, body)?);
         seq = seq.wrapping_add(1);
         // A finger on the display, and the ball in the air.
         check_outputs(&board.tick(&inputs(0.0, 30.0, 1.0)))?;

@@ -1,10 +1,11 @@
 //! Valid inputs to begin from: the golden messages, tables of every form, experiments of every test.
 
-use protocol::frame::{Decoder, MAX_FRAME, encode, encode_report, encode_request};
+use protocol::frame::{Decoder, MAX_FRAME, encode_report, encode_request};
 use protocol::lut::{AxisSpec, Role, Scale, TableSpec, axis_name};
 use protocol::rescue;
 
 use super::SEPARATOR;
+use super::frames::framed;
 use crate::samples;
 
 /// Frames as they go over the line: one of each message and of the rescue question, and all of them in a row.
@@ -18,11 +19,7 @@ pub fn frames() -> Vec<Vec<u8>> {
     for message in samples::reports() {
         all.extend(encode_report(&message, 0x0102, &mut out).map(<[u8]>::to_vec));
     }
-    let question = |room: &mut [u8]| {
-        room.get_mut(..rescue::QUESTION.len())?.copy_from_slice(&rescue::QUESTION);
-        Some(rescue::QUESTION.len())
-    };
-    all.extend(encode(rescue::KIND, 0x0102, question, &mut out).map(<[u8]>::to_vec));
+    all.extend(framed(rescue::KIND, 0x0102, &rescue::QUESTION));
     all.push(all.concat());
     all
 }
