@@ -61,6 +61,9 @@ pub fn run(
     for signal in signal_hook::consts::TERM_SIGNALS {
         signal_hook::flag::register(*signal, Arc::clone(&stop))?;
     }
+    // A terminal whose window was closed.
+    #[cfg(unix)]
+    signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::clone(&stop))?;
     // Gives the terminal back before a panic is printed, too.
     let mut terminal = ratatui::try_init()?;
     let worker = Worker::start(opener, settings);
