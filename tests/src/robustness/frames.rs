@@ -69,7 +69,7 @@ fn parser(bytes: &[u8]) -> Result<usize, String> {
     let probe = framed(0x55, 0xa5a5, b"\0ok")?;
     let _ = decoder.push(0);
     for byte in probe {
-        if let Some(Ok(frame)) = decoder.push(*byte) {
+        if let Some(Ok(frame)) = decoder.push(byte) {
             last = (frame.kind, frame.seq, frame.body.to_vec());
         }
     }
