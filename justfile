@@ -63,6 +63,11 @@ figures:
 verification:
     cargo run --release -p tests --example verification
 
+# Instructions of the board's code into docs/performance.md; exits 1 above a budget. After `just board`.
+measure:
+    cargo build --profile board --target {{board_target}} -p firmware --bin bits --features bits
+    cd tests/emulator && cargo run --bin measure -- --write
+
 # The screen of docs/monitor.md, made again.
 screen:
     cargo build --release
