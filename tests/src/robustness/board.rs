@@ -93,7 +93,7 @@ impl Portrait {
     /// Ends what came before with a zero and drops what the board said to it, then asks for status, calibration and tables.
     ///
     /// # Errors
-    /// As [`reports`], or when the board does not answer each request.
+    /// A broken or unknown frame of the board, or fewer answers than requests.
     pub fn of(board: &mut Board<RamFlash<Vec<u8>>>) -> Result<Self, String> {
         board.receive(&[0]);
         reports(board)?;
