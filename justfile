@@ -3,7 +3,7 @@
 board_target := "thumbv7em-none-eabihf"
 
 # What CI runs, in its order.
-check: format lint docs board slurm emulator test
+check: format lint docs board slurm monitor emulator test
 
 # Formatting, as rustfmt.toml has it.
 format:
@@ -37,6 +37,15 @@ slurm:
     cargo build --release
     .ci/slurm "${CARGO_TARGET_DIR:-target}/release/palpate"
 
+# The monitor in a real terminal (tmux, installed with apt-get where it can be).
+monitor:
+    cargo build --release
+    .ci/monitor "${CARGO_TARGET_DIR:-target}/release/palpate"
+
+# Fuzzes everything that comes from outside, ten minutes each: docs/robustness.md.
+fuzz:
+    tests/fuzz/run
+
 # The demo, as the README has it.
 demo:
     cargo run --release -- demo
@@ -53,6 +62,16 @@ figures:
 # The tables of docs/verification.md, made again.
 verification:
     cargo run --release -p tests --example verification
+
+# Instructions of the board's code into docs/performance.md; exits 1 above a budget. After `just board`.
+measure:
+    cargo build --profile board --target {{board_target}} -p firmware --bin bits --features bits
+    cd tests/emulator && cargo run --bin measure -- --write
+
+# The screen of docs/monitor.md, made again.
+screen:
+    cargo build --release
+    .ci/monitor "${CARGO_TARGET_DIR:-target}/release/palpate" --write
 
 # Times against CalculiX (Debian's calculix-ccx) into docs/performance.md; some five minutes.
 versus-calculix:

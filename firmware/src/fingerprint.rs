@@ -1,6 +1,6 @@
 //! The identification over a fixed series of samples, folded into hashes: equal on two machines only if every intermediate f32 is equal to the bit.
 //!
-//! Nothing of it is in the board's image. The host's tests hold the hashes; `bench/board/bits.py` has the code for the board compute them.
+//! Nothing of it is in the board's image. The host's tests hold the hashes; `tests/emulator` has the code for the board compute them.
 
 use crate::kalman::indentation::Indentation;
 use crate::kalman::{Bounding, Estimator, Filter, Model, Region};

@@ -10,6 +10,7 @@ pub mod flash;
 pub mod identify;
 pub mod link;
 pub mod log;
+pub mod monitor;
 pub mod plant;
 pub mod report;
 pub mod session;

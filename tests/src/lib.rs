@@ -1,5 +1,5 @@
 //! Shared ground of the cross-crate tests: where golden files lie, one sample of every message,
-//! force curves of other codes, simulated palpations, experiments with hidden effects, and the documents that commands rewrite.
+//! force curves of other codes, simulated palpations, experiments with hidden effects, what must hold of any bytes, and the documents that commands rewrite.
 
 pub mod bench;
 pub mod bounding;
@@ -11,6 +11,7 @@ pub mod palpations;
 pub mod processor;
 pub mod recovery;
 pub mod reference;
+pub mod robustness;
 pub mod samples;
 pub mod score;
 pub mod thousand;

@@ -1,4 +1,4 @@
-//! The identification gives the same bits on every machine: hashes of all intermediate results over a fixed series. `bench/board/bits.py` runs
+//! The identification gives the same bits on every machine: hashes of all intermediate results over a fixed series. `tests/emulator` runs
 //! the code that is compiled for the board over the same series and compares with the same file.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

@@ -90,7 +90,7 @@ pub async fn run(
                 tick_us = u16::try_from(us).unwrap_or(u16::MAX);
                 // All three are looked at in every tick, or a counter would be compared with an old one.
                 let alive =
-                    [sampled.alive(&sampling::HALVES), usb.alive(&USB_TURNS), uart.alive(&UART_TURNS) || !has_uart];
+                    [sampled.alive(&sampling::TURNS), usb.alive(&USB_TURNS), uart.alive(&UART_TURNS) || !has_uart];
                 // The coil's switch is in the hands of the sampling task, whatever this board wants.
                 if !alive[0] || on && alive != [true; 3] {
                     stop::outputs_off();

@@ -30,8 +30,9 @@ const FULL_SCALE: f32 = 4096.0;
 /// A half ring comes every millisecond; without one for this long the trigger or the converter has stopped.
 const PATIENCE: Duration = Duration::from_millis(5);
 
-/// Half rings taken: the control task sees by it that sampling lives.
-pub static HALVES: AtomicU32 = AtomicU32::new(0);
+/// Turns of the task, with readings or without: the control task sees by it that sampling lives. That no readings come is another matter, which the
+/// board latches as a fault: a reset would not bring a dead converter back, and nobody would be told.
+pub static TURNS: AtomicU32 = AtomicU32::new(0);
 
 /// Set when the ring overran or no reading came; the control task takes it.
 pub static OVERRUN: AtomicBool = AtomicBool::new(false);
@@ -133,7 +134,6 @@ pub async fn run(mut sampling: Sampling, mut coil: Coil) -> ! {
                 let raw = mean(&half);
                 let duty = FAST.lock(|cell| cell.borrow_mut().as_mut().map_or(0.0, |fast| fast.step(&raw)));
                 coil.set(duty);
-                HALVES.fetch_add(1, Ordering::Relaxed);
             }
             Ok(Err(_)) => {
                 OVERRUN.store(true, Ordering::Relaxed);
@@ -146,5 +146,6 @@ pub async fn run(mut sampling: Sampling, mut coil: Coil) -> ! {
                 sampling.restart();
             }
         }
+        TURNS.fetch_add(1, Ordering::Relaxed);
     }
 }

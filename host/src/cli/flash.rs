@@ -8,7 +8,8 @@ use miette::IntoDiagnostic;
 use probe_rs::probe::list::Lister;
 use serde_json::json;
 
-use crate::flash::{self, CHIP, Firmware, Job, Step, StepProgress, TableImage};
+use crate::flash::{self, CHIP, Firmware, Greeted, Job, Step, StepProgress, TableImage};
+use crate::link::Address;
 
 /// What to write, and through which probe.
 #[derive(Debug, Args)]
@@ -27,6 +28,9 @@ pub struct Arguments {
     /// Look-up table, as `palpate lut` writes it
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
+    /// Then greet the board over this link and compare versions: tcp:HOST:PORT or serial:PATH
+    #[arg(long, value_name = "LINK", value_parser = real_board)]
+    board: Option<Address>,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -52,15 +56,41 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some((_, bar)) = bar {
         bar.finish();
     }
-    if arguments.json {
-        println!("{}", json!(written));
-    } else {
+    if !arguments.json {
         println!(
             "written and verified: {} bytes of firmware, {} bytes of table",
             written.firmware_bytes, written.table_bytes
         );
     }
+    let greeted = match &arguments.board {
+        Some(address) => {
+            let link = crate::link::open(address).into_diagnostic()?;
+            Some(flash::greet(link, job.table.as_ref().map(TableImage::hash)).into_diagnostic()?)
+        }
+        None => None,
+    };
+    match &greeted {
+        _ if arguments.json => println!(
+            "{}",
+            json!({ "firmware_bytes": written.firmware_bytes, "table_bytes": written.table_bytes, "greeted": greeted })
+        ),
+        Some(Greeted { firmware_version: [major, minor, patch], protocol_version, .. }) => {
+            println!("started: firmware {major}.{minor}.{patch}, protocol {protocol_version}, as written");
+        }
+        None => println!("not greeted: with --board LINK the version of the board that starts is compared"),
+    }
     Ok(())
+}
+
+/// A board that a probe can write.
+fn real_board(text: &str) -> Result<Address, String> {
+    match text.parse() {
+        Ok(Address::Simulated) => {
+            Err("the simulated board has no flash to write: expected tcp:HOST:PORT or serial:PATH".into())
+        }
+        Ok(address) => Ok(address),
+        Err(error) => Err(error.to_string()),
+    }
 }
 
 fn list(lister: &Lister, json: bool) -> miette::Result<()> {

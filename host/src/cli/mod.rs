@@ -9,6 +9,7 @@ pub mod gain;
 pub mod identify;
 pub mod log;
 pub mod lut;
+pub mod monitor;
 pub mod plan;
 pub mod progress;
 pub mod simulate;
@@ -35,6 +36,8 @@ enum Command {
     Demo(demo::Arguments),
     /// Listen to a board: live in the terminal, to CSV and to MCAP
     Log(log::Arguments),
+    /// Watch a board and control it by keys, in the terminal
+    Monitor(monitor::Arguments),
     /// Ask a board, set it up, send it a table; or run the simulated one over TCP
     Board(board::Arguments),
     /// Write firmware and table through a debug probe
@@ -66,6 +69,7 @@ pub fn main() -> ExitCode {
     let done = match cli.command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Log(arguments) => log::run(&arguments),
+        Command::Monitor(arguments) => monitor::run(&arguments),
         Command::Board(arguments) => board::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),

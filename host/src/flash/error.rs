@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use protocol::lut::TableError;
 
+use crate::session::SessionError;
+
 /// A board could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum FlashingError {
@@ -78,6 +80,21 @@ pub enum FlashingError {
         what: &'static str,
         /// Why.
         source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The written board does not answer, or not in this version of the protocol.
+    #[error("written and verified, but {0}")]
+    Greeting(#[from] SessionError),
+    /// The written board is not what was written.
+    #[error(
+        "the board has started, but its {what} is {found}, expected {expected}: is the ELF file that of this tool?"
+    )]
+    Started {
+        /// What differs.
+        what: &'static str,
+        /// What the board says.
+        found: String,
+        /// What was written.
+        expected: String,
     },
 }
 

@@ -51,6 +51,7 @@ impl Firmware {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TableImage {
     bytes: Vec<u8>,
+    hash: [u8; 16],
 }
 
 impl TableImage {
@@ -67,18 +68,23 @@ impl TableImage {
     /// # Errors
     /// [`FlashingError::Table`], [`FlashingError::TableTooLarge`].
     pub fn from_bytes(path: &Path, mut bytes: Vec<u8>) -> Result<Self, FlashingError> {
-        let length =
-            Table::parse(&bytes).map_err(|source| FlashingError::Table { path: path.into(), source })?.bytes().len();
+        let table = Table::parse(&bytes).map_err(|source| FlashingError::Table { path: path.into(), source })?;
+        let (length, hash) = (table.bytes().len(), table.hash());
         bytes.truncate(length);
         if length as u64 > BANK_2_LEN {
             return Err(FlashingError::TableTooLarge { path: path.into(), length: length as u64, limit: BANK_2_LEN });
         }
-        Ok(TableImage { bytes })
+        Ok(TableImage { bytes, hash })
     }
 
     /// The table.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
+    }
+
+    /// Its identity, as the board tells it.
+    pub fn hash(&self) -> [u8; 16] {
+        self.hash
     }
 }
 

@@ -1,10 +1,11 @@
 //! Writing firmware and tables into a board's flash through a debug probe.
 //!
 //! Firmware goes where its ELF says, which must be bank 1; a table goes to slot A in bank 2 after it has passed the
-//! same checks as on the board. Every byte is read back. [`probe_rs::probe::list::Lister`] is a parameter so that the whole
+//! same checks as on the board. Every byte is read back, and [`greet`] asks the board that then starts who it is. [`probe_rs::probe::list::Lister`] is a parameter so that the whole
 //! path also runs on an emulated probe.
 
 mod error;
+mod greeting;
 mod image;
 
 use probe_rs::flashing::{
@@ -15,6 +16,7 @@ use probe_rs::probe::list::{Accessibility, Lister};
 use probe_rs::{Permissions, Session};
 
 pub use error::FlashingError;
+pub use greeting::{Greeted, greet};
 pub use image::{Firmware, TableImage};
 
 /// The chip of the NUCLEO-F429ZI.

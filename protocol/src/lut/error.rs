@@ -41,7 +41,7 @@ pub enum TableError {
         /// Number in the header.
         header: u32,
     },
-    /// A column's scale is not a positive finite number.
+    /// A column's scale is not a number above zero, or so large that its forces are not finite.
     BadScale {
         /// Number of the column.
         column: u32,
@@ -79,7 +79,10 @@ impl core::fmt::Display for TableError {
                 write!(f, "table axes span {axes} columns, the header says {header}")
             }
             TableError::BadScale { column } => {
-                write!(f, "table column {column}: scale is not a positive finite number")
+                write!(
+                    f,
+                    "table column {column}: scale is not a number above zero, or so large that forces are not finite"
+                )
             }
             TableError::BadMaterial { material, rule } => {
                 write!(f, "table library material {material}: {rule}")

@@ -54,6 +54,9 @@ impl<'a> Material<'a> {
             }
         }
         let [mu_mpa, alpha, height_mm, n_per_count, n_per_display_point, mm_per_count, acceptance] = fields;
+        if ![n_per_count, n_per_display_point, mm_per_count].into_iter().all(super::is_scale) {
+            return Err(bad("a scale is so large that forces or displacements are not finite"));
+        }
         let rate_mm_s = f32_at(data, at + 52);
         if !(rate_mm_s.is_finite() && rate_mm_s >= 0.0) {
             return Err(bad("its rate is negative or not finite"));

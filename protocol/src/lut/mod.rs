@@ -2,7 +2,7 @@
 //!
 //! One file serves the board's flash, the host's disk and the link. It is read in place: [`Table::parse`]
 //! checks everything once (magic, version, lengths, both CRCs, axes, offsets, finiteness) and after
-//! that no access can fail.
+//! that no access can fail, and every force is a finite number.
 //!
 //! # Form
 //! *Rows* are depths, *columns* parameter combinations; row r holds the force of every column at depth r
@@ -71,6 +71,11 @@ pub const MATERIAL_LEN: usize = 64;
 
 /// Most axes of a table.
 pub const MAX_AXES: usize = 8;
+
+/// True for a factor of counts that no count makes infinite: above zero, and finite times the largest count.
+fn is_scale(scale: f32) -> bool {
+    scale > 0.0 && (scale * f32::from(u16::MAX)).is_finite()
+}
 
 /// Names of the axes that the board's search looks for.
 pub mod axis_name {

@@ -158,8 +158,7 @@ impl<'a> Table<'a> {
         }
         self.depth_step_mm = self.check_axes()?;
         for (column, scale) in self.scales.chunks_exact(4).enumerate() {
-            let scale = f32_at(scale, 0);
-            if !(scale.is_finite() && scale > 0.0) {
+            if !super::is_scale(f32_at(scale, 0)) {
                 return Err(TableError::BadScale { column: column as u32 });
             }
         }

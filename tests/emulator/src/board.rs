@@ -6,11 +6,14 @@ use std::rc::Rc;
 
 use palpate::plant::{Bench, Broken, Foam, Input, Jitter, Touch};
 
-use crate::chip::{Pins, Reset};
+use crate::chip::{FLASH_BASE, Pins, Reset};
 use crate::core::{Core, CoreError, Deed, Trap};
 use crate::elf::{ElfError, Image};
 use crate::surroundings::{SharedBench, Surroundings};
 use crate::time::{MICROSECOND, MILLISECOND, Time, seconds};
+
+/// Offset in the flash of bank 2, which holds the tables.
+pub const BANK_2: usize = (palpate::flash::TABLE_ADDRESS - FLASH_BASE as u64) as usize;
 
 /// The chip's RC oscillator, which the watchdog counts: typical, Hz (STM32F429 data sheet, LSI characteristics).
 pub const LSI_HZ: u64 = 32_000;

@@ -5,17 +5,17 @@ mod common;
 
 use std::path::Path;
 
+use emulator::board::LSI_HZ;
 use emulator::chip::{FLASH_LEN, Reset};
 use emulator::debug::{Handle, lister};
 use emulator::link::EmulatedUart;
-use palpate::flash::{CHIP, Firmware, Job, Step, TableImage, write};
-use palpate::session::{Patience, Session};
+use palpate::flash::{CHIP, Firmware, Job, Step, TableImage, greet, write};
 use protocol::lut::Table;
 
 #[test]
 fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
     let board = Handle::start(|| {
-        let mut board = emulator::board::EmulatedBoard::new(common::image(), 1, palpate::plant::Jitter::NONE, 32_000)?;
+        let mut board = emulator::board::EmulatedBoard::new(common::image(), 1, palpate::plant::Jitter::NONE, LSI_HZ)?;
         // As it comes from the factory.
         board.core().set_flash(0, &vec![0xff; FLASH_LEN])?;
         board.power_cycle(Reset::Power)?;
@@ -40,12 +40,17 @@ fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
     assert_eq!(written.table_bytes, table.len() as u64);
     assert!(written.firmware_bytes > 50_000 && verified >= written.firmware_bytes, "{written:?}, {verified} verified");
 
+    // The board that starts says that it is what was written, and that it is not what was not.
     let hash = Table::parse(&table).unwrap().hash();
-    let found = board
+    let (greeted, other) = board
         .with(move |target| {
-            let (mut session, hello) = Session::open(EmulatedUart::new(target.board()), Patience::default()).unwrap();
-            (hello.unique_id, session.status().unwrap().table_hash)
+            (
+                greet(EmulatedUart::new(target.board()), Some(hash)),
+                greet(EmulatedUart::new(target.board()), Some([1; 16])),
+            )
         })
         .unwrap();
-    assert_eq!(found, (*b"palpate-emu\0", hash));
+    let greeted = greeted.unwrap();
+    assert_eq!((greeted.firmware_version, greeted.table_hash), (firmware::board::FIRMWARE_VERSION, hash));
+    assert!(other.unwrap_err().to_string().starts_with("the board has started, but its table is "));
 }

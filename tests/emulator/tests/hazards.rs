@@ -3,7 +3,7 @@
 
 mod common;
 
-use emulator::board::{EmulatedBoard, LSI_HZ, LSI_RANGE_HZ, Task};
+use emulator::board::{BANK_2, EmulatedBoard, LSI_HZ, LSI_RANGE_HZ, Task};
 use emulator::chip::Reset;
 use emulator::core::Deed;
 use emulator::link::EmulatedUart;
@@ -11,13 +11,10 @@ use palpate::plant::{Jitter, Touch};
 use palpate::session::{Patience, Session};
 use protocol::fault::Fault;
 use protocol::frame::{self, MAX_FRAME};
-use protocol::message::{Empty, Mode, Request, ResetCause};
+use protocol::message::{Empty, Mode, Refusal, Request, ResetCause};
 
 /// The acceptance's limit, s.
 const OFF_WITHIN_S: f64 = 0.2;
-
-/// Offset of bank 2 in the flash.
-const BANK_2: usize = 0x10_0000;
 
 /// A board that displays the stiffest foam to a pressing finger: coil and actuator are on.
 fn displaying(lsi_hz: u64) -> EmulatedBoard {
@@ -73,7 +70,6 @@ fn check(name: &str, inject: impl Fn(&mut EmulatedBoard)) {
         assert_eq!(resets.first().map(|r| r.1), Some(Reset::Watchdog), "{name}, {lsi_hz} Hz");
         // What hung once works after the reset.
         board.core().set_trap(None).unwrap();
-        board.set_adc_dead(false);
         assert_eq!(told(board), (ResetCause::Watchdog, true), "{name}, {lsi_hz} Hz");
     }
 }
@@ -101,9 +97,55 @@ fn a_hang_of_a_link_task() {
     check("USB task never comes", hang(Task::UsbReceive, Deed::Skip));
 }
 
+/// A converter that stops is a latched fault and no reset: a reset would not mend it, and nobody would be told.
 #[test]
 fn a_silent_converter() {
-    check("converter is silent", |board| board.set_adc_dead(true));
+    for lsi_hz in [LSI_RANGE_HZ.0, LSI_HZ, LSI_RANGE_HZ.1] {
+        let mut board = displaying(lsi_hz);
+        let resets = board.resets().len();
+        board.set_adc_dead(true);
+        let off_s = off_after_s(&mut board);
+        println!("converter is silent, watchdog clock {lsi_hz} Hz: off after {:.0} ms", off_s * 1e3);
+        assert!(off_s <= OFF_WITHIN_S, "{lsi_hz} Hz: outputs were on for {off_s} s");
+        let (mut session, _) = Session::open(EmulatedUart::new(&mut board), Patience::default()).unwrap();
+        let status = session.status().unwrap();
+        assert!(
+            status.faults.contains(Fault::SensorStale) && !status.faults.contains(Fault::WatchdogReset),
+            "{status:?}"
+        );
+        let refusal = session.clear_faults().unwrap_err().to_string();
+        assert!(refusal.contains(Refusal::CauseRemains.describe()), "{refusal}");
+        assert!(session.set_mode(Mode::Display { material: 0 }).is_err());
+        // The converter comes back, is found running, and everything works again.
+        session.link_mut().board().set_adc_dead(false);
+        let until_s = session.link_mut().board().time_s() + 0.5;
+        while session.poll(until_s).unwrap().is_some() {}
+        session.clear_faults().unwrap();
+        // The next tick leaves the state of faults.
+        let until_s = session.link_mut().board().time_s() + 0.1;
+        while session.poll(until_s).unwrap().is_some() {}
+        session.set_mode(Mode::Display { material: 0 }).unwrap();
+        drop(session);
+        assert_eq!(board.resets().len(), resets, "{lsi_hz} Hz");
+    }
+}
+
+/// The same from the start: the board comes up, stays up, and says what is wrong.
+#[test]
+fn a_converter_that_is_dead_at_the_start() {
+    let mut board = common::board();
+    board.set_adc_dead(true);
+    board.power_cycle(Reset::Power).unwrap();
+    let resets = board.resets().len();
+    let (mut session, hello) = Session::open(EmulatedUart::new(&mut board), Patience::default()).unwrap();
+    assert_eq!(hello.reset_cause, ResetCause::PowerOn);
+    let until_s = session.link_mut().board().time_s() + 5.0;
+    while session.poll(until_s).unwrap().is_some() {}
+    let status = session.status().unwrap();
+    assert!(status.faults.contains(Fault::SensorStale) && status.uptime_ms > 4000, "{status:?}");
+    drop(session);
+    assert!(board.pins().off());
+    assert_eq!(board.resets().len(), resets);
 }
 
 #[test]

@@ -6,7 +6,7 @@
 
 mod common;
 
-use emulator::board::EmulatedBoard;
+use emulator::board::{BANK_2, EmulatedBoard};
 use emulator::chip::{Change, Reset};
 use emulator::link::EmulatedUart;
 use firmware::flash::journal;
@@ -15,8 +15,7 @@ use protocol::frame::{self, Decoder, MAX_FRAME};
 use protocol::lut::Table;
 use protocol::message::{Calibration, Empty, Report, Request};
 
-/// Bank 2, and the two journals, as offsets in the flash.
-const BANK_2: usize = 0x10_0000;
+/// The two journals, as offsets in the flash.
 const JOURNALS: [usize; 2] = [0xc_0000, 0xe_0000];
 
 /// Records of a journal, and free places below which it is emptied at the next start (`docs/board.md`).

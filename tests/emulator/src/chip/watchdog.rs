@@ -87,16 +87,17 @@ impl Watchdog {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::board::LSI_HZ;
 
     #[test]
     fn it_expires_unless_it_is_fed_and_ignores_locked_writes() {
-        let mut dog = Watchdog::new(32_000);
+        let mut dog = Watchdog::new(LSI_HZ);
         dog.write(RLR, 7, 0);
         assert_eq!(dog.read(RLR, SECOND), 0xfff);
         for (offset, value) in [(KR, 0x5555), (PR, 1), (RLR, 399)] {
             dog.write(offset, value, 0);
         }
-        let taken = 5 * SECOND / 32_000;
+        let taken = 5 * SECOND / LSI_HZ;
         assert_eq!((dog.read(SR, taken - 1), dog.read(SR, taken)), (RVU, 0));
         dog.write(KR, 0xcccc, taken);
         // 400 counts of 8 clocks of 32 kHz are 100 ms.

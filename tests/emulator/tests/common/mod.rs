@@ -23,14 +23,19 @@ pub fn image() -> Image {
 
 /// Where the image is.
 pub fn image_path() -> PathBuf {
-    std::env::var_os("PALPATE_IMAGE").map_or_else(
-        || {
-            let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-            let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-            target.join("thumbv7em-none-eabihf/board/palpate-board")
-        },
-        PathBuf::from,
-    )
+    std::env::var_os("PALPATE_IMAGE").map_or_else(|| built("palpate-board"), PathBuf::from)
+}
+
+/// Where the identification alone is.
+pub fn bits_path() -> PathBuf {
+    std::env::var_os("PALPATE_BITS").map_or_else(|| built("bits"), PathBuf::from)
+}
+
+/// A program for the board, where cargo puts it.
+fn built(name: &str) -> PathBuf {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    target.join("thumbv7em-none-eabihf/board").join(name)
 }
 
 /// An emulated board on an empty bench without jitter.

@@ -1,0 +1,32 @@
+//! Keys, without the terminal's library.
+
+/// A key that means something here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Key {
+    /// A character.
+    Char(char),
+    /// Arrow up.
+    Up,
+    /// Arrow down.
+    Down,
+    /// Escape.
+    Escape,
+    /// Ctrl-C.
+    Interrupt,
+}
+
+/// What the keys do, for the help line: key, word; what is left out first in a narrow terminal comes last.
+pub const HELP: [(&str, &str); 12] = [
+    ("space", "off"),
+    ("a", "arm"),
+    ("p", "palpate"),
+    ("d", "display"),
+    ("↑↓", "material"),
+    ("+-", "rate"),
+    ("c", "clear"),
+    ("r", "record"),
+    ("q", "quit"),
+    ("t", "tare"),
+    ("u", "upload table"),
+    ("x", "forget"),
+];

@@ -1,0 +1,326 @@
+//! The conversation with the board, in a thread of its own: the picture never waits for the link.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use protocol::lut::Table;
+use protocol::message::{Hello, Mode, Status};
+
+use super::Recording;
+use crate::link::{Link, LinkError};
+use crate::session::{Event, Patience, Session, SessionError, Traffic};
+
+/// What a person asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Command {
+    /// Set the mode.
+    Mode(Mode),
+    /// Clear latched faults.
+    ClearFaults,
+    /// Take the load cell's reading as zero.
+    Tare,
+    /// Send the table and activate it.
+    Upload,
+    /// Begin (true) or end a recording.
+    Record(bool),
+    /// Outputs off, and end.
+    Stop,
+}
+
+/// What there is to show.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Update {
+    /// The link is being opened.
+    Opening(String),
+    /// A board has answered: the link's name, and who it is.
+    Opened(String, Hello),
+    /// The link is lost; it is tried again.
+    Lost(String),
+    /// What the board says of itself, several times a second.
+    Status(Status),
+    /// What the board said unasked, with the counters at that moment.
+    Event(Event, Traffic),
+    /// A command was carried out.
+    Done(String),
+    /// A command was refused, or failed.
+    Refused(String),
+    /// The file that is recorded to; `None` when a recording has ended.
+    Recording(Option<PathBuf>),
+    /// Bytes of the table sent, of so many.
+    Upload(u32, u32),
+}
+
+/// Opens the link; called again when it is lost.
+pub type Opener = Box<dyn FnMut() -> Result<Box<dyn Link>, LinkError> + Send>;
+
+/// What the worker does besides talking.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// The table to upload, checked.
+    pub table: Option<Vec<u8>>,
+    /// Upload it as soon as the board answers, if the board has another: for a simulated one, which begins without.
+    pub upload_at_start: bool,
+    /// Folder of recordings.
+    pub folder: PathBuf,
+    /// Between two attempts to open the link.
+    pub retry: Duration,
+}
+
+/// The thread, with its two ends. Dropping it switches the outputs off and waits for its end.
+#[derive(Debug)]
+pub struct Worker {
+    commands: Sender<Command>,
+    updates: Receiver<Update>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Longest wait for a record, s of link time: one tick, so that commands are not left lying.
+const TURN_S: f64 = 0.02;
+
+/// Silence after which the board is asked whether it is still there, s.
+const SILENCE_S: f64 = 1.0;
+
+/// Between two looks at the status, s.
+const STATUS_S: f64 = 0.2;
+
+impl Worker {
+    /// Opens the link by `opener` and talks to the board until told to stop.
+    pub fn start(opener: Opener, settings: Settings) -> Self {
+        let (commands, orders) = channel();
+        let (reports, updates) = channel();
+        let thread = std::thread::spawn(move || {
+            Conversation { opener, settings, orders, reports, recording: None, opened_before: false }.run();
+        });
+        Worker { commands, updates, thread: Some(thread) }
+    }
+
+    /// Gives a command; one to a worker that has ended is lost.
+    pub fn command(&self, command: Command) {
+        let _ = self.commands.send(command);
+    }
+
+    /// The next update, waiting for at most `patience`; an error when the worker has ended.
+    ///
+    /// # Errors
+    /// [`RecvTimeoutError::Disconnected`] when there will be none any more.
+    pub fn update(&self, patience: Duration) -> Result<Option<Update>, RecvTimeoutError> {
+        match self.updates.recv_timeout(patience) {
+            Ok(update) => Ok(Some(update)),
+            Err(RecvTimeoutError::Timeout) => Ok(None),
+            Err(ended) => Err(ended),
+        }
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        let _ = self.commands.send(Command::Stop);
+        if let Some(thread) = self.thread.take() {
+            // A panic in it has been printed by its own thread.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Why a conversation has ended.
+enum End {
+    Stopped,
+    Lost(String),
+}
+
+struct Conversation {
+    opener: Opener,
+    settings: Settings,
+    orders: Receiver<Command>,
+    reports: Sender<Update>,
+    recording: Option<Recording>,
+    opened_before: bool,
+}
+
+/// Switches the outputs off when the conversation ends, also by a panic. Where the link is gone this fails, and the board does it by itself.
+struct SafeEnd(Session<Box<dyn Link>>);
+
+impl Drop for SafeEnd {
+    fn drop(&mut self) {
+        let _ = self.0.set_mode(Mode::Idle);
+    }
+}
+
+impl Conversation {
+    fn run(mut self) {
+        loop {
+            self.say(Update::Opening("opening".into()));
+            let end =
+                match (self.opener)().map_err(SessionError::from).and_then(|l| Session::open(l, Patience::default())) {
+                    Ok((session, hello)) => {
+                        self.say(Update::Opened(session.link().name().to_owned(), hello));
+                        self.talk(SafeEnd(session))
+                    }
+                    Err(error) => End::Lost(error.to_string()),
+                };
+            match end {
+                End::Stopped => break,
+                End::Lost(reason) => self.say(Update::Lost(reason)),
+            }
+            if self.wait() {
+                break;
+            }
+        }
+        self.record(false);
+    }
+
+    /// Nobody may be left to listen; the commands tell.
+    fn say(&self, update: Update) {
+        let _ = self.reports.send(update);
+    }
+
+    /// Between two attempts; true when told to stop.
+    fn wait(&mut self) -> bool {
+        let until = Instant::now() + self.settings.retry;
+        loop {
+            match self.orders.recv_timeout(until.saturating_duration_since(Instant::now())) {
+                Ok(Command::Stop) | Err(RecvTimeoutError::Disconnected) => return true,
+                Ok(Command::Record(on)) => self.record(on),
+                Ok(_) => self.say(Update::Refused("no link to the board".into())),
+                Err(RecvTimeoutError::Timeout) => return false,
+            }
+        }
+    }
+
+    fn talk(&mut self, mut board: SafeEnd) -> End {
+        let session = &mut board.0;
+        // Whatever was going on when the link was lost, nobody has watched it since.
+        if std::mem::replace(&mut self.opened_before, true)
+            && let Err(error) = session.set_mode(Mode::Idle)
+        {
+            return End::Lost(error.to_string());
+        }
+        if self.settings.upload_at_start {
+            self.settings.upload_at_start = false;
+            if let Err(error) = self.carry_out(Command::Upload, session) {
+                return End::Lost(error.to_string());
+            }
+        }
+        let mut heard_s = session.link().now_s();
+        let mut looked_s = f64::NEG_INFINITY;
+        loop {
+            match self.orders.try_recv() {
+                Ok(Command::Stop) | Err(std::sync::mpsc::TryRecvError::Disconnected) => return End::Stopped,
+                Ok(command) => {
+                    if let Err(error) = self.carry_out(command, session) {
+                        return End::Lost(error.to_string());
+                    }
+                }
+                Err(std::sync::mpsc::TryRecvError::Empty) => {}
+            }
+            let now_s = session.link().now_s();
+            match session.poll(now_s + TURN_S) {
+                Ok(Some(event)) => {
+                    heard_s = now_s;
+                    self.keep(&event, session);
+                    self.say(Update::Event(event, session.traffic()));
+                }
+                Ok(None) => {}
+                Err(error) => return End::Lost(error.to_string()),
+            }
+            if session.link().now_s() - heard_s > SILENCE_S {
+                match session.status() {
+                    Ok(_) => heard_s = session.link().now_s(),
+                    Err(error) => return End::Lost(error.to_string()),
+                }
+            }
+            if now_s - looked_s >= STATUS_S
+                && let Some(status) = session.latest_status()
+            {
+                looked_s = now_s;
+                self.say(Update::Status(status.clone()));
+            }
+        }
+    }
+
+    /// Does what was asked for. What the board refuses is told.
+    ///
+    /// # Errors
+    /// That of a link that is gone.
+    fn carry_out(&mut self, command: Command, session: &mut Session<Box<dyn Link>>) -> Result<(), SessionError> {
+        let done = match command {
+            Command::Mode(mode) => session.set_mode(mode).map(|()| mode_text(&mode)),
+            Command::ClearFaults => session.clear_faults().map(|()| "no fault is latched any more".to_owned()),
+            Command::Tare => session.tare().map(|()| "the load cell's reading is its zero now".to_owned()),
+            Command::Upload => self.upload(session),
+            Command::Record(on) => {
+                self.record(on);
+                return Ok(());
+            }
+            // Seen by the caller.
+            Command::Stop => return Ok(()),
+        };
+        match done {
+            Ok(text) => self.say(Update::Done(text)),
+            Err(error @ (SessionError::Link(_) | SessionError::NoAnswer { .. })) => return Err(error),
+            Err(error) => self.say(Update::Refused(error.to_string())),
+        }
+        Ok(())
+    }
+
+    fn upload(&mut self, session: &mut Session<Box<dyn Link>>) -> Result<String, SessionError> {
+        let Some(table) = self.settings.table.as_deref() else {
+            return Ok("no table to upload".into());
+        };
+        let hash = Table::parse(table)?.hash();
+        if session.status()?.table_hash == hash {
+            return Ok("the board has this table already".into());
+        }
+        let reports = &self.reports;
+        let uploaded = session.upload(table, |p| {
+            let _ = reports.send(Update::Upload(p.sent, p.length));
+        });
+        let end = table.len() as u32;
+        self.say(Update::Upload(end, end));
+        let state = uploaded?;
+        Ok(format!("table of {} bytes is active in slot {:?}", table.len(), state.active))
+    }
+
+    fn record(&mut self, on: bool) {
+        let ended = self.recording.take().map(Recording::finish);
+        if let Some(Err(error)) = &ended {
+            self.say(Update::Refused(error.to_string()));
+        }
+        if ended.is_some() || !on {
+            self.say(Update::Recording(None));
+        }
+        if on {
+            match Recording::begin(&self.settings.folder) {
+                Ok(recording) => {
+                    self.say(Update::Recording(Some(recording.path().to_owned())));
+                    self.recording = Some(recording);
+                }
+                Err(error) => self.say(Update::Refused(error.to_string())),
+            }
+        }
+    }
+
+    /// Logs; a disk that takes no more ends the recording, not the conversation.
+    fn keep(&mut self, event: &Event, session: &mut Session<Box<dyn Link>>) {
+        let truths = session.link_mut().take_truth();
+        let Some(recording) = &mut self.recording else {
+            return;
+        };
+        let kept = truths.into_iter().try_for_each(|truth| recording.truth(truth));
+        if let Err(error) = kept.and_then(|()| recording.event(event, &session.traffic())) {
+            self.recording = None;
+            self.say(Update::Refused(error.to_string()));
+            self.say(Update::Recording(None));
+        }
+    }
+}
+
+fn mode_text(mode: &Mode) -> String {
+    match mode {
+        Mode::Idle => "outputs off".into(),
+        Mode::Palpate { rate_mm_s, depth_mm } => format!("palpating at {rate_mm_s:.1} mm/s, {depth_mm:.1} mm deep"),
+        Mode::Display { material } => format!("displaying material {material}"),
+    }
+}
