@@ -5,7 +5,7 @@ use core::sync::atomic::Ordering;
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::{PD8, PD9, USART3};
 use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
-use embassy_time::{Duration, with_timeout};
+use embassy_time::{Duration, Instant, with_timeout};
 use embedded_io_async::{Read, Write};
 use static_cell::StaticCell;
 
@@ -17,6 +17,9 @@ const TURN: Duration = Duration::from_millis(50);
 
 /// Longest time for 64 bytes at 115200 baud is 6 ms; without progress for this long the line is given up.
 const STUCK: Duration = Duration::from_millis(200);
+
+/// Time for 23 bytes. The driver (embassy-stm32 0.6.0) does not wake a writer that waits for room in its buffer, so it is asked again.
+const ROOM: Duration = Duration::from_millis(2);
 
 type Halves = (BufferedUartTx<'static>, BufferedUartRx<'static>);
 
@@ -47,10 +50,16 @@ pub async fn send(mut tx: BufferedUartTx<'static>) -> ! {
     let mut buffer = [0; PACKET_LEN];
     loop {
         let count = TO_UART.read(&mut buffer).await;
-        if let Some(bytes) = buffer.get(..count)
-            && with_timeout(STUCK, tx.write_all(bytes)).await.is_err()
-        {
-            defmt::warn!("UART does not send");
+        let Some(bytes) = buffer.get(..count) else {
+            continue;
+        };
+        let until = Instant::now() + STUCK;
+        // Whole or not at all: a packet is no larger than the driver's buffer.
+        while with_timeout(ROOM, Write::write(&mut tx, bytes)).await.is_err() {
+            if Instant::now() > until {
+                defmt::warn!("UART does not send");
+                break;
+            }
         }
     }
 }

@@ -64,61 +64,111 @@ fn telemetry_at_50_hz_is_a_third_of_the_line_and_loses_nothing() {
     assert!(used < 0.5, "{used}");
 }
 
-/// A host that asks 140 times a second fills two thirds of the line: every request is answered, no record is lost, and control goes on as if nothing were.
-#[test]
-fn a_host_that_fills_two_thirds_of_the_line_loses_nothing_and_control_goes_on() {
-    const ASKED: u32 = 1120;
-    const EVERY_MS: u32 = 7;
-    let mut board = common::board();
-    board.run_to_tick(5.0).unwrap();
-    let (mut decoder, mut loss) = (Decoder::new(), LossCounter::default());
-    let (mut bytes, mut records, mut answers, mut last) = (0, 0, 0, None::<Status>);
-    let mut hear = |board: &mut EmulatedBoard| {
-        for byte in board.take_transmit() {
-            bytes += 1;
-            if let Some(frame) = decoder.push(byte) {
+/// A board and what is heard of it on a clean line.
+struct Line {
+    board: EmulatedBoard,
+    decoder: Decoder,
+    loss: LossCounter,
+    bytes: usize,
+    records: u32,
+    answers: u32,
+    last: Option<Status>,
+}
+
+impl Line {
+    /// A board that sends a record each tick.
+    fn open() -> Self {
+        let mut board = common::board();
+        board.run_to_tick(5.0).unwrap();
+        let telemetry = protocol::message::TelemetryRate { divider: 1 };
+        let mut out = [0; MAX_FRAME];
+        board.receive(encode_request(&Request::SetTelemetry(telemetry), 0, &mut out).unwrap());
+        board.run_s(0.1).unwrap();
+        // Its answer, and what came with it.
+        board.take_transmit();
+        let (decoder, loss) = (Decoder::new(), LossCounter::default());
+        Line { board, decoder, loss, bytes: 0, records: 0, answers: 0, last: None }
+    }
+
+    /// Asks for the status so many times, a request every so many ms, and hears what comes.
+    fn ask(&mut self, requests: u32, every_ms: u32) {
+        let mut out = [0; MAX_FRAME];
+        for seq in 0..requests {
+            self.board.receive(encode_request(&Request::Status(Empty {}), seq as u16, &mut out).unwrap());
+            self.wait(every_ms);
+        }
+    }
+
+    fn wait(&mut self, ms: u32) {
+        for _ in 0..ms {
+            self.board.step().unwrap();
+            self.hear();
+        }
+    }
+
+    fn hear(&mut self) {
+        for byte in self.board.take_transmit() {
+            self.bytes += 1;
+            if let Some(frame) = self.decoder.push(byte) {
                 let frame = frame.expect("no frame is damaged on a clean line");
-                loss.see(frame.seq);
+                self.loss.see(frame.seq);
                 match Report::decode(frame.kind, frame.body).unwrap() {
-                    Report::Telemetry(_) => records += 1,
+                    Report::Telemetry(_) => self.records += 1,
                     Report::Status(status) => {
-                        answers += 1;
-                        last = Some(status);
+                        self.answers += 1;
+                        self.last = Some(status);
                     }
                     other => panic!("{other:?}"),
                 }
             }
         }
-        (bytes, loss, records, answers, last.clone())
-    };
-    let mut out = [0; MAX_FRAME];
-    let telemetry = protocol::message::TelemetryRate { divider: 1 };
-    board.receive(encode_request(&Request::SetTelemetry(telemetry), 0, &mut out).unwrap());
-    board.run_s(0.1).unwrap();
-    // Its answer, and what came with it.
-    board.take_transmit();
-    let (begun, begun_s) = (board.ticks(), board.time_s());
-    for seq in 0..ASKED {
-        board.receive(encode_request(&Request::Status(Empty {}), seq as u16, &mut out).unwrap());
-        for _ in 0..EVERY_MS {
-            board.step().unwrap();
-            hear(&mut board);
-        }
     }
-    let (ticks, seconds) = (board.ticks() - begun, board.time_s() - begun_s);
-    let used = hear(&mut board).0 as f64 / seconds / LINE_BYTES_PER_S;
-    board.run_s(0.5).unwrap();
-    let (_, loss, records, answers, last) = hear(&mut board);
-    let last = last.unwrap();
+}
+
+/// A host that asks 140 times a second fills two thirds of the line: every request is answered, no record is lost, and control goes on as if nothing were.
+#[test]
+fn a_host_that_fills_two_thirds_of_the_line_loses_nothing_and_control_goes_on() {
+    const ASKED: u32 = 1120;
+    let mut line = Line::open();
+    let (begun, begun_s) = (line.board.ticks(), line.board.time_s());
+    line.ask(ASKED, 7);
+    let (ticks, seconds) = (line.board.ticks() - begun, line.board.time_s() - begun_s);
+    let used = line.bytes as f64 / seconds / LINE_BYTES_PER_S;
+    line.wait(500);
+    let last = line.last.clone().unwrap();
     println!(
-        "{ASKED} requests in {seconds:.1} s: {answers} answers, {records} records, {:.0} % of the line",
+        "{ASKED} requests in {seconds:.1} s: {} answers, {} records, {:.0} % of the line",
+        line.answers,
+        line.records,
         100.0 * used
     );
     assert!(used > 0.6, "{used}");
     assert_eq!(
-        (answers, loss.lost, last.frames_dropped, last.frames_rejected, last.deadlines_missed),
+        (line.answers, line.loss.lost, last.frames_dropped, last.frames_rejected, last.deadlines_missed),
         (ASKED, 0, 0, 0, 0)
     );
     // 50 a second, one more or less by the phase of the first.
     assert!((seconds * 50.0 - ticks as f64).abs() <= 1.0, "{ticks} ticks in {seconds} s");
+}
+
+/// A host that asks for more than the line can carry: the line is full, what is left out is counted on both sides, control goes on, and when it asks no more nothing
+/// is lost any more.
+#[test]
+fn a_line_that_is_asked_for_too_much_is_full_and_says_what_it_leaves_out() {
+    let mut line = Line::open();
+    let (begun, begun_s) = (line.board.ticks(), line.board.time_s());
+    line.ask(2000, 4);
+    let (ticks, seconds) = (line.board.ticks() - begun, line.board.time_s() - begun_s);
+    let used = line.bytes as f64 / seconds / LINE_BYTES_PER_S;
+    println!("{} answers, {} records in {seconds:.1} s, {:.0} % of the line", line.answers, line.records, 100.0 * used);
+    assert!(used > 0.9, "{used}");
+    assert!((seconds * 50.0 - ticks as f64).abs() <= 1.0, "{ticks} ticks in {seconds} s");
+    line.wait(1000);
+    line.ask(1, 100);
+    let last = line.last.clone().unwrap();
+    assert!(line.loss.lost > 0);
+    assert_eq!((u64::from(last.frames_dropped), last.deadlines_missed), (u64::from(line.loss.lost), 0));
+    let (records, lost) = (line.records, line.loss.lost);
+    line.wait(2000);
+    assert_eq!((line.records - records, line.loss.lost), (100, lost));
 }
