@@ -167,7 +167,7 @@ fn a_line_that_is_asked_for_too_much_is_full_and_says_what_it_leaves_out() {
     line.ask(1, 100);
     let last = line.last.clone().unwrap();
     assert!(line.loss.lost > 0);
-    assert_eq!((u64::from(last.frames_dropped), last.deadlines_missed), (u64::from(line.loss.lost), 0));
+    assert_eq!((u64::from(last.frames_dropped), last.deadlines_missed), (line.loss.lost, 0));
     let (records, lost) = (line.records, line.loss.lost);
     line.wait(2000);
     assert_eq!((line.records - records, line.loss.lost), (100, lost));
