@@ -157,7 +157,7 @@ fn a_host_that_fills_two_thirds_of_the_line_loses_nothing_and_control_goes_on() 
 fn a_line_that_is_asked_for_too_much_is_full_and_says_what_it_leaves_out() {
     let mut line = Line::open();
     let (begun, begun_s) = (line.board.ticks(), line.board.time_s());
-    line.ask(2000, 4);
+    line.ask(2000, 3);
     let (ticks, seconds) = (line.board.ticks() - begun, line.board.time_s() - begun_s);
     let used = line.bytes as f64 / seconds / LINE_BYTES_PER_S;
     println!("{} answers, {} records in {seconds:.1} s, {:.0} % of the line", line.answers, line.records, 100.0 * used);
