@@ -115,10 +115,7 @@ impl Check {
     pub(super) fn planned(kind: Kind, (load_n, hold_s): (f64, f64), sample_hz: f64, like: (Option<f64>, f64)) -> Self {
         let count = (hold_s * sample_hz) as usize + 1;
         let time_s: Vec<f64> = (0..count).map(|k| k as f64 / sample_hz).collect();
-        let mut recording = Recording::default();
-        recording.force_n = vec![load_n; count];
-        recording.depth_mm = vec![0.0; count];
-        recording.time_s = time_s;
+        let recording = Recording::from_samples(time_s, vec![0.0; count], vec![load_n; count]);
         let mut check = Self { scale_n: like.1, ..Self::new(kind, like.0) };
         check.stand(&recording, 0..count, |_| load_n);
         if kind == Kind::Block {
@@ -204,9 +201,9 @@ impl Check {
         pairs().find(|(_, b)| b.force_n >= force_n).or(pairs().next_back()).map_or(0.0, slope)
     }
 
-    /// True for a row that is a reading of the force: the zero of the session is in it.
-    pub(super) fn is_reading(&self, row: usize) -> bool {
-        row < self.nodes.len()
+    /// Number of rows that are readings of the force, the first ones: the zero of the session is in them, and in no depth.
+    pub(super) fn readings(&self) -> usize {
+        self.nodes.len()
     }
 
     /// Directions that a discrepancy may lie in: variable, label, and a weight a row.

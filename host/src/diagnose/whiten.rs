@@ -2,7 +2,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::check::Check;
 use super::design::Design;
 use super::noise::{Curve, Noise};
 
@@ -123,9 +122,7 @@ impl Whitening {
         columns.column_mut(smooth).fill(TARE * peak_n);
         for (at, check) in design.checks.iter().enumerate() {
             let first = self.first[design.series.len() + at];
-            (0..check.rows())
-                .filter(|row| !check.is_reading(*row))
-                .for_each(|row| columns[(first + row, smooth)] = 0.0);
+            (check.readings()..check.rows()).for_each(|row| columns[(first + row, smooth)] = 0.0);
         }
         self.wander(design, peak_n, &mut columns.columns_mut(smooth + 1, MODES));
         for (s, (series, curve)) in design.series.iter().zip(curves).enumerate() {
@@ -149,9 +146,7 @@ impl Whitening {
     /// Brownian motion of the zero over the session clock, mode by mode; nothing where no clock is known.
     fn wander(&self, design: &Design, peak_n: f64, columns: &mut nalgebra::DMatrixViewMut<'_, f64>) {
         let runs = design.series.iter().map(|s| (s.start_s, s.nodes.len()));
-        // depths of a check come after its readings, and have no zero of the sensor in them
-        let readings = |check: &Check| (0..check.rows()).filter(|row| check.is_reading(*row)).count();
-        let checks = design.checks.iter().map(|check| (check.start_s, readings(check)));
+        let checks = design.checks.iter().map(|check| (check.start_s, check.readings()));
         let (starts, lengths): (Vec<Option<f64>>, Vec<usize>) = runs.chain(checks).unzip();
         let Some(starts) = starts.into_iter().collect::<Option<Vec<f64>>>() else { return };
         let first = starts.iter().copied().fold(f64::INFINITY, f64::min);
