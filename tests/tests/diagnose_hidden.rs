@@ -106,6 +106,31 @@ fn another_elastic_law_is_not_named_by_its_twins_alone() {
     }
 }
 
+/// A skin and an anisotropic foam are functions of depth and radius as a second term, Poisson's ratio and a wrong radius are; what no name explains better than a departure
+/// without one has none, and a radius that is wrong keeps its name.
+#[test]
+fn an_elastic_departure_without_a_name_is_unknown() {
+    let outside =
+        |seed: u64, code: &'static str, level: usize| Case::new(Design::D18, seed).hiding(What::Outside(code, level));
+    let cases = [
+        outside(70_062, "outside-stiff-skin", 3),
+        outside(60_062, "outside-stiff-skin", 3),
+        outside(70_074, "outside-anisotropic", 2),
+        outside(60_074, "outside-anisotropic", 2),
+    ];
+    all_are(Outcome::OutsideUnknown, &cases);
+    all_are(Outcome::Exact, &[hiding(Design::D18, 60_043, "radius", 3), hiding(Design::D18, 70_071, "radius", 4)]);
+}
+
+/// The ends of ways back, where contacts lift off, are not compared and say nothing: they were taken for drift, adhesion, and unknown effects.
+#[test]
+fn a_contact_that_lifts_off_is_no_effect() {
+    all_are(
+        Outcome::Exact,
+        &[hiding(Design::D36, 70_065, "relaxation", 3), hiding(Design::D36, 70_043, "adhesion", 3)],
+    );
+}
+
 /// Softening is solved at material points, so that what it leaves is noise and a second effect can be seen beside it.
 #[test]
 fn a_second_effect_is_seen_beside_softening() {

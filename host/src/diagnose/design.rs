@@ -447,19 +447,24 @@ fn nodes(recording: &Recording, motion: &Motion, contact_mm: f64, zero_mm: f64) 
     (nodes, corners)
 }
 
-/// Marks the nodes of the way back at which the contact lifts off.
+/// Marks the nodes of the way back from where the contact lifts off: means of three beside each other, so that noise does not decide.
 fn lift(nodes: &mut [Node]) {
     let loading: Vec<(f64, f64)> =
         nodes.iter().filter(|n| n.branch == Branch::Loading).map(|n| (n.depth_mm, n.force_n)).collect();
     let peak = loading.iter().map(|(_, f)| *f).fold(0.0, f64::max);
-    for node in nodes.iter_mut().filter(|n| n.branch == Branch::Unloading) {
-        let next = loading.partition_point(|(d, _)| *d < node.depth_mm);
-        let Some(((d0, f0), (d1, f1))) = next.checked_sub(1).map(|i| loading[i]).zip(loading.get(next).copied()) else {
-            continue;
-        };
-        let before = f0 + (f1 - f0) * (node.depth_mm - d0) / (d1 - d0).max(1e-12);
-        node.lifted = before > LIFTED.1 * peak && node.force_n < LIFTED.0 * before;
-    }
+    let before = |depth_mm: f64| {
+        let next = loading.partition_point(|(d, _)| *d < depth_mm);
+        let ((d0, f0), (d1, f1)) = next.checked_sub(1).map(|i| loading[i]).zip(loading.get(next).copied())?;
+        Some(f0 + (f1 - f0) * (depth_mm - d0) / (d1 - d0).max(1e-12))
+    };
+    let back: Vec<usize> = (0..nodes.len()).filter(|k| nodes[*k].branch == Branch::Unloading).collect();
+    let lifts = |three: &&[usize]| {
+        let now: f64 = three.iter().map(|k| nodes[*k].force_n).sum();
+        let then: Option<f64> = three.iter().map(|k| before(nodes[*k].depth_mm)).sum();
+        then.is_some_and(|then| then > 3.0 * LIFTED.1 * peak && now < LIFTED.0 * then)
+    };
+    let Some(first) = back.windows(3).find(lifts).map(|three| three[1]) else { return };
+    back.iter().filter(|k| **k >= first).for_each(|k| nodes[*k].lifted = true);
 }
 
 /// Samples to either side of a corner that its two straight pieces are taken from.

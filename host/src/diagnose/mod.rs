@@ -164,6 +164,8 @@ pub struct Evidence {
     pub pairs: Vec<Explanation>,
     /// Explanations that hold and none that is a hundred times more likely, the best first.
     pub held: Vec<Explanation>,
+    /// By how much (sum of squares, parameters charged) the likeliest of these is likelier than an elastic departure without a name; none where it is not elastic.
+    pub likelier_than_nameless: Option<f64>,
     /// Error on conditions that were left out.
     pub held_out: Option<HeldOut>,
     /// Finite-element solves behind the force models.
@@ -273,10 +275,10 @@ impl Diagnosis {
         let in_margins = !first.adequacy.passes();
         let visible = in_margins || first.catalogue() > first.spaces.threshold;
         self.shows_in = first.adequacy.shows_in.iter().map(|v| v.word()).collect();
-        let Found { search, singles, pairs, held } = if visible {
+        let Found { search, singles, pairs, held, named } = if visible {
             Found::of(first, experiment.sensor.noise_n, progress)
         } else {
-            Found { search: first, singles: Vec::new(), pairs: Vec::new(), held: Vec::new() }
+            Found { search: first, singles: Vec::new(), pairs: Vec::new(), held: Vec::new(), named: None }
         };
         let best = held.first().or(singles.first());
         let contacts_mm = search.problem.contacts_mm.clone();
@@ -287,7 +289,8 @@ impl Diagnosis {
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(&design);
         self.proposals = plan::proposals(experiment, &search, &held, &self.blind_to);
-        verdict::conclude(self, (visible, in_margins), ripple.as_ref(), &held, held_out.as_ref());
+        let nameless = named.is_some_and(|likelier| likelier <= 0.0);
+        verdict::conclude(self, (visible, in_margins), (ripple.as_ref(), nameless), &held, held_out.as_ref());
         let Search { noise, base, curves: base_curves, adequacy, margins, .. } = search;
         self.evidence = Some(Box::new(Evidence {
             design: design.clone(),
@@ -302,6 +305,7 @@ impl Diagnosis {
             singles,
             pairs,
             held,
+            likelier_than_nameless: named,
             held_out,
             solves,
         }));

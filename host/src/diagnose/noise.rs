@@ -67,7 +67,8 @@ const RELATIVE: [f64; 4] = [0.0, 0.003, 0.01, 0.03];
 impl SensorNoise {
     /// Covariance of the means of a run's windows, N^2. `force_n` is what the model predicts there.
     ///
-    /// For samples whose correlation falls by `rho` from one to the next: the exact double sums.
+    /// For samples whose correlation falls by `rho` from one to the next: the exact double sums. Where the contact has lifted nothing is compared, and nothing may be
+    /// concluded from it about the windows beside: they are independent of it.
     #[must_use]
     pub fn covariance(&self, nodes: &[Node], force_n: &[f64]) -> DMatrix<f64> {
         let tau = self.correlation_s;
@@ -90,7 +91,7 @@ impl SensorNoise {
         for i in 0..nodes.len() {
             let white = self.white / nodes[i].samples as f64;
             c[(i, i)] = level(i).powi(2) * ((1.0 - self.white) * sums[i].1 + white);
-            for j in 0..i {
+            for j in (0..i).filter(|j| !nodes[i].lifted && !nodes[*j].lifted) {
                 let reach = |k: usize| 0.5 * (nodes[k].length_s - step_s(k));
                 let gap_s = nodes[i].time_s - nodes[j].time_s - reach(i) - reach(j);
                 let shared = (1.0 - self.white) * sums[i].0 * sums[j].0 * (-gap_s.max(0.0) / tau).exp();
@@ -222,18 +223,38 @@ fn most_likely(design: &Design, curves: &[Curve], contrasts: &[Contrast]) -> Sen
             }
         }
     }
-    // between the points of the grid: a correlation time that is a third too short makes a mean over a branch seem a sixth too sure
-    let Some(mut found) = likeliest else { return best.1 };
-    for share in [0.7, 1.4, 0.84, 1.19] {
-        let unit =
-            |found: &SensorNoise| SensorNoise { sigma_n: 1.0, relative: found.relative / found.sigma_n, ..*found };
-        found = attempt(SensorNoise { correlation_s: share * found.correlation_s, ..unit(&found) });
-        found = attempt(SensorNoise { relative: share * found.relative / found.sigma_n, ..unit(&found) });
-        for white in [share * found.white, found.white + 0.1 * (share - 1.0)] {
-            found = attempt(SensorNoise { white: white.clamp(0.0, 1.0), ..unit(&found) });
+    let Some(found) = likeliest else { return best.1 };
+    refined(design, curves, contrasts, found)
+}
+
+/// The noise between the points of the grid, with all contrasts: a correlation time that is a tenth too long makes a step from one window to the next seem a twentieth too
+/// sure, and one that is a third too short a mean over a branch a sixth.
+fn refined(design: &Design, curves: &[Curve], contrasts: &[Contrast], coarse: SensorNoise) -> SensorNoise {
+    const STEPS: [f64; 4] = [0.35, 0.18, 0.09, 0.045];
+    let all: Vec<&Contrast> = contrasts.iter().collect();
+    let of = |noise: &SensorNoise| {
+        let unit = SensorNoise { sigma_n: 1.0, relative: noise.relative / noise.sigma_n, ..*noise };
+        let (scale, deviance) = level(design, curves, &all, &unit)?;
+        Some((deviance, SensorNoise { sigma_n: scale, relative: unit.relative * scale, ..unit }))
+    };
+    let Some(mut best) = of(&coarse) else { return coarse };
+    for step in STEPS {
+        for sign in [1.0, -1.0] {
+            let now = best.1;
+            let factor = f64::exp(sign * step);
+            let tried = [
+                SensorNoise { correlation_s: now.correlation_s * factor, ..now },
+                SensorNoise { relative: now.relative * factor, ..now },
+                SensorNoise { white: (now.white + 0.3 * sign * step).clamp(0.0, 1.0), ..now },
+            ];
+            for noise in tried.iter().filter(|noise| **noise != now) {
+                if let Some(found) = of(noise).filter(|found| found.0 < best.0) {
+                    best = found;
+                }
+            }
         }
     }
-    found
+    best.1
 }
 
 /// Level of a noise of given shape, and twice its negative log-likelihood.

@@ -167,6 +167,63 @@ fn whitened_residuals_have_unit_variance() {
     assert!((neighbours / count).abs() < 0.06, "{}", neighbours / count);
 }
 
+/// A window that is not compared changes nothing of the others: they are whitened as if it had not been recorded. Set to nothing between correlated neighbours it would
+/// be a step that no noise makes.
+#[test]
+fn what_has_lifted_says_nothing_of_the_windows_beside() {
+    const GONE: usize = 20;
+    let whole = Design::of(&experiment(5), "foam").unwrap();
+    let (mut lifted, mut without) = (whole.clone(), whole.clone());
+    lifted.series[0].nodes[GONE].lifted = true;
+    without.series[0].nodes.remove(GONE);
+    let sensor = SensorNoise { sigma_n: SIGMA_N, white: 0.1, correlation_s: TAU_S, relative: 0.0 };
+    let jitter = Jitter { contact_mm: CONTACT_MM, gain: GAIN, zero_n: SIGMA_N };
+    let noise = Noise {
+        source: Source::Stated,
+        sensor,
+        jitter,
+        posterior: Posterior::stated(jitter, 1e6),
+        sensor_freedom: 1e6,
+    };
+    let white = |design: &Design, offset_n: &dyn Fn(usize) -> f64| {
+        let whitening = Whitening::new(design, &curves(design), &noise).unwrap();
+        let mut values = DVector::from_fn(whitening.residuals(), |k, _| offset_n(k));
+        whitening.apply(&mut values);
+        values
+    };
+    // a zero that is off by two standard deviations
+    let there = white(&lifted, &|k| if k == GONE { 0.0 } else { 2.0 * SIGMA_N });
+    let gone = white(&without, &|_| 2.0 * SIGMA_N);
+    assert!(there[GONE].abs() < 1e-12, "{}", there[GONE]);
+    let apart = (0..gone.len()).map(|k| (there[k + usize::from(k >= GONE)] - gone[k]).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-9, "{apart}");
+}
+
+/// A contact that lifts off stays off, whatever the noise of single windows is.
+#[test]
+fn a_contact_lifts_off_once() {
+    let mut chance = Pcg64::seed_from_u64(12);
+    let mut all = experiment(6);
+    for run in &mut all.runs {
+        let Recording { mut time_s, mut depth_mm, mut force_n, .. } = run.recording.clone();
+        let end_s = time_s[time_s.len() - 1];
+        for i in (0..time_s.len() - 1).rev() {
+            time_s.push(2.0 * end_s - time_s[i]);
+            depth_mm.push(depth_mm[i]);
+            // what a foam that relaxes gives back: less and less of what it took, with noise of a percent of the peak
+            let share = 1.2 * (depth_mm[i] / DEPTH_MM) - 0.2;
+            force_n.push((share * hertz_n(depth_mm[i])).max(0.0) + 2.0 * SIGMA_N * normal(&mut chance));
+        }
+        run.recording = Recording::from_samples(time_s, depth_mm, force_n);
+    }
+    let design = Design::of(&all, "foam").unwrap();
+    for series in &design.series {
+        let back: Vec<bool> = series.nodes.iter().filter(|n| n.branch == Branch::Unloading).map(|n| n.lifted).collect();
+        let first = back.iter().position(|lifted| *lifted).expect("it lifts off");
+        assert!((3..back.len() - 3).contains(&first) && back[first..].iter().all(|lifted| *lifted), "{back:?}");
+    }
+}
+
 /// The threshold is the level of 1 in 200 among a thousand twins; among other thousands it is exceeded about as often, within
 /// four standard errors of both.
 #[test]

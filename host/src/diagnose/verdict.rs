@@ -99,11 +99,12 @@ pub(super) fn cancelling(design: &Design) -> Vec<&'static str> {
     list
 }
 
-/// Fills in verdict and findings. `in_margins` tells whether a discrepancy shows in any variable, `visible` whether it shows at all.
+/// Fills in verdict and findings. `in_margins` tells whether a discrepancy shows in any variable, `visible` whether it shows at all, `nameless` whether an elastic
+/// departure without a name is as likely as the best that holds.
 pub(super) fn conclude(
     diagnosis: &mut Diagnosis,
     (visible, in_margins): (bool, bool),
-    ripple: Option<&Ripple>,
+    (ripple, nameless): (Option<&Ripple>, bool),
     held: &[Explanation],
     held_out: Option<&HeldOut>,
 ) {
@@ -126,10 +127,17 @@ pub(super) fn conclude(
     }
     // a large ripple makes the noise another one than was assumed, and names with it
     let spoilt = ripple.is_some_and(|r| r.share > SPOILS);
-    let best = held.first().filter(|_| visible && gains && !spoilt);
+    if let Some(best) = held.first().filter(|_| nameless) {
+        let codes: Vec<&str> = best.fit.candidates.iter().map(|c| c.effect.code).collect();
+        diagnosis.messages.push(format!(
+            "{} explains it best of the catalogue, but no better than an elastic departure without a name does: another law, a skin or a gradient would look like this",
+            codes.join(" with ")
+        ));
+    }
+    let best = held.first().filter(|_| visible && gains && !spoilt && !nameless);
     let Some(best) = best else {
         // what shows in no variable and has no name is within what one clean experiment of two hundred shows
-        let untested = held_out.is_none() && !held.is_empty() && visible;
+        let untested = (held_out.is_none() || nameless) && !held.is_empty() && visible;
         diagnosis.verdict = if in_margins || ripple.is_some() || untested { Verdict::Unknown } else { Verdict::Clean };
         return;
     };

@@ -88,10 +88,13 @@ impl Whitening {
             let mut row = 0;
             for (at, &s) in members.iter().enumerate() {
                 let curve = &curves[s];
-                for k in 0..curve.force_n.len() {
-                    jitter[(row, 0)] = -noise.jitter.contact_mm * curve.slope_n_per_mm[k];
-                    jitter[(row, 1)] = noise.jitter.gain * curve.force_n[k];
-                    jitter[(row, 2 + at)] = noise.jitter.zero_n;
+                for (k, node) in design.series[s].nodes.iter().enumerate() {
+                    // what is not compared says nothing of the spot
+                    if !node.lifted {
+                        jitter[(row, 0)] = -noise.jitter.contact_mm * curve.slope_n_per_mm[k];
+                        jitter[(row, 1)] = noise.jitter.gain * curve.force_n[k];
+                        jitter[(row, 2 + at)] = noise.jitter.zero_n;
+                    }
                     row += 1;
                 }
                 let rows = row - curve.force_n.len();
@@ -131,6 +134,9 @@ impl Whitening {
                 let x = 2.0 * (node.depth_mm / depth_mm).clamp(0.0, 1.0).sqrt() - 1.0;
                 for (j, shape) in [1.0, x, 1.5 * x * x - 0.5].into_iter().enumerate() {
                     columns[(self.first[s] + k, 3 * series.geometry + j)] = SIMULATED * force_n * shape;
+                }
+                if node.lifted {
+                    columns.row_mut(self.first[s] + k).fill(0.0);
                 }
             }
         }

@@ -9,6 +9,7 @@ pub mod contact_offset;
 pub mod drift;
 pub mod friction;
 pub mod lag;
+pub mod nameless;
 pub mod numerics;
 pub mod poisson;
 pub mod radius;

@@ -13,7 +13,8 @@ pub const CREEP: Effect = Effect {
     separated_by: "a hold on a stiff block",
     quantities: &[
         Quantity::amplitude("amplitude", 0.0, (0.0, 1.0), 0.03, &[0.03]),
-        Quantity::shape("tau_s", (0.01, 500.0), 1.5, &[0.05, 0.3, 1.5, 8.0, 40.0]),
+        // what follows within a tenth of a second is lag to a run: force and depth late by the same time look alike
+        Quantity::shape("tau_s", (0.1, 500.0), 1.5, &[0.3, 1.5, 8.0, 40.0]),
     ],
     owner: Owner::All,
 };

@@ -12,6 +12,8 @@ pub struct Arguments {
     pub cases: usize,
     /// Cases of each design that are left out at the beginning, to come back to one.
     pub skip: usize,
+    /// Seeds of the cases that are scored; all where none is given.
+    pub these: Vec<u64>,
     /// Designs.
     pub designs: Vec<Design>,
     /// One code, or all.
@@ -35,6 +37,7 @@ impl Arguments {
         let mut asked = Self {
             cases: 100,
             skip: 0,
+            these: Vec::new(),
             designs: Vec::new(),
             only: None,
             first_seed: FIRST_SEED,
@@ -47,6 +50,9 @@ impl Arguments {
             match word.as_str() {
                 "--cases" => asked.cases = number(&word, &value()?)?,
                 "--skip" => asked.skip = number(&word, &value()?)?,
+                "--these" => {
+                    asked.these = value()?.split(',').map(|seed| number(&word, seed)).collect::<Result<_, _>>()?;
+                }
                 "--seed" => asked.first_seed = number(&word, &value()?)?,
                 "--design" => asked.designs.push(design(&value()?)?),
                 "--only" => asked.only = Some(value()?),
@@ -55,7 +61,7 @@ impl Arguments {
                 "--write" => asked.write = true,
                 _ => {
                     return Err(format!(
-                        "{word}: expected --cases, --skip, --seed, --design, --only, --json, --verbose or --write"
+                        "{word}: expected --cases, --skip, --these, --seed, --design, --only, --json, --verbose or --write"
                     ));
                 }
             }

@@ -2,7 +2,7 @@
 //!
 //! Without `--design` all four designs are scored, with `--cases` of each (100 unless stated). `--only CODE` scores one code ("clean",
 //! "matched", "mismatched", "pairs", "placebos", "deleted" or an effect) at all levels by turns, `--seed` moves the first seed, `--skip` leaves
-//! out the first cases of each design, `--verbose` tells every case on a line, `--json FILE` writes every case, `--write` puts the tables into docs/hidden-effects.md.
+//! out the first cases of each design, `--these 20003,20027` all but those seeds, `--verbose` tells every case on a line, `--json FILE` writes every case, `--write` puts the tables into docs/hidden-effects.md.
 
 mod arguments;
 mod record;
@@ -104,7 +104,8 @@ fn cases(arguments: &Arguments) -> Result<Vec<Case>, String> {
                 suite::cases_of(code, *design, count, first).ok_or_else(|| format!("--only {code}: no such code"))?
             }
         };
-        list.extend(own.into_iter().skip(arguments.skip));
+        let wanted = |case: &Case| arguments.these.is_empty() || arguments.these.contains(&case.seed);
+        list.extend(own.into_iter().skip(arguments.skip).filter(wanted));
     }
     Ok(list)
 }

@@ -31,7 +31,7 @@ pub struct Followed {
 }
 
 impl Followed {
-    /// Makes what an ambiguous diagnosis proposes first, diagnoses again, and once more if it is still ambiguous. None where nothing is
+    /// Makes what an ambiguous diagnosis proposes first, diagnoses again, and once more if there is still no single name. None where nothing is
     /// proposed.
     ///
     /// # Errors
@@ -55,7 +55,7 @@ impl Followed {
             let found = diagnose::diagnose(&all, models, &|_, _, _| {})?;
             let [one] = found.as_slice() else { return Err(ScoreError::Answers(found.len())) };
             let answer = Answer::of(one);
-            if answer.verdict == Verdict::Ambiguous && runs.len() < MOST_RUNS {
+            if matches!(answer.verdict, Verdict::Ambiguous | Verdict::Unknown) && runs.len() < MOST_RUNS {
                 next = one.proposals.first().map(|p| p.motion);
             }
             let outcome = Outcome::of(&case.truth(), strength, &answer);

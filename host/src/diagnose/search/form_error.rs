@@ -1,7 +1,7 @@
 //! What effects may be wrong by as they are written down, which is no evidence for another one.
 
 use lut_gen::chain::Model;
-use lut_gen::effect::{Stage, friction, poisson, relaxation, softening};
+use lut_gen::effect::{Stage, friction, nameless, poisson, relaxation, softening};
 use nalgebra::{DMatrix, DVector};
 
 use super::super::design::Branch;
@@ -92,6 +92,8 @@ fn share_of(candidate: &Candidate, fit: &Fit) -> (f64, f64) {
     let outside = matches!(candidate.effect.stage, Stage::Machine | Stage::Sensor | Stage::Clock);
     let solved = fit.model.whole.as_ref().is_some_and(|whole| whole.covers(candidate.effect.code));
     match (solved, outside) {
+        // what has no name has no form to be wrong by
+        _ if candidate.effect.code == nameless::EFFECT.code => (0.0, 0.0),
         (true, _) if candidate.effect.code == softening::EFFECT.code => SOFTENED,
         (true, _) if candidate.effect.code == friction::EFFECT.code => RUBBED,
         (true, _) if candidate.effect.code == relaxation::ONE.code => SOLVED_SHARE,

@@ -19,6 +19,8 @@ pub struct Found<'a> {
     pub pairs: Vec<Explanation>,
     /// Explanations that hold and that none is a hundred times likelier than, with as few effects as will do, the best first.
     pub held: Vec<Explanation>,
+    /// By how much the best of these is likelier than an elastic departure without a name ([`Search::likelier_than_nameless`]).
+    pub named: Option<f64>,
 }
 
 impl<'a> Found<'a> {
@@ -28,7 +30,7 @@ impl<'a> Found<'a> {
     pub fn of(search: Search<'a>, stated_n: Option<f64>, progress: &Progress<'_>) -> Self {
         progress("effects", 0, 2);
         let singles = search.singles();
-        let mut found = Self { search, singles, pairs: Vec::new(), held: Vec::new() };
+        let mut found = Self { search, singles, pairs: Vec::new(), held: Vec::new(), named: None };
         // one with a parameter at its bound is not named: the next must be as near to its own best, and so must the other forms of the likeliest effect
         let sound = found.singles.iter().position(|e| e.beats_noise && !e.fit.at_bound);
         let mut best: Vec<usize> = likeliest(&found.singles).into_iter().chain(sound).collect();
@@ -46,12 +48,13 @@ impl<'a> Found<'a> {
         found.held = alike(&found.singles);
         // where an explanation that may itself be wrong holds nothing is added to it: a second name for what it leaves would be a wrong one
         if found.held.first().is_some_and(|best| !best.is_exact()) {
-            return found;
+            return found.against_nameless();
         }
         progress("effects together", 1, 2);
         let mut base: Vec<Explanation> = found.singles.iter().filter(|e| e.beats_noise).cloned().collect();
         if let Some(best) = found.held.first() {
-            base.retain(|e| e.fit.candidates == best.fit.candidates);
+            // a second effect may be what the richer form of the first was taken for
+            base.retain(|e| key(e) == key(best));
         }
         found.pairs = found.search.one_more(&base);
         if let Some(best) = likeliest(&found.pairs).filter(|best| found.needs(&found.pairs[*best])) {
@@ -66,7 +69,13 @@ impl<'a> Found<'a> {
         } else {
             found.held = alike(&found.singles);
         }
-        found
+        found.against_nameless()
+    }
+
+    /// The same with what a departure without a name does in the place of the best that holds.
+    fn against_nameless(mut self) -> Self {
+        self.named = self.held.first().and_then(|best| self.search.likelier_than_nameless(best));
+        self
     }
 
     /// True where two effects are clearly likelier than any one that leaves no more than noise, be that one not to be named because it ends at a bound.
@@ -77,7 +86,6 @@ impl<'a> Found<'a> {
 
     /// Places of the other forms of a single effect that are clearly not noise.
     fn forms(&self, of: &Explanation) -> Vec<usize> {
-        let key = |e: &Explanation| e.fit.candidates.first().map(|c| (c.effect.code, c.owner));
         let same = |e: &Explanation| e.beats_noise && key(e) == key(of) && e.fit.candidates != of.fit.candidates;
         self.singles.iter().enumerate().filter(|(_, e)| same(e)).map(|(at, _)| at).collect()
     }
@@ -107,6 +115,11 @@ impl<'a> Found<'a> {
         self.pairs.extend(more);
         self.pairs = sorted(std::mem::take(&mut self.pairs));
     }
+}
+
+/// What a single effect is, whatever its form.
+fn key(e: &Explanation) -> Option<(&'static str, usize)> {
+    e.fit.candidates.first().map(|c| (c.effect.code, c.owner))
 }
 
 /// The place of the likeliest that is clearly not noise.

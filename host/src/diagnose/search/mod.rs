@@ -3,6 +3,7 @@
 mod begin;
 mod form_error;
 mod held;
+mod nameless;
 mod solve;
 
 use lut_gen::chain::Setting;

@@ -177,6 +177,7 @@ fn evidence(held: Vec<Explanation>) -> Evidence {
         ripple: None,
         pairs: Vec::new(),
         singles: vec![explanation("relaxation", 18.0), explanation("friction", 518.0)],
+        likelier_than_nameless: None,
         held_out: (!held.is_empty()).then_some(HeldOut {
             rmse_before_n: 0.1,
             rmse_after_n: 0.02,
