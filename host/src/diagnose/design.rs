@@ -18,7 +18,7 @@ const WINDOWS: (usize, usize, usize) = (36, 14, 24);
 /// Share of the stroke above the contact from which on samples are used: they show the sensor's zero.
 const ABOVE: f64 = 0.05;
 /// Least samples of a loading branch.
-const LEAST_SAMPLES: usize = 12;
+pub(super) const LEAST_SAMPLES: usize = 12;
 /// Rates that differ by less than this share are one rate.
 const SAME_RATE: f64 = 0.05;
 /// Largest depth over ball radius that the force models are asked for: beyond, a ball is a shank.

@@ -76,6 +76,12 @@ impl Allowed {
         Self { columns, kernel, price }
     }
 
+    /// No errors.
+    #[must_use]
+    pub fn none() -> Self {
+        Self { columns: DMatrix::zeros(0, 0), kernel: DMatrix::zeros(0, 0), price: 0.0 }
+    }
+
     /// Takes off residuals what the errors may explain of them: `(I + F F')^(-1/2) r`.
     #[must_use]
     pub fn discounted(&self, residual: &DVector<f64>) -> DVector<f64> {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::experiment::Experiment;
 
-use super::fit::{Fit, Problem};
+use super::fit::{Allowed, Fit, Problem};
 use super::prepared::used;
 use super::search::{self, Explanation, Search};
 
@@ -15,10 +15,11 @@ pub struct HeldOut {
     pub rmse_before_n: f64,
     /// With the effects, N.
     pub rmse_after_n: f64,
-    /// Sum of the squares of whitened errors with the base.
-    pub square_before: f64,
+    /// Minus twice the logarithm of the density that was predicted with the base, less what base and effects have in common: whitened errors, weighed by what the other
+    /// conditions left open of the parameters.
+    pub deviance_before: f64,
     /// The same with the effects.
-    pub square_after: f64,
+    pub deviance_after: f64,
     /// Their names.
     pub conditions: Vec<String>,
 }
@@ -58,8 +59,8 @@ pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) ->
     Some(HeldOut {
         rmse_before_n: (sum(|e| e.before.square_n2) / count).sqrt(),
         rmse_after_n: (sum(|e| e.after.square_n2) / count).sqrt(),
-        square_before: sum(|e| e.before.whitened),
-        square_after: sum(|e| e.after.whitened),
+        deviance_before: sum(|e| e.before.deviance),
+        deviance_after: sum(|e| e.after.deviance),
         conditions: conditions.collect(),
     })
 }
@@ -70,19 +71,18 @@ struct Each {
     after: Miss,
 }
 
-/// Sums of squares over predicted runs.
+/// How far predicted runs are from what was predicted.
 #[derive(Clone, Copy)]
 struct Miss {
     square_n2: f64,
-    whitened: f64,
+    deviance: f64,
     count: f64,
 }
 
 fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Series) -> bool) -> Miss {
     let forces = super::fit::predicted(problem.design, problem.chain, &fit.model, &problem.contacts_mm);
     let whole = Problem { used: used_of(problem, predicted), ..problem.clone() };
-    let whitened = whole.residual(&fit.model).norm_squared();
-    let mut miss = Miss { square_n2: 0.0, whitened, count: 0.0 };
+    let mut miss = Miss { square_n2: 0.0, deviance: deviance(&whole, fit), count: 0.0 };
     for (series, force) in problem.design.series.iter().zip(&forces).filter(|(s, _)| predicted(s)) {
         for (node, force_n) in series.nodes.iter().zip(force).filter(|(n, _)| !n.lifted) {
             miss.square_n2 += (node.force_n - force_n).powi(2);
@@ -90,6 +90,16 @@ fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Ser
         }
     }
     miss
+}
+
+/// Of errors `e` of runs whose prediction moves by `J` with parameters that are known to the inverse of `A`: normal with a covariance of `I + J inv(A) J'`.
+fn deviance(own: &Problem<'_>, fit: &Fit) -> f64 {
+    let there = Problem { whole: fit.model.whole.clone(), ..own.clone() }.at(&fit.candidates, &fit.x, &Allowed::none());
+    let known = &fit.information + search::known_before(&fit.coordinates);
+    let both = &known + there.jacobian.tr_mul(&there.jacobian);
+    let right = there.jacobian.tr_mul(&there.residual);
+    let explained = both.clone().cholesky().map_or(0.0, |c| right.dot(&c.solve(&right)));
+    there.residual.norm_squared() - explained + search::log_determinant(&both) - search::log_determinant(&known)
 }
 
 fn used_of(problem: &Problem<'_>, predicted: &dyn Fn(&super::design::Series) -> bool) -> Vec<bool> {

@@ -164,8 +164,9 @@ pub struct Evidence {
     pub pairs: Vec<Explanation>,
     /// Explanations that hold and none that is a hundred times more likely, the best first.
     pub held: Vec<Explanation>,
-    /// By how much (sum of squares, parameters charged) the likeliest of these is likelier than an elastic departure without a name; none where it is not elastic.
-    pub likelier_than_nameless: Option<f64>,
+    /// By how much (sum of squares, parameters charged) the likeliest of these is likelier than it must be against an elastic departure without a name; none where it is not
+    /// elastic.
+    pub beyond_nameless: Option<f64>,
     /// Error on conditions that were left out.
     pub held_out: Option<HeldOut>,
     /// Finite-element solves behind the force models.
@@ -275,10 +276,10 @@ impl Diagnosis {
         let in_margins = !first.adequacy.passes();
         let visible = in_margins || first.catalogue() > first.spaces.threshold;
         self.shows_in = first.adequacy.shows_in.iter().map(|v| v.word()).collect();
-        let Found { search, singles, pairs, held, named } = if visible {
+        let Found { search, singles, pairs, held, beyond_nameless } = if visible {
             Found::of(first, experiment.sensor.noise_n, progress)
         } else {
-            Found { search: first, singles: Vec::new(), pairs: Vec::new(), held: Vec::new(), named: None }
+            Found { search: first, singles: Vec::new(), pairs: Vec::new(), held: Vec::new(), beyond_nameless: None }
         };
         let best = held.first().or(singles.first());
         let contacts_mm = search.problem.contacts_mm.clone();
@@ -289,7 +290,7 @@ impl Diagnosis {
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(&design);
         self.proposals = plan::proposals(experiment, &search, &held, &self.blind_to);
-        let nameless = named.is_some_and(|likelier| likelier <= 0.0);
+        let nameless = beyond_nameless.is_some_and(|by| by <= 0.0);
         verdict::conclude(self, (visible, in_margins), (ripple.as_ref(), nameless), &held, held_out.as_ref());
         let Search { noise, base, curves: base_curves, adequacy, margins, .. } = search;
         self.evidence = Some(Box::new(Evidence {
@@ -305,7 +306,7 @@ impl Diagnosis {
             singles,
             pairs,
             held,
-            likelier_than_nameless: named,
+            beyond_nameless,
             held_out,
             solves,
         }));

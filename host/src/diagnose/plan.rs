@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::experiment::Experiment;
 
 use super::check::{Check, Kind};
-use super::design::{Branch, Design, Node, Series};
+use super::design::{Branch, Design, LEAST_SAMPLES, Node, Series};
 use super::fit;
 use super::fit::{Fit, Problem};
 use super::search::{Explanation, Search};
@@ -127,6 +127,10 @@ fn feasible(design: &Design) -> Vec<Plan> {
             list.extend([On::Block(load_n), On::Mass(load_n), On::Air].map(|on| Plan { on, ..alone }));
         }
     }
+    // a ramp of too few samples would not be used
+    list.retain(|plan| {
+        plan.on != On::Specimen || plan.depth_mm / plan.rate_mm_per_s * SAMPLE_HZ >= 2.0 * LEAST_SAMPLES as f64
+    });
     list
 }
 

@@ -100,7 +100,7 @@ pub(super) fn cancelling(design: &Design) -> Vec<&'static str> {
 }
 
 /// Fills in verdict and findings. `in_margins` tells whether a discrepancy shows in any variable, `visible` whether it shows at all, `nameless` whether an elastic
-/// departure without a name is as likely as the best that holds.
+/// departure without a name is too likely beside the best that holds.
 pub(super) fn conclude(
     diagnosis: &mut Diagnosis,
     (visible, in_margins): (bool, bool),
@@ -109,7 +109,7 @@ pub(super) fn conclude(
     held_out: Option<&HeldOut>,
 ) {
     // a name that nothing could test is none
-    let gains = held_out.is_some_and(|h| h.square_after < h.square_before);
+    let gains = held_out.is_some_and(|h| h.deviance_after < h.deviance_before);
     if held_out.is_none() && !held.is_empty() {
         diagnosis.messages.push(
             "one condition only: what explains it cannot be tested on another, so nothing is named; press with another ball or rate"
@@ -130,7 +130,7 @@ pub(super) fn conclude(
     if let Some(best) = held.first().filter(|_| nameless) {
         let codes: Vec<&str> = best.fit.candidates.iter().map(|c| c.effect.code).collect();
         diagnosis.messages.push(format!(
-            "{} explains it best of the catalogue, but no better than an elastic departure without a name does: another law, a skin or a gradient would look like this",
+            "{} explains it best of the catalogue, but not so much better than an elastic departure without a name does that it could be named: another law, a skin or a gradient would look like this",
             codes.join(" with ")
         ));
     }

@@ -246,7 +246,7 @@ fn detail(e: &Evidence, spec: &Spec) -> String {
     let ripple = e.ripple.map_or_else(String::new, |r| {
         format!(" ripple over {:?} {:.2} amplitude {:.5} share {:.2}", r.over, r.frequency, r.amplitude_n, r.share)
     });
-    let nameless = e.likelier_than_nameless.map_or_else(String::new, |by| format!(" nameless {by:+.1}"));
+    let nameless = e.beyond_nameless.map_or_else(String::new, |by| format!(" nameless {by:+.1}"));
     format!(
         "worst {:.2}{ripple}{nameless} | {} | sigma {:.4}/{:.4} contact {:.3}/{:.3} gain {:.4}/{:.4} time {:.2}/{:.2} white {:.1} relative {:.3}/{:.3} \
          | base mu {:.4} alpha {:.2} square {:.0} of {}",

@@ -19,8 +19,8 @@ pub struct Found<'a> {
     pub pairs: Vec<Explanation>,
     /// Explanations that hold and that none is a hundred times likelier than, with as few effects as will do, the best first.
     pub held: Vec<Explanation>,
-    /// By how much the best of these is likelier than an elastic departure without a name ([`Search::likelier_than_nameless`]).
-    pub named: Option<f64>,
+    /// By how much the best of these is likelier than it must be against an elastic departure without a name ([`Search::beyond_nameless`]).
+    pub beyond_nameless: Option<f64>,
 }
 
 impl<'a> Found<'a> {
@@ -30,7 +30,7 @@ impl<'a> Found<'a> {
     pub fn of(search: Search<'a>, stated_n: Option<f64>, progress: &Progress<'_>) -> Self {
         progress("effects", 0, 2);
         let singles = search.singles();
-        let mut found = Self { search, singles, pairs: Vec::new(), held: Vec::new(), named: None };
+        let mut found = Self { search, singles, pairs: Vec::new(), held: Vec::new(), beyond_nameless: None };
         // one with a parameter at its bound is not named: the next must be as near to its own best, and so must the other forms of the likeliest effect
         let sound = found.singles.iter().position(|e| e.beats_noise && !e.fit.at_bound);
         let mut best: Vec<usize> = likeliest(&found.singles).into_iter().chain(sound).collect();
@@ -74,7 +74,7 @@ impl<'a> Found<'a> {
 
     /// The same with what a departure without a name does in the place of the best that holds.
     fn against_nameless(mut self) -> Self {
-        self.named = self.held.first().and_then(|best| self.search.likelier_than_nameless(best));
+        self.beyond_nameless = self.held.first().and_then(|best| self.search.beyond_nameless(best));
         self
     }
 

@@ -334,9 +334,11 @@ fn sorted(mut list: Vec<Explanation>) -> Vec<Explanation> {
     list
 }
 
-/// Sum of squares of every group of conditions as the others predict it, to first order about the fit.
+/// Minus twice the logarithm of the density that the other groups of conditions predict every group with, to first order about the fit, less what all fits have in common.
+/// What the others do not tell of the parameters is in it: a prediction that is uncertain is no wrong one.
 fn left_out(design: &Design, fit: &Fit, problem: &Problem<'_>) -> f64 {
-    let whole = fit.jacobian.tr_mul(&fit.jacobian);
+    let whole = fit.jacobian.tr_mul(&fit.jacobian) + known_before(&fit.coordinates);
+    let log_whole = log_determinant(&whole);
     let mut sum = 0.0;
     for group in 0..design.groups {
         let rows: Vec<usize> = design
@@ -348,17 +350,27 @@ fn left_out(design: &Design, fit: &Fit, problem: &Problem<'_>) -> f64 {
             .collect();
         let own = DMatrix::from_fn(rows.len(), fit.jacobian.ncols(), |i, j| fit.jacobian[(rows[i], j)]);
         let residual = DVector::from_fn(rows.len(), |i, _| fit.residual[rows[i]]);
-        let mut rest = &whole - own.tr_mul(&own);
-        for (i, c) in fit.coordinates.iter().enumerate() {
-            // a parameter that only this group shows stays where it is
-            let (low, high) = c.bounds();
-            rest[(i, i)] += 4.0 / (high - low).powi(2) + 1e-9 * whole[(i, i)];
-        }
+        let rest = &whole - own.tr_mul(&own);
         let right = own.tr_mul(&residual);
-        let moved = rest.cholesky().map(|c| c.solve(&right));
-        sum += moved.map_or(f64::INFINITY, |m| (&residual + &own * m).norm_squared());
+        // without the group the residual is (I + J A J')r with a covariance of I + J A J', where A is what the rest leaves open
+        let moved = rest.clone().cholesky().map(|c| right.dot(&c.solve(&right)));
+        sum += residual.norm_squared() + moved.unwrap_or(f64::INFINITY) + log_whole - log_determinant(&rest);
     }
     sum
+}
+
+/// What is known of parameters before any data: a normal distribution that has their bounds at two standard deviations.
+pub(super) fn known_before(coordinates: &[Coordinate]) -> DMatrix<f64> {
+    let width = |c: &Coordinate| c.bounds().1 - c.bounds().0;
+    DMatrix::from_diagonal(&DVector::from_iterator(
+        coordinates.len(),
+        coordinates.iter().map(|c| 16.0 / width(c).powi(2)),
+    ))
+}
+
+/// Logarithm of the determinant of a positive definite matrix; minus infinity where it is none.
+pub(super) fn log_determinant(of: &DMatrix<f64>) -> f64 {
+    of.clone().cholesky().map_or(f64::NEG_INFINITY, |c| 2.0 * c.l_dirty().diagonal().map(f64::ln).sum())
 }
 
 /// The base fitted from several exponents.

@@ -65,11 +65,12 @@ pub(super) fn nearest(experiment: &Experiment, found: &Diagnosis) -> Option<Stri
         "Of single effects, {} comes closest: it removes {} of what exceeds the noise, but {}. It is not a name for what is wrong here.",
         words::candidates(experiment, &first.fit.candidates),
         percent(share),
-        match (first.holds(), evidence.likelier_than_nameless) {
-            (true, Some(by)) if by <= 0.0 =>
-                "an elastic departure without a name explains these data no worse".to_owned(),
-            (true, _) => "it did not predict what was left out better than the base".to_owned(),
-            (false, _) => told(first),
+        match first.holds() {
+            true if words::is_nameless(found) => {
+                "an elastic departure without a name explains these data about as well".to_owned()
+            }
+            true => "it did not predict what was left out better than the base".to_owned(),
+            false => told(first),
         },
     ))
 }

@@ -53,20 +53,20 @@ fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
         vec![name.to_owned(), number(before), number(after), change(before, after)]
     };
     let error_n = (held_out.rmse_before_n, held_out.rmse_after_n);
-    let weighed = (held_out.square_before, held_out.square_after);
+    let weighed = (held_out.deviance_before, held_out.deviance_after);
     page.table(
         &["", "base", "extended", "change"],
-        &[row("error, root mean square (N)", error_n), row("error weighed by the noise, sum of squares", weighed)],
+        &[row("error, root mean square (N)", error_n), row("log score, times -2", weighed)],
     );
     page.paragraph(&format!(
         "Each of these was left out in turn; base and rivals were fitted to the others, the likeliest rival there was taken, and the left-out one predicted: {}. \
-         The scatter of contact point and gain from spot to spot is in both errors; the second row knows how large it is, and decides.",
+         The scatter of contact point and gain from spot to spot is in both errors; the second row knows how large it is, and how well the others told the parameters, and decides.",
         held_out.conditions.join(", ")
     ));
     if found.verdict != Verdict::Unknown && error_n.1 >= error_n.0 {
         page.warning("The error in newton did not fall: what the extension gains lies below the scatter between spots, or the contact points, which are those of the base fit, hide it.");
     }
-    if found.verdict == Verdict::Unknown {
+    if found.verdict == Verdict::Unknown && weighed.1 >= weighed.0 {
         page.warning("The explanation predicted left-out conditions no better than the base: its name was withdrawn.");
     }
 }

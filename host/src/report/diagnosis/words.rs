@@ -28,7 +28,7 @@ pub fn sentence(found: &Diagnosis) -> String {
             causes(found)
         ),
         Verdict::Unknown if is_nameless(found) => format!(
-            "The simulation of {} is wrong here, and no effect in the catalogue explains it better than an elastic departure without a name{} ({code}).",
+            "The simulation of {} is wrong here, and no effect in the catalogue explains it clearly better than an elastic departure without a name{} ({code}).",
             material,
             shows(found)
         ),
@@ -58,7 +58,7 @@ pub fn meaning(verdict: Verdict) -> &'static str {
             "ambiguous: one explanation meets every demand on a name, and others leave nothing visible either and are within a likelihood ratio of 100 of it. Each of them would mend the simulation here; only another run can tell which is at work."
         }
         Verdict::Unknown => {
-            "unknown: the residual is larger than noise makes it, and no explanation meets every demand on a name, or an elastic one is no likelier than any other smooth function of depth and radius would be. A cause outside the catalogue is as possible as more causes at once than were tried."
+            "unknown: the residual is larger than noise makes it, and no explanation meets every demand on a name, or an elastic one is not clearly likelier than any smooth function of depth and radius. A cause outside the catalogue is as possible as more causes at once than were tried."
         }
         Verdict::TooFewData => "too-few-data: no run of this material can be compared with a simulation.",
         Verdict::Refused => {
@@ -82,7 +82,7 @@ fn reason(found: &Diagnosis) -> String {
 
 /// True where an elastic departure without a name explains the data as well as what explains them best.
 pub(super) fn is_nameless(found: &Diagnosis) -> bool {
-    found.evidence.as_deref().and_then(|e| e.likelier_than_nameless).is_some_and(|by| by <= 0.0)
+    found.evidence.as_deref().and_then(|e| e.beyond_nameless).is_some_and(|by| by <= 0.0)
 }
 
 fn shows(found: &Diagnosis) -> String {
