@@ -1,13 +1,15 @@
 //! Which run to make next: the feasible one that puts the rivals farthest apart, all their parameters free.
 
-use lut_gen::chain::{Chain, Passage, Setting};
+mod coupon;
+
+use lut_gen::chain::{Chain, Model, Passage, Setting};
 use lut_gen::effect::{Spread, radius};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::experiment::Experiment;
 
-use super::check::{Check, Kind};
+use super::check::{Check, Touched};
 use super::design::{Branch, Design, Node, Series};
 use super::fit;
 use super::fit::{Fit, Problem};
@@ -39,6 +41,8 @@ pub enum On {
     Mass(f64),
     /// Nothing.
     Air,
+    /// A coupon of the specimen's foam and height, in a ring that fits it; its diameter in mm.
+    Confined(f64),
 }
 
 /// Motion and condition of a run that could be made; each is made twice, on the specimen on fresh spots.
@@ -56,7 +60,7 @@ pub struct Plan {
     pub radius: f64,
     /// Rate of loading and unloading, mm/s.
     pub rate_mm_per_s: f64,
-    /// Largest depth, mm.
+    /// Largest depth, mm; of a coupon, what it is shortened by.
     pub depth_mm: f64,
     /// Hold at the deepest point, s.
     pub hold_s: f64,
@@ -66,7 +70,7 @@ pub struct Plan {
     pub cycles: usize,
 }
 
-/// Spots that a planned run is made on.
+/// Spots that a planned run is made on; coupons.
 const SPOTS: usize = 2;
 /// Time that a load stands on the sensor, s.
 const STANDING_S: f64 = 60.0;
@@ -81,8 +85,9 @@ const RIVALS: usize = 5;
 /// Distance from which on rivals count as decided: a likelihood ratio of 100 is 3.03 standard deviations.
 const DECIDED: f64 = 3.03;
 
-/// Runs that laboratories can make with what they have: other rates, a hold, a way back, cycles, another ball, another height.
-fn feasible(design: &Design) -> Vec<Plan> {
+/// Runs that laboratories can make with what they have: other rates, a hold, a way back, cycles, another ball, another height; coupons, whose size is such that `base`
+/// stays within the range of the sensor.
+fn feasible(design: &Design, base: &Model) -> Vec<Plan> {
     let mut list = Vec::new();
     let deepest = |s: &Series| s.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
     let mut seen: Vec<(usize, usize)> = Vec::new();
@@ -125,6 +130,12 @@ fn feasible(design: &Design) -> Vec<Plan> {
             let load_n = design.largest_n();
             let alone = Plan { hold_s: STANDING_S, ..usual };
             list.extend([On::Block(load_n), On::Mass(load_n), On::Air].map(|on| Plan { on, ..alone }));
+            let geometry = &design.geometries[series.geometry];
+            // of what hardly changes its volume a coupon is not compared
+            if geometry.nu == 0.0 {
+                let middle = Plan { rate_mm_per_s: (slowest * fastest).sqrt(), ..usual };
+                list.push(coupon::in_ring(middle, geometry.specimen.height_mm, (base, load_n)));
+            }
         }
     }
     list
@@ -148,6 +159,7 @@ impl Plan {
                 Some(format!("put a known load of {load_n:.2} N on the sensor for {} s, twice", self.hold_s))
             }
             On::Air => Some(format!("record {} s in air at the end of the session, twice", self.hold_s)),
+            On::Confined(diameter_mm) => Some(coupon::words(self, experiment, diameter_mm)),
         };
         if let Some(text) = twice {
             return text;
@@ -178,21 +190,23 @@ impl Plan {
         text
     }
 
-    /// The runs without the specimen, with readings to be filled in.
-    fn checks(&self, like: &Design) -> Vec<Check> {
-        let (kind, load_n) = match self.on {
-            On::Specimen => return Vec::new(),
-            On::Block(load_n) => (Kind::Block, load_n),
-            On::Mass(load_n) => (Kind::Mass, load_n),
-            On::Air => (Kind::Air, 0.0),
-        };
+    /// The runs without a ball on the specimen, with readings to be filled in; of coupons, those of `base`. None where these would show nothing.
+    fn checks(&self, like: &Design, base: &Model) -> Option<Vec<Check>> {
         let end_s = like.series.iter().map(|s| s.start_s).try_fold(0.0, |end: f64, start| Some(end.max(start?)));
-        let one = Check::planned(kind, (load_n, self.hold_s), SAMPLE_HZ, (end_s, like.largest_n()));
-        vec![one; SPOTS]
+        let beside = (end_s, like.largest_n());
+        let standing = |touched, load_n| Check::planned(touched, (load_n, self.hold_s), SAMPLE_HZ, beside);
+        let one = match self.on {
+            On::Specimen => return Some(Vec::new()),
+            On::Block(load_n) => standing(Touched::Block, load_n),
+            On::Mass(load_n) => standing(Touched::Load, load_n),
+            On::Air => standing(Touched::Nothing, 0.0),
+            On::Confined(diameter_mm) => coupon::check(self, diameter_mm, like, (base, beside))?,
+        };
+        Some(vec![one; SPOTS])
     }
 
     /// The runs as a design of their own, with forces to be filled in.
-    fn design(&self, like: &Design, geometry: usize) -> Design {
+    fn design(&self, like: &Design, base: &Model, geometry: usize) -> Option<Design> {
         let mut series = Vec::new();
         let spots = if self.on == On::Specimen { SPOTS } else { 0 };
         for spot in 0..spots {
@@ -218,10 +232,10 @@ impl Plan {
                 });
             }
         }
-        Design {
+        Some(Design {
             material: like.material.clone(),
             series,
-            checks: self.checks(like),
+            checks: self.checks(like, base)?,
             geometries: like.geometries.clone(),
             rates_mm_per_s: vec![self.rate_mm_per_s],
             spots,
@@ -230,7 +244,7 @@ impl Plan {
             zero_is_contact: like.zero_is_contact,
             zero_mm: 0.0,
             messages: Vec::new(),
-        }
+        })
     }
 
     fn nodes(&self) -> Vec<Node> {
@@ -301,7 +315,7 @@ impl<'a> Bench<'a> {
             .iter()
             .find(|s| s.specimen == plan.specimen && s.indenter == plan.indenter)
             .map(|s| s.geometry)?;
-        let design = plan.design(like, geometry);
+        let design = plan.design(like, &search.base.model, geometry)?;
         let passages: Vec<Passage> = design.passages();
         let chain = Chain { library: search.problem.chain.library.clone(), passages };
         let mut bench = Self { plan, design, chain, whitening: search.problem.whitening.clone(), search };
@@ -316,9 +330,9 @@ impl<'a> Bench<'a> {
     }
 
     /// A model with the planned height and radius in it: what is declared moves, and errors of the old ones go.
-    fn placed(&self, model: &lut_gen::chain::Model) -> lut_gen::chain::Model {
+    fn placed(&self, model: &Model) -> Model {
         // what finite elements of other paths add is nothing here
-        let mut placed = lut_gen::chain::Model { whole: None, ..model.clone() };
+        let mut placed = Model { whole: None, ..model.clone() };
         let Some(first) = self.design.series.first() else { return placed };
         let geometry = &self.search.problem.design.geometries[first.geometry];
         if self.plan.radius != 1.0 {
@@ -336,7 +350,7 @@ impl<'a> Bench<'a> {
         placed
     }
 
-    fn forces(&self, model: &lut_gen::chain::Model) -> DVector<f64> {
+    fn forces(&self, model: &Model) -> DVector<f64> {
         let mut forces = fit::rows(&self.design, &self.chain, &self.placed(model), &self.contacts());
         self.whitening.apply(&mut forces);
         forces
@@ -378,7 +392,7 @@ pub fn proposals(
     blind: &[&'static str],
 ) -> Vec<Proposal> {
     let rivals = distinct(held);
-    let plans = feasible(search.problem.design);
+    let plans = feasible(search.problem.design, &search.base.model);
     let mut list: Vec<Proposal> = plans
         .into_par_iter()
         .filter_map(|plan| {
