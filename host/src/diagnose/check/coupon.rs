@@ -382,7 +382,10 @@ mod tests {
     #[test]
     fn a_zero_that_was_not_meant_is_told() {
         let (coupon, told) = of(&experiment(vec![recorded(foam(), Test::Confined, 2.0)])).unwrap();
-        assert!(told.len() == 1 && told[0].starts_with("c.csv: the recorded depth is 2.0"), "{told:?}");
+        assert!(
+            told.len() == 1 && told[0].starts_with("c.csv: the recorded depth is 1.98 mm where the coupon is"),
+            "{told:?}"
+        );
         let deepest = coupon.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
         assert!((deepest - 0.5 * HEIGHT_MM).abs() < 0.1, "{deepest}");
     }

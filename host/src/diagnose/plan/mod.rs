@@ -3,7 +3,7 @@
 mod coupon;
 
 use lut_gen::chain::{Chain, Model, Passage, Setting};
-use lut_gen::effect::{Spread, radius};
+use lut_gen::effect::{Spread, friction, radius, relaxation, second_term, softening};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -291,11 +291,20 @@ fn significant(x: f64) -> f64 {
     (x * digits).round() / digits
 }
 
-/// What a fit predicts of planned runs, and by how much each of its parameters moves that.
+/// What a fit predicts of planned runs, by how much each of its parameters moves that, and what the prediction may be wrong by, a column of unit variance each.
 struct Forecast {
     force: DVector<f64>,
     slopes: DMatrix<f64>,
+    errors: DMatrix<f64>,
 }
+
+/// Part of what an effect adds under a ball that the chain misses where no finite elements of the path correct it (docs/diagnosis.md): those of the planned run are not solved.
+const MISSED: [(&str, f64); 4] = [
+    (relaxation::ONE.code, 0.015),
+    (second_term::EFFECT.code, 0.16),
+    (softening::EFFECT.code, 0.24),
+    (friction::EFFECT.code, 0.31),
+];
 
 /// Planned runs with what whitens them.
 struct Bench<'a> {
@@ -367,18 +376,61 @@ impl<'a> Bench<'a> {
             let there = self.forces(&fit::model(&fit.coordinates, &fit.candidates, &x));
             slopes.set_column(j, &((there - &force) / step));
         }
-        Forecast { force, slopes }
+        Forecast { force, slopes, errors: self.errors(fit) }
+    }
+
+    /// What the chain may be wrong by in the forecast of a fit, smoothly along each branch.
+    fn errors(&self, fit: &Fit) -> DMatrix<f64> {
+        let rows = |model: &Model| fit::rows(&self.design, &self.chain, &self.placed(model), &self.contacts());
+        let mut columns = Vec::new();
+        for candidate in &fit.candidates {
+            let Some((_, share)) = MISSED.iter().find(|(code, _)| *code == candidate.effect.code) else { continue };
+            let mut bare = fit.model.clone();
+            bare.settings.retain(|s| s.effect != candidate.effect);
+            let added = rows(&fit.model) - rows(&bare);
+            for branch in [Branch::Loading, Branch::Hold, Branch::Unloading] {
+                for shape in 0..3 {
+                    let mut column = *share * self.along(&added, branch, shape);
+                    if column.norm() > 0.0 {
+                        self.whitening.apply(&mut column);
+                        columns.push(column);
+                    }
+                }
+            }
+        }
+        if columns.is_empty() { DMatrix::zeros(self.whitening.residuals(), 0) } else { DMatrix::from_columns(&columns) }
+    }
+
+    /// Rows of balls on one branch, times a polynomial of depth; 0 elsewhere.
+    fn along(&self, rows: &DVector<f64>, branch: Branch, shape: usize) -> DVector<f64> {
+        let mut out = DVector::zeros(rows.len());
+        for (s, series) in self.design.series.iter().enumerate() {
+            for (k, node) in series.nodes.iter().enumerate().filter(|(_, n)| n.branch == branch) {
+                let at = self.whitening.first(s) + k;
+                let x = 2.0 * node.depth_mm / self.plan.depth_mm - 1.0;
+                out[at] = rows[at] * [1.0, x, 1.5 * x * x - 0.5][shape];
+            }
+        }
+        out
     }
 }
 
-/// Distance of a forecast from another one whose parameters are known as far as its fit knows them.
+/// Distance of a forecast from another one whose parameters are known as far as its fit knows them, and which both may be wrong as the chain is.
 fn distance(from: &Forecast, to: &Forecast, fit: &Fit) -> f64 {
     let difference = &from.force - &to.force;
     let Some(covariance) = fit.covariance() else { return 0.0 };
     // (I + J C J')^-1 by Woodbury
     let Some(information) = covariance.try_inverse() else { return 0.0 };
-    let inner = information + to.slopes.tr_mul(&to.slopes);
-    let right = to.slopes.tr_mul(&difference);
+    let (known, errors) = (to.slopes.ncols(), to.errors.ncols());
+    let count = known + errors + from.errors.ncols();
+    let mut columns = DMatrix::zeros(difference.len(), count);
+    columns.columns_mut(0, known).copy_from(&to.slopes);
+    columns.columns_mut(known, errors).copy_from(&to.errors);
+    columns.columns_mut(known + errors, from.errors.ncols()).copy_from(&from.errors);
+    let mut inner = DMatrix::identity(count, count);
+    inner.view_mut((0, 0), (known, known)).copy_from(&information);
+    inner += columns.tr_mul(&columns);
+    let right = columns.tr_mul(&difference);
     let taken = inner.cholesky().map_or(0.0, |c| c.solve(&right).dot(&right));
     (difference.norm_squared() - taken).max(0.0).sqrt()
 }
