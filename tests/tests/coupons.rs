@@ -46,7 +46,13 @@ fn codes(found: &Diagnosis) -> Vec<&'static str> {
     found.findings.iter().flat_map(|f| std::iter::once(f.code).chain(f.ambiguous_with.iter().copied())).collect()
 }
 
-/// Where nothing is wrong nothing is said, and what coupons show is no blind spot any more.
+/// Relative half width of the 95 % interval of the exponent.
+fn spread(found: &Diagnosis) -> f64 {
+    let [_, (alpha, (low, high))] = found.evidence.as_ref().unwrap().base.base(1.96);
+    0.5 * (high - low) / alpha
+}
+
+/// Where nothing is wrong nothing is said, and the foam is known better than from balls alone.
 #[test]
 fn a_clean_foam_stays_clean_with_coupons() {
     for (seed, test) in [(43_001, Test::Confined), (43_002, Test::Uniaxial)] {
@@ -54,7 +60,7 @@ fn a_clean_foam_stays_clean_with_coupons() {
         let found = diagnosed(&experiment(&with_coupons(clean(seed), test)));
         assert_eq!((without.verdict, found.verdict), (Verdict::Clean, Verdict::Clean), "{:?}", codes(&found));
         assert_eq!(found.evidence.as_ref().unwrap().design.checks.len(), 2);
-        assert!(without.blind_to.contains(&"poisson") && !found.blind_to.contains(&"poisson"), "{:?}", found.blind_to);
+        assert!(spread(&found) < 0.5 * spread(&without), "{} {}", spread(&found), spread(&without));
     }
 }
 
@@ -71,25 +77,52 @@ fn coupons_tell_elastic_twins_apart() {
         let found = diagnosed(&experiment(&with_coupons(clean(seed).with(effect.clone()), Test::Confined)));
         assert_eq!((found.verdict, codes(&found)), (Verdict::Named, vec![effect.code()]), "{seed}");
         let value = found.findings[0].parameters.iter().find(|p| p.0 == name).unwrap().1;
+        // which of two terms is the first is a matter of names
+        let value = if value > 1.0 { 1.0 / value } else { value };
         // a gain of 2 % a coupon, and of 1 % a spot
         assert!((value / amount - 1.0).abs() < 0.15, "{name} {value}");
     }
 }
 
-/// What is ambiguous under balls proposes a coupon, and following that names it.
+/// What is ambiguous under balls proposes a coupon first, and that names it.
+fn is_decided_by_a_coupon(case: &Case) {
+    let all = case.make(&SOLVER).unwrap().experiment();
+    let found = diagnosed(&all);
+    assert_eq!(found.verdict, Verdict::Ambiguous, "{:?}", codes(&found));
+    let first = &found.proposals[0];
+    assert!(matches!(first.motion.on, On::Confined(_)), "{}", first.what);
+    assert!(first.what.contains("in a ring that fits it, lubricated, by 50 % of its height"), "{}", first.what);
+    let followed = Followed::of(case, &all, &found, None, (&SOLVER, &MODELS)).unwrap().unwrap();
+    println!("{}", followed.answer.line());
+    assert!(followed.resolved() && followed.runs.len() == 1, "{}", followed.answer.line());
+}
+
+fn hiding(design: Design, seed: u64, code: &'static str, level: usize, noise: NoiseKind) -> Case {
+    Case::new(design, seed).hiding(What::Catalogue(code, level)).in_noise(noise)
+}
+
+/// A ratio of 0.02 under loading alone, which four other names explain as well.
 #[test]
-fn the_plan_asks_for_a_coupon_and_decides() {
-    for (seed, code, level) in [(43_021, "poisson", 3), (43_022, "friction", 3)] {
-        let case = Case::new(Design::D18, seed).hiding(What::Catalogue(code, level)).in_noise(NoiseKind::Matched);
-        let all = case.make(&SOLVER).unwrap().experiment();
-        let found = diagnosed(&all);
-        assert_eq!(found.verdict, Verdict::Ambiguous, "{seed} {:?}", codes(&found));
-        let first = &found.proposals[0];
-        assert!(matches!(first.motion.on, On::Confined(_)), "{}", first.what);
-        assert!(first.what.contains("in a ring that fits it, lubricated, by 50 % of its height"), "{}", first.what);
-        let followed = Followed::of(&case, &all, &found, None, (&SOLVER, &MODELS)).unwrap().unwrap();
-        assert!(followed.resolved(), "{seed} {:?}", followed.answer.line());
-    }
+fn a_small_poisson_ratio_is_decided_by_a_coupon() {
+    is_decided_by_a_coupon(&hiding(Design::D18, 60_045, "poisson", 0, NoiseKind::Matched));
+}
+
+/// A ratio of 0.1 that friction and a second term imitate in holds, ways back and cycles.
+#[test]
+fn a_poisson_ratio_is_decided_by_a_coupon() {
+    is_decided_by_a_coupon(&hiding(Design::D36, 60_003, "poisson", 2, NoiseKind::Mismatched));
+}
+
+/// Friction of 0.2: the coupon knows nothing of it, and nothing of what imitates it.
+#[test]
+fn friction_is_decided_by_a_coupon() {
+    is_decided_by_a_coupon(&hiding(Design::D36, 60_047, "friction", 2, NoiseKind::Mismatched));
+}
+
+/// A second term of 0.6.
+#[test]
+fn a_second_term_is_decided_by_a_coupon() {
+    is_decided_by_a_coupon(&hiding(Design::D36, 60_027, "second-term", 4, NoiseKind::Matched));
 }
 
 /// Balls that meet a stiff skin, and coupons that do not, agree on no law: nothing is named with confidence.
