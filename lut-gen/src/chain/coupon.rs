@@ -62,6 +62,8 @@ pub struct Shortening {
 /// Rounds of Newton's method in which machine and coupon share the recorded depth: a coupon's force bends towards the depth axis, so that the
 /// depth rises to its solution after the first round, and its error is squared in each.
 const ROUNDS: usize = 8;
+/// A correction of the depth below which the next one is rounding (mm).
+const SHARED_MM: f64 = 1e-6;
 /// Stretches below this are none that a foam has.
 const SHORTEST: f64 = 0.05;
 
@@ -141,12 +143,18 @@ impl Model {
         if mm_per_n != 0.0 {
             let mut depth = recorded.clone();
             for _ in 0..ROUNDS {
+                let mut moved = 0.0_f64;
                 for ((d, x), f) in depth.iter_mut().zip(&recorded).zip(&force) {
                     let slope = run.area_mm2 / height_mm * column.at(stretch(*d)).slope;
-                    *d += compliance::correction(*x, *d, *f, slope, mm_per_n);
-                    *d = d.max(0.0).min(x.max(0.0));
+                    let next = *d + compliance::correction(*x, *d, *f, slope, mm_per_n);
+                    let next = next.max(0.0).min(x.max(0.0));
+                    moved = moved.max((next - *d).abs());
+                    *d = next;
                 }
                 force = force_on(&depth);
+                if moved < SHARED_MM {
+                    break;
+                }
             }
         }
         // platens push and never pull
