@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::fit::Fit;
+use super::plan::On;
 use super::search::Explanation;
 use super::verdict::Z95;
 use super::{Diagnosis, Evidence, Verdict};
@@ -79,10 +80,22 @@ fn proposals(diagnosis: &Diagnosis) -> Vec<Value> {
             "rate_mm_per_s": p.motion.rate_mm_per_s, "depth_mm": p.motion.depth_mm, "hold_s": p.motion.hold_s,
             "unload": p.motion.unload, "cycles": p.motion.cycles,
             "times_height": p.motion.height, "times_radius": p.motion.radius,
+            "on": on(p.motion.on),
         });
         json!({ "what": p.what, "decides": p.decides, "distance": p.distance, "motion": motion })
     };
     diagnosis.proposals.iter().map(one).collect()
+}
+
+/// What is pressed or loads the sensor, and how much of it where there is a choice.
+fn on(on: On) -> Value {
+    match on {
+        On::Specimen => json!({ "test": "indentation" }),
+        On::Block(load_n) => json!({ "test": "indentation", "base_law": "rigid", "load_N": load_n }),
+        On::Mass(load_n) => json!({ "test": "mass", "load_N": load_n }),
+        On::Air => json!({ "test": "air" }),
+        On::Confined(diameter_mm) => json!({ "test": "confined", "diameter_mm": diameter_mm }),
+    }
 }
 
 /// What one effect alone explains, and which demands it meets. `leaves` is the largest margin over its threshold.

@@ -113,7 +113,7 @@ pub struct Design {
     pub material: String,
     /// Used runs.
     pub series: Vec<Series>,
-    /// Runs that show sensor and machine alone.
+    /// Runs that a ball on the foam has no part in: of sensor and machine alone, and of coupons.
     pub checks: Vec<Check>,
     /// Balls on specimens.
     pub geometries: Vec<Geometry>,
@@ -186,7 +186,7 @@ impl Design {
             design.add(experiment, raw);
         }
         design.number();
-        let (checks, messages) = check::of(experiment, design.largest_n());
+        let (checks, messages) = check::of(experiment, material, design.largest_n());
         design.checks = checks;
         design.messages.extend(messages);
         if design.geometries.iter().any(|geometry| geometry.nu > 0.0) {
@@ -448,7 +448,7 @@ fn nodes(recording: &Recording, motion: &Motion, contact_mm: f64, zero_mm: f64) 
 }
 
 /// Marks the nodes of the way back from where the contact lifts off: means of three beside each other, so that noise does not decide.
-fn lift(nodes: &mut [Node]) {
+pub(super) fn lift(nodes: &mut [Node]) {
     let loading: Vec<(f64, f64)> =
         nodes.iter().filter(|n| n.branch == Branch::Loading).map(|n| (n.depth_mm, n.force_n)).collect();
     let peak = loading.iter().map(|(_, f)| *f).fold(0.0, f64::max);

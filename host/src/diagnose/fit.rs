@@ -223,7 +223,7 @@ pub fn predicted(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f
     design.series.iter().zip(paths).map(|(s, force_n)| s.at.iter().map(|at| force_n[*at]).collect()).collect()
 }
 
-/// What a model predicts for every row of a residual: forces (N) at the nodes of every run, then what runs without the specimen show.
+/// What a model predicts for every row of a residual: forces (N) at the nodes of every run, then what runs without a ball on the specimen show.
 #[must_use]
 pub fn rows(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f64]) -> DVector<f64> {
     let mut rows: Vec<f64> = predicted(design, chain, model, contacts_mm).concat();

@@ -25,6 +25,10 @@ pub enum Variable {
     Height,
     /// Session clock.
     Clock,
+    /// A coupon compressed in a ring.
+    Confined,
+    /// A coupon compressed between platens.
+    Compression,
     /// A stiff block instead of the specimen.
     Block,
     /// A known mass on the sensor.
@@ -46,6 +50,8 @@ impl Variable {
             Variable::Radius => "radius",
             Variable::Height => "height",
             Variable::Clock => "session clock",
+            Variable::Confined => "confined",
+            Variable::Compression => "compression",
             Variable::Block => "stiff block",
             Variable::Mass => "mass",
             Variable::Air => "air",
@@ -221,7 +227,7 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// What runs without the specimen show.
+    /// What runs without a ball on the specimen show.
     fn checks(&mut self, design: &Design) {
         for (at, check) in design.checks.iter().enumerate() {
             let first = self.problem.whitening.first(design.series.len() + at);

@@ -118,7 +118,12 @@ fn between(alpha: f64, step: f64) -> [(f64, f64); 2] {
 }
 
 /// The material in units of `scale` (MPa).
-fn material(specimen: &TrueSpecimen, alpha: f64, scale: f64, effects: &[Effect]) -> Result<Material, LawError> {
+pub(super) fn material(
+    specimen: &TrueSpecimen,
+    alpha: f64,
+    scale: f64,
+    effects: &[Effect],
+) -> Result<Material, LawError> {
     let mut nu = specimen.nu;
     let mut terms = vec![(specimen.mu_mpa / scale, alpha)];
     if specimen.law != TrueLaw::Hyperfoam && specimen.law != TrueLaw::Ogden {

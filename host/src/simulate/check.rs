@@ -4,7 +4,7 @@ use crate::experiment::Test;
 
 use super::SimulateError;
 use super::effect::Effect;
-use super::spec::{RunTemplate, Spec, TrueLaw};
+use super::spec::{RunTemplate, Spec, TrueLaw, TrueSpecimen};
 
 /// Most runs of an experiment, and samples of a run.
 const MOST_RUNS: usize = 10_000;
@@ -116,21 +116,55 @@ fn template(spec: &Spec, at: usize, run: &RunTemplate) -> Result<(), SimulateErr
             demand(&place, &[("hold_s * sample_hz", run.hold_s * spec.sample_hz, 1.0, MOST_SAMPLES, "at most 1000000")])
         }
         Test::Indentation => indentation(spec, &place, run),
+        Test::Uniaxial | Test::Confined => coupon(spec, &place, run),
         _ => Err(SimulateError::Unknown {
             place,
             kind: "test that can be simulated, named",
             name: format!("{:?}", run.test).to_lowercase(),
-            known: "indentation, air, mass".to_owned(),
+            known: "indentation, uniaxial, confined, air, mass".to_owned(),
         }),
     }
 }
 
-fn indentation(spec: &Spec, place: &str, run: &RunTemplate) -> Result<(), SimulateError> {
+/// The specimen of a run.
+fn known_specimen<'a>(spec: &'a Spec, place: &str, run: &RunTemplate) -> Result<&'a TrueSpecimen, SimulateError> {
     let name = run.specimen.as_deref().unwrap_or_default();
-    let specimen = spec.specimen(name).ok_or_else(|| {
+    spec.specimen(name).ok_or_else(|| {
         let known = list(spec.specimens.iter().map(|one| one.name.as_str()));
         SimulateError::Unknown { place: place.to_owned(), kind: "specimen", name: name.to_owned(), known }
-    })?;
+    })
+}
+
+/// A specimen that is shortened as a whole: soft, and by no ball.
+fn coupon(spec: &Spec, place: &str, run: &RunTemplate) -> Result<(), SimulateError> {
+    let specimen = known_specimen(spec, place, run)?;
+    if matches!(specimen.law, TrueLaw::Rigid { .. }) {
+        let soft = spec.specimens.iter().filter(|one| !matches!(one.law, TrueLaw::Rigid { .. }));
+        let known = list(soft.map(|one| one.name.as_str()));
+        let (place, name) = (place.to_owned(), specimen.name.clone());
+        return Err(SimulateError::Unknown { place, kind: "specimen that is not rigid", name, known });
+    }
+    if let Some(name) = &run.indenter {
+        let (place, name, known) = (place.to_owned(), name.clone(), "none".to_owned());
+        return Err(SimulateError::Unknown {
+            place,
+            kind: "ball in the compression of a coupon, such as",
+            name,
+            known,
+        });
+    }
+    demand(
+        place,
+        &[
+            ("rate_mm_s", run.rate_mm_s, 1e-5, 1e4, "a rate of 0.00001 to 10000 mm/s"),
+            ("depth_mm", run.depth_mm, 0.01, 1000.0, "a depth of 0.01 mm or more"),
+        ],
+    )?;
+    samples(spec, place, run)
+}
+
+fn indentation(spec: &Spec, place: &str, run: &RunTemplate) -> Result<(), SimulateError> {
+    let specimen = known_specimen(spec, place, run)?;
     known_ball(spec, place, run.indenter.as_deref().unwrap_or_default())?;
     demand(place, &[("rate_mm_s", run.rate_mm_s, 1e-5, 1e4, "a rate of 0.00001 to 10000 mm/s")])?;
     if matches!(specimen.law, TrueLaw::Rigid { .. }) {
@@ -138,6 +172,10 @@ fn indentation(spec: &Spec, place: &str, run: &RunTemplate) -> Result<(), Simula
     } else {
         demand(place, &[("depth_mm", run.depth_mm, 0.01, 1000.0, "a depth of 0.01 mm or more")])?;
     }
+    samples(spec, place, run)
+}
+
+fn samples(spec: &Spec, place: &str, run: &RunTemplate) -> Result<(), SimulateError> {
     let way = 2.0 * (run.depth_mm + run.air_mm) / run.rate_mm_s + run.hold_s;
     demand(
         place,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use lut_gen::model::Simulation;
 
+use super::coupon::{self, TrueCoupon};
 use super::effect::Effect;
 use super::effect::machine::Machine;
 use super::motion::Programme;
@@ -20,8 +21,12 @@ pub(super) const FINE: usize = 4;
 /// What a template's runs share.
 #[derive(Debug, Clone)]
 pub(super) struct Condition {
-    /// Indices among the declared specimens and balls in the order of the specification.
-    pub pair: Option<(usize, usize)>,
+    /// Index among the specimens in the order of the specification, if one is touched.
+    pub specimen: Option<usize>,
+    /// Index among the balls, if one touches it.
+    pub indenter: Option<usize>,
+    /// The specimen as one that is shortened as a whole.
+    pub coupon: Option<TrueCoupon>,
     pub programme: Programme,
     /// Duration of a run, s.
     pub duration_s: f64,
@@ -50,7 +55,8 @@ pub(super) fn conditions(
         .flat_map(|p| p.curves.iter().flat_map(|c| c.1.iter().map(|(_, s)| (p.body.place.as_str(), s))))
         .collect();
     told(&jobs, "curves", progress, &|case| solver.curve(case).map(|_| ()))?;
-    let mut conditions: Vec<Condition> = spec.runs.iter().map(|run| untouched(spec, run)).collect();
+    let mut conditions =
+        spec.runs.iter().map(|run| without_ball(spec, run)).collect::<Result<Vec<Condition>, SimulateError>>()?;
     let mut paths = Vec::new();
     for plan in &plans {
         let (condition, path) = pressed(spec, plan, solver)?;
@@ -84,10 +90,27 @@ pub(super) fn conditions(
     Ok(conditions)
 }
 
+/// A run that no ball has a part in, or the beginning of one that will have one.
+fn without_ball(spec: &Spec, run: &RunTemplate) -> Result<Condition, SimulateError> {
+    let mut condition = untouched(spec, run);
+    if coupon::mode(run.test).is_none() {
+        return Ok(condition);
+    }
+    let at = spec.specimens.iter().position(|one| Some(&one.name) == run.specimen.as_ref());
+    condition.machine = Machine::of(&spec.effects);
+    condition.programme = programme(run, run.depth_mm);
+    condition.duration_s = condition.programme.duration_s();
+    let own = at.map(|at| TrueCoupon::new(spec, &spec.specimens[at], run, &condition.machine)).transpose()?;
+    (condition.specimen, condition.coupon) = (at, own);
+    Ok(condition)
+}
+
 /// A run that touches nothing.
 fn untouched(spec: &Spec, run: &RunTemplate) -> Condition {
     Condition {
-        pair: None,
+        specimen: None,
+        indenter: None,
+        coupon: None,
         programme: programme(run, 0.0),
         duration_s: run.hold_s,
         machine: Machine::default(),
@@ -120,7 +143,9 @@ fn pressed(spec: &Spec, plan: &Plan, solver: &Solver) -> Result<(Condition, Opti
     });
     let run = &spec.runs[plan.template];
     let condition = Condition {
-        pair: Some(plan.pair),
+        specimen: Some(plan.pair.0),
+        indenter: Some(plan.pair.1),
+        coupon: None,
         programme: plan.programme,
         duration_s: plan.programme.duration_s(),
         machine: Machine::of(&spec.effects),

@@ -120,6 +120,7 @@ fn specimen((name, section): &(String, Section<'_>), modelled: bool) -> Result<T
         "alpha2",
         "height_mm",
         "radius_mm",
+        "area_mm2",
         "base",
         "reduced_modulus_MPa",
     ])?;
@@ -157,9 +158,23 @@ fn specimen((name, section): &(String, Section<'_>), modelled: bool) -> Result<T
         nu: nu.unwrap_or(if law == TrueLaw::Ogden { OGDEN_NU } else { 0.0 }),
         second,
         height_mm: needed(section, "height_mm", LENGTH, height_mm)?,
-        radius_mm: number(section, "radius_mm", 0.05, 1000.0, LENGTH)?.unwrap_or(25.0),
+        radius_mm: radius(section)?,
         base: section.word("base", &bases)?.unwrap_or(Base::Bonded),
     })
+}
+
+/// The radius of a specimen, or that of the circle of a stated area.
+fn radius(section: &Section<'_>) -> Result<f64, ExperimentError> {
+    let radius_mm = number(section, "radius_mm", 0.05, 1000.0, LENGTH)?;
+    let area_mm2 = number(section, "area_mm2", 0.01, 1e6, "an area of 0.01 to 1000000 mm2")?;
+    match (radius_mm, area_mm2, section.value("area_mm2")) {
+        (Some(_), Some(_), Some(value)) => {
+            let problem = "`area_mm2` and `radius_mm` say the same; state one of them".to_owned();
+            Err(section.document.error(value.span(), Problem::Contradiction(problem)))
+        }
+        (None, Some(area_mm2), _) => Ok((area_mm2 / std::f64::consts::PI).sqrt()),
+        (radius_mm, ..) => Ok(radius_mm.unwrap_or(25.0)),
+    }
 }
 
 fn indenter((name, section): &(String, Section<'_>)) -> Result<TrueIndenter, ExperimentError> {
@@ -200,9 +215,16 @@ fn run(section: &Section<'_>, spec: &Spec) -> Result<RunTemplate, ExperimentErro
         "air_mm",
         "hold_out",
     ])?;
-    let tests = [("indentation", Test::Indentation), ("air", Test::Air), ("mass", Test::Mass)];
+    let tests = [
+        ("indentation", Test::Indentation),
+        ("uniaxial", Test::Uniaxial),
+        ("confined", Test::Confined),
+        ("air", Test::Air),
+        ("mass", Test::Mass),
+    ];
     let test = section.word("test", &tests)?.unwrap_or(Test::Indentation);
-    let presses = test == Test::Indentation;
+    let coupon = matches!(test, Test::Uniaxial | Test::Confined);
+    let presses = test == Test::Indentation || coupon;
     let mut run = RunTemplate { test, ..RunTemplate::ramp("", "", 1.0, 1.0) };
     let name = "a name in quotes";
     run.specimen = section.text("specimen", name)?.map(str::to_owned);
@@ -210,14 +232,24 @@ fn run(section: &Section<'_>, spec: &Spec) -> Result<RunTemplate, ExperimentErro
     if presses {
         let specimen = needed(section, "specimen", name, run.specimen.as_deref())?;
         known(section, "specimen", specimen, spec.specimens.iter().map(|one| &one.name))?;
-        let indenter = needed(section, "indenter", name, run.indenter.as_deref())?;
-        known(section, "indenter", indenter, spec.indenters.iter().map(|one| &one.name))?;
+        if let Some(value) = section.value("indenter").filter(|_| coupon) {
+            let problem = "a coupon is compressed as a whole; `indenter` belongs to test = \"indentation\"".to_owned();
+            return Err(section.document.error(value.span(), Problem::Contradiction(problem)));
+        }
+        if !coupon {
+            let indenter = needed(section, "indenter", name, run.indenter.as_deref())?;
+            known(section, "indenter", indenter, spec.indenters.iter().map(|one| &one.name))?;
+        }
         let expected = "a rate of 0.00001 to 10000 mm/s";
         let rate = number(section, "rate_mm_s", 1e-5, 1e4, expected)?;
         run.rate_mm_s = needed(section, "rate_mm_s", expected, rate)?;
     }
     let rigid = run.specimen.as_deref().and_then(|name| spec.specimen(name));
     let rigid = rigid.is_some_and(|one| matches!(one.law, TrueLaw::Rigid { .. }));
+    if let Some(value) = section.value("specimen").filter(|_| coupon && rigid) {
+        let problem = "a rigid block cannot be compressed as a coupon; expected a specimen that is soft".to_owned();
+        return Err(section.document.error(value.span(), Problem::Contradiction(problem)));
+    }
     let expected = "a depth of 0.01 to 1000 mm";
     let depth = number(section, "depth_mm", 0.01, 1000.0, expected)?;
     if presses && !rigid {

@@ -170,6 +170,8 @@ impl SimulatedExperiment {
         match run.test {
             Test::Air => text.push_str("test = \"air\"\n"),
             Test::Mass => text.push_str("test = \"mass\"\n"),
+            Test::Uniaxial => text.push_str("test = \"uniaxial\"\n"),
+            Test::Confined => text.push_str("test = \"confined\"\n"),
             _ => {}
         }
         for (key, value) in [("spot", run.spot), ("cycle", run.cycle), ("order", Some(run.order))] {

@@ -22,6 +22,7 @@ mod body;
 mod chance;
 mod check;
 mod condition;
+mod coupon;
 mod description;
 pub mod display;
 pub mod effect;
@@ -58,7 +59,7 @@ pub fn simulate(spec: &Spec, solver: &Solver, progress: Progress<'_>) -> Result<
     check::check(spec)?;
     let before = solver.solves();
     let conditions = condition::conditions(spec, solver, progress)?;
-    let runs = recorded::runs(spec, &conditions);
+    let runs = recorded::runs(spec, &conditions)?;
     let (specimens, indenters) = folder::declared(spec);
     let noise_n = (spec.state_noise && spec.noise.sensor_n > 0.0).then_some(spec.noise.sensor_n);
     Ok(SimulatedExperiment {

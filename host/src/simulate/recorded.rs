@@ -4,8 +4,10 @@ use rand::Rng;
 
 use crate::experiment::Test;
 
+use super::SimulateError;
 use super::chance::{Purpose, stream};
 use super::condition::{Condition, FINE};
+use super::coupon;
 use super::effect::placebo::{self, Place};
 use super::effect::sensor::Sensor;
 use super::effect::{Effect, outside};
@@ -24,13 +26,17 @@ fn rounded(value: f64, per_unit: f64) -> f64 {
 }
 
 /// A run before the sensor, on the fine time grid.
+#[derive(Clone)]
 struct Raw {
     recorded_mm: Vec<f64>,
     force_n: Vec<f64>,
 }
 
 /// All runs in the order of the session.
-pub(super) fn runs(spec: &Spec, conditions: &[Condition]) -> Vec<SimulatedRun> {
+///
+/// # Errors
+/// A coupon that fails.
+pub(super) fn runs(spec: &Spec, conditions: &[Condition]) -> Result<Vec<SimulatedRun>, SimulateError> {
     let durations: Vec<f64> = conditions.iter().map(|one| one.duration_s).collect();
     let visits = visits(spec, &durations);
     let step_s = 1.0 / (spec.sample_hz * FINE as f64);
@@ -40,7 +46,7 @@ pub(super) fn runs(spec: &Spec, conditions: &[Condition]) -> Vec<SimulatedRun> {
     let mut out: Vec<SimulatedRun> = Vec::new();
     for visit in &visits {
         let condition = &conditions[visit.template];
-        let raws = pressed(spec, condition, visit, step_s);
+        let raws = pressed(spec, condition, visit, step_s)?;
         for (at, (raw, start_s)) in raws.iter().zip(&visit.starts_s).enumerate() {
             let order = out.len() + 1;
             let mut run = labelled(spec, condition, visit, at, order, *start_s);
@@ -50,16 +56,24 @@ pub(super) fn runs(spec: &Spec, conditions: &[Condition]) -> Vec<SimulatedRun> {
             out.push(run);
         }
     }
-    out
+    Ok(out)
 }
 
 /// Forces of all runs of a visit.
-fn pressed(spec: &Spec, condition: &Condition, visit: &Visit, step_s: f64) -> Vec<Raw> {
+fn pressed(spec: &Spec, condition: &Condition, visit: &Visit, step_s: f64) -> Result<Vec<Raw>, SimulateError> {
     let template = &spec.runs[visit.template];
-    if condition.pair.is_none() {
+    if condition.specimen.is_none() {
         let count = (condition.duration_s / step_s + 1e-9) as usize + 1;
         let load = if template.test == Test::Mass { template.load_n } else { 0.0 };
-        return (0..template.cycles).map(|_| Raw { recorded_mm: Vec::new(), force_n: vec![load; count] }).collect();
+        let raw = Raw { recorded_mm: Vec::new(), force_n: vec![load; count] };
+        return Ok(vec![raw; template.cycles]);
+    }
+    if let Some(coupon) = &condition.coupon {
+        let recorded = condition.recorded(step_s);
+        let mut driven = condition.machine.driven(&recorded, step_s);
+        driven.iter_mut().for_each(|d| *d += visit.jitter_mm);
+        let forces = coupon.pressed(spec, visit, (&driven, step_s), condition.machine.compliance_mm_per_n)?;
+        return Ok(forces.into_iter().map(|force_n| Raw { recorded_mm: recorded.clone(), force_n }).collect());
     }
     let elastic = condition.spot(visit.replicate);
     let mut recorded = condition.recorded(step_s);
@@ -92,7 +106,7 @@ fn pressed(spec: &Spec, condition: &Condition, visit: &Visit, step_s: f64) -> Ve
         forces.push(run);
     }
     outside::relaxed_by_power(&spec.effects, &mut forces, &visit.starts_s, step_s);
-    forces.into_iter().map(|force_n| Raw { recorded_mm: recorded.clone(), force_n }).collect()
+    Ok(forces.into_iter().map(|force_n| Raw { recorded_mm: recorded.clone(), force_n }).collect())
 }
 
 /// A run with its labels and no samples.
@@ -105,11 +119,12 @@ fn labelled(spec: &Spec, condition: &Condition, visit: &Visit, at: usize, order:
     let place = |names: Vec<&str>, index: usize| names.iter().filter(|name| **name < names[index]).count();
     let specimens = || spec.specimens.iter().map(|one| one.name.as_str()).collect::<Vec<_>>();
     let indenters = || spec.indenters.iter().map(|one| one.name.as_str()).collect::<Vec<_>>();
-    let file = match condition.pair {
-        Some((specimen, indenter)) => format!(
-            "{order:03}-{}-{}-v{}-s{}-c{cycle}.csv",
+    let by = condition.indenter.map(|at| plain(&spec.indenters[at].name));
+    let by = by.or_else(|| coupon::mode(template.test).map(|mode| mode.to_string()));
+    let file = match condition.specimen.zip(by) {
+        Some((specimen, by)) => format!(
+            "{order:03}-{}-{by}-v{}-s{}-c{cycle}.csv",
             plain(&spec.specimens[specimen].name),
-            plain(&spec.indenters[indenter].name),
             template.rate_mm_s,
             visit.spot
         ),
@@ -119,10 +134,10 @@ fn labelled(spec: &Spec, condition: &Condition, visit: &Visit, at: usize, order:
     SimulatedRun {
         file,
         test: template.test,
-        specimen: condition.pair.map(|(specimen, _)| place(specimens(), specimen)),
-        indenter: condition.pair.map(|(_, indenter)| place(indenters(), indenter)),
-        spot: condition.pair.map(|_| visit.spot),
-        cycle: condition.pair.map(|_| cycle as i64),
+        specimen: condition.specimen.map(|at| place(specimens(), at)),
+        indenter: condition.indenter.map(|at| place(indenters(), at)),
+        spot: condition.specimen.map(|_| visit.spot),
+        cycle: condition.specimen.map(|_| cycle as i64),
         order: order as i64,
         start_s: rounded(start_s, TIMES),
         hold_out: template.hold_out,
@@ -146,7 +161,11 @@ fn sampled(spec: &Spec, condition: &Condition, ranges: &Ranges, raw: &Raw, readi
         let moves = depth_mm.is_some() && condition.programme.moves(time_s);
         let mut force_n = reading[k];
         force_n += outside::added_n(&spec.effects, time_s, depth_mm.unwrap_or(0.0), moves, phase);
-        if placebos && let Some(depth) = depth_mm {
+        // a placebo stands for something under a ball
+        if placebos
+            && condition.coupon.is_none()
+            && let Some(depth) = depth_mm
+        {
             let place = ranges.place(condition, run, time_s, depth, raw.force_n[k], peak_n);
             force_n += placebo::added_n(&spec.effects, spec.seed, &place);
         }
@@ -206,7 +225,7 @@ impl Ranges {
     ) -> Place {
         let within =
             |x: f64, (low, high): (f64, f64)| if high > low { (x / low).ln() / (high / low).ln() } else { 0.0 };
-        let radius = condition.pair.and_then(|(_, at)| self.radii.get(at)).copied().unwrap_or(1.0);
+        let radius = condition.indenter.and_then(|at| self.radii.get(at)).copied().unwrap_or(1.0);
         let cycle = run.cycle.unwrap_or(1) as f64 - 1.0;
         Place {
             depth: depth_mm / condition.programme.depth_mm,

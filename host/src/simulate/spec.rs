@@ -62,15 +62,15 @@ pub struct TrueIndenter {
 /// Runs of one kind: `replicates` spots, `cycles` runs on each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunTemplate {
-    /// What is done: [`Test::Indentation`], [`Test::Air`] or [`Test::Mass`].
+    /// What is done: [`Test::Indentation`], [`Test::Uniaxial`], [`Test::Confined`], [`Test::Air`] or [`Test::Mass`].
     pub test: Test,
     /// Name of the specimen; `None` for air and mass.
     pub specimen: Option<String>,
-    /// Name of the ball; `None` for air and mass.
+    /// Name of the ball; `None` for air, mass and coupons.
     pub indenter: Option<String>,
     /// Rate of the recorded depth, mm/s.
     pub rate_mm_s: f64,
-    /// Largest recorded depth, mm. A rigid block is pressed until `load_n` instead.
+    /// Largest recorded depth, mm; of a coupon, what it is shortened by. A rigid block is pressed until `load_n` instead.
     pub depth_mm: f64,
     /// Standing at the largest depth, s; for air and mass the duration of the run.
     pub hold_s: f64,

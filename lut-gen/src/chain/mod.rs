@@ -4,11 +4,13 @@
 //! stage of the chain. The chain is what a diagnosis fits in milliseconds; that it agrees with finite elements of the whole
 //! path is tested in `tests/chain.rs`.
 
+mod coupon;
 mod library;
 mod passage;
 mod predict;
 mod whole;
 
+pub use coupon::{Shortening, Sides};
 pub use library::{Geometry, Library, LibraryError, Need, RUBBER_NU};
 pub use passage::Passage;
 pub use predict::{Chain, Prediction};

@@ -145,14 +145,7 @@ impl Chain {
         elastic: &Elastic,
     ) -> (Vec<f64>, Vec<f64>) {
         let time = &passage.time_s;
-        let offset = model.first(&contact_offset::EFFECT, 0) - contact_mm;
-        let mut recorded: Vec<f64> = passage.depth_mm.iter().map(|d| d + offset).collect();
-        for setting in model.of(&lag::FILTER) {
-            recorded = lag::filtered(time, &recorded, setting.values[0]);
-        }
-        for setting in model.of(&lag::RATE_LIMIT) {
-            recorded = lag::limited(time, &recorded, setting.values[0]);
-        }
+        let recorded = model.driven(time, &passage.depth_mm, contact_mm);
         let force_on = |depth_mm: &[f64]| {
             let mut force = self.specimen_force(model, passage, depth_mm, elastic);
             if let Some(whole) = &model.whole {
@@ -225,8 +218,7 @@ impl Chain {
     }
 
     fn relax(&self, model: &Model, passage: &Passage, depth_mm: &[f64], elastic: &Elastic, force: &mut [f64]) {
-        let settings = || [&relaxation::ONE, &relaxation::TWO].into_iter().flat_map(|effect| model.of(effect));
-        let terms: Vec<(f64, f64)> = settings().flat_map(|s| s.values.chunks_exact(2)).map(|t| (t[0], t[1])).collect();
+        let terms = model.relaxing();
         if terms.is_empty() {
             return;
         }
@@ -243,6 +235,25 @@ impl Chain {
 }
 
 impl Model {
+    /// Depth (mm) past touch that a machine drives to which does not give way, where `depth_mm` was recorded at times (s) and touch was recorded at `contact_mm`.
+    pub(super) fn driven(&self, time_s: &[f64], depth_mm: &[f64], contact_mm: f64) -> Vec<f64> {
+        let offset = self.first(&contact_offset::EFFECT, 0) - contact_mm;
+        let mut driven: Vec<f64> = depth_mm.iter().map(|d| d + offset).collect();
+        for setting in self.of(&lag::FILTER) {
+            driven = lag::filtered(time_s, &driven, setting.values[0]);
+        }
+        for setting in self.of(&lag::RATE_LIMIT) {
+            driven = lag::limited(time_s, &driven, setting.values[0]);
+        }
+        driven
+    }
+
+    /// Parts and times (s) of all relaxation.
+    pub(super) fn relaxing(&self) -> Vec<(f64, f64)> {
+        let settings = [&relaxation::ONE, &relaxation::TWO].into_iter().flat_map(|effect| self.of(effect));
+        settings.flat_map(|s| s.values.chunks_exact(2)).map(|t| (t[0], t[1])).collect()
+    }
+
     /// Makes readings of the forces (N) on a sensor at times (s) of a run that begins at `start_s` on the session clock.
     pub fn read(&self, time_s: &[f64], start_s: f64, force_n: &mut [f64]) {
         self.remember(time_s, force_n);

@@ -47,6 +47,20 @@ const LIFTING: f64 = 0.42;
 /// On the way back a memory that pulls lifts the edge of the contact first (Ting 1966, doi:10.1115/1.3625192): the force
 /// ends smoothly and never pulls.
 pub fn relaxed(time_s: &[f64], shape: &[f64], terms: &[(f64, f64)], force_n: &mut [f64]) {
+    remember(time_s, shape, terms, force_n, |straight, memory| {
+        let pull = LIFTING * memory.min(0.0);
+        if pull == 0.0 { straight.max(0.0) } else { 0.5 * (straight + straight.hypot(pull)) }
+    });
+}
+
+/// Force of a relaxing specimen in which every point deforms alike, from the elastic one, both in N, at times (s): the second Piola-Kirchhoff stress, force over
+/// `stretches`, is what is convolved (thesis Eqs. 10 to 13), exactly where it moves straight between nodes.
+pub fn convolved(time_s: &[f64], stretches: &[f64], terms: &[(f64, f64)], force_n: &mut [f64]) {
+    remember(time_s, stretches, terms, force_n, |straight, _| straight);
+}
+
+/// Convolves the stress `F / A`, `A` in `shape`; `ends` makes the force of what the linear theory says and the part of it that is memory.
+fn remember(time_s: &[f64], shape: &[f64], terms: &[(f64, f64)], force_n: &mut [f64], ends: impl Fn(f64, f64) -> f64) {
     let part: f64 = terms.iter().map(|(g, _)| g).sum();
     let mut kept = vec![0.0; terms.len()];
     let mut before = 0.0;
@@ -62,8 +76,6 @@ pub fn relaxed(time_s: &[f64], shape: &[f64], terms: &[(f64, f64)], force_n: &mu
             memory += g * *q * shape[i];
         }
         before = stress;
-        let straight = (1.0 - part) * force_n[i] + memory;
-        let pull = LIFTING * memory.min(0.0);
-        force_n[i] = if pull == 0.0 { straight.max(0.0) } else { 0.5 * (straight + straight.hypot(pull)) };
+        force_n[i] = ends((1.0 - part) * force_n[i] + memory, memory);
     }
 }

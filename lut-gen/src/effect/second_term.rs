@@ -10,7 +10,7 @@ pub const EFFECT: Effect = Effect {
     assumption: "one term of the strain energy is enough",
     signature: "deep d/R, every rate, cycle and branch",
     twins: &["poisson", "thickness", "friction"],
-    separated_by: "a small ball",
+    separated_by: "a small ball; confined compression",
     quantities: &[
         Quantity::amplitude("mu2_ratio", 0.0, (-0.3, 5.0), 0.3, &[0.1, 0.6]),
         Quantity::shape("alpha2", (1.8, 26.0), 20.0, &[3.0, 22.0]),

@@ -48,7 +48,7 @@ impl<T: Real> OgdenRoxburgh<T> {
     }
 
     /// `eta`, `d eta / dW` and the new largest energy.
-    pub(super) fn factor(&self, energy: T, largest: T) -> (T, T, T) {
+    pub(crate) fn factor(&self, energy: T, largest: T) -> (T, T, T) {
         if energy.value() >= largest.value() {
             return (T::from(1.0), T::from(0.0), energy);
         }

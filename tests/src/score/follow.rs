@@ -3,7 +3,7 @@
 use palpate::diagnose::plan::{On, Plan};
 use palpate::diagnose::{self, Diagnosis, Models, Verdict};
 use palpate::experiment::{Experiment, Test};
-use palpate::simulate::{RunTemplate, SimulatedExperiment, Solver, TrueLaw, simulate};
+use palpate::simulate::{Effect, RunTemplate, SimulatedExperiment, Solver, TrueLaw, TrueSpecimen, simulate};
 
 use crate::hidden::Case;
 
@@ -89,7 +89,7 @@ fn planned(
     }
     // every specimen of a case is of one foam, one that an earlier plan asked for as well
     if let Some(like) = spec.specimens.first().cloned().filter(|_| spec.specimens.iter().all(|s| s.name != specimen)) {
-        spec.specimens.push(palpate::simulate::TrueSpecimen { name: specimen.clone(), height_mm, ..like });
+        spec.specimens.push(TrueSpecimen { name: specimen.clone(), height_mm, ..like });
     }
     let radius_mm = plan.radius * so_far.indenters[plan.indenter].radius_mm.known().unwrap_or(1.0);
     if plan.radius != 1.0 {
@@ -106,12 +106,22 @@ fn planned(
         }
         On::Mass(load_n) => (Test::Mass, load_n),
         On::Air => (Test::Air, 0.0),
+        On::Confined(diameter_mm) => {
+            specimen = format!("coupon {diameter_mm}");
+            if let Some(like) = spec.specimens.first().cloned() {
+                let name = specimen.clone();
+                spec.specimens.push(TrueSpecimen { name, height_mm, radius_mm: 0.5 * diameter_mm, ..like });
+            }
+            // a coupon is a piece of its own, whose height was measured anew
+            spec.effects.retain(|effect| !matches!(effect, Effect::Thickness { .. }));
+            (Test::Confined, 0.0)
+        }
     };
     if matches!(plan.on, On::Block(_))
         && let Some(like) = spec.specimens.first().cloned()
     {
         let law = TrueLaw::Rigid { reduced_modulus_mpa: BLOCK_MPA };
-        spec.specimens.push(palpate::simulate::TrueSpecimen { name: specimen.clone(), law, ..like });
+        spec.specimens.push(TrueSpecimen { name: specimen.clone(), law, ..like });
     }
     let mut run = RunTemplate {
         test,
@@ -124,7 +134,10 @@ fn planned(
         ..RunTemplate::ramp(&specimen, &ball, plan.depth_mm, plan.rate_mm_per_s)
     };
     if test != Test::Indentation {
-        (run.specimen, run.indenter) = (None, None);
+        run.indenter = None;
+    }
+    if matches!(test, Test::Mass | Test::Air) {
+        run.specimen = None;
     }
     spec.runs = vec![run];
     // the session goes on, and so does what drifts with its clock

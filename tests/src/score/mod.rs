@@ -189,7 +189,14 @@ impl Scored {
             .map(|e| e.to_toml().replace('\n', " ").replace("[[effect]] code = ", ""))
             .collect();
         let followed = self.followed.as_ref().map_or_else(String::new, |f| {
-            format!(" ==> after {} runs {} -> {}", f.runs.len(), f.answer.line(), f.outcome.word())
+            let made: Vec<String> = f.runs.iter().map(|run| format!("{:?}", run.on)).collect();
+            format!(
+                " ==> after {} runs {} -> {} by {}",
+                f.runs.len(),
+                f.answer.line(),
+                f.outcome.word(),
+                made.join(", ")
+            )
         });
         let strength: Vec<String> = self.strength.iter().flatten().map(|s| format!("{s:.1}")).collect();
         format!(

@@ -37,6 +37,9 @@ pub(super) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
         if share == ELASTIC || share == RUBBED {
             beyond_base(problem, &fit.model, &here, &mut added);
         }
+        if !reaches_coupons(candidate) {
+            without_coupons(problem, &mut added);
+        }
         forth.axpy(share.0, &added, 1.0);
         back.axpy(share.1, &added, 1.0);
     }
@@ -63,6 +66,21 @@ pub(super) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
         }
     }
     if columns.is_empty() { DMatrix::zeros(len, 0) } else { DMatrix::from_columns(&columns) }
+}
+
+/// True for effects that may be wrong by a part of what they add to a coupon: those of machine and sensor, and memories. Another elastic law is exact there
+/// as it is written down, whatever the chain misses under a ball, and contacts have no part in it.
+fn reaches_coupons(candidate: &Candidate) -> bool {
+    let memory = [relaxation::ONE.code, softening::EFFECT.code].contains(&candidate.effect.code);
+    memory || matches!(candidate.effect.stage, Stage::Machine | Stage::Sensor | Stage::Clock)
+}
+
+/// Takes off what an effect may be wrong by what lies in the rows of coupons.
+fn without_coupons(problem: &Problem<'_>, added: &mut DVector<f64>) {
+    let design = problem.design;
+    for (at, check) in design.checks.iter().enumerate().filter(|(_, check)| check.coupon_of().is_some()) {
+        added.rows_mut(problem.whitening.first(design.series.len() + at), check.rows()).fill(0.0);
+    }
 }
 
 /// Leaves of what an effect adds what no other modulus and exponent could: those are fitted with it, and what all elastic forces are wrong by is

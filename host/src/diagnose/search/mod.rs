@@ -7,10 +7,11 @@ mod nameless;
 mod solve;
 
 use lut_gen::chain::Setting;
-use lut_gen::effect::{CATALOGUE, Owner, Spread, relaxation};
+use lut_gen::effect::{CATALOGUE, Owner, Spread, relaxation, thickness};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::check::Check;
 use super::design::{Branch, Design};
 use super::evidence::{self, Adequacy, Panel, Spaces};
 use super::fit::{Candidate, Coordinate, Fit, Problem, coordinates};
@@ -174,7 +175,14 @@ pub fn candidates(design: &Design) -> Vec<Candidate> {
                 }
             }
             Owner::Specimen => {
-                list.extend(owners(&|s| s.specimen).into_iter().map(|owner| Candidate { effect, owner }));
+                let mut specimens = owners(&|s| s.specimen);
+                if *effect == thickness::HEIGHT {
+                    // a coupon has no base, but a height that may be wrong
+                    specimens.extend(design.checks.iter().filter_map(Check::coupon_of));
+                    specimens.sort_unstable();
+                    specimens.dedup();
+                }
+                list.extend(specimens.into_iter().map(|owner| Candidate { effect, owner }));
             }
         }
     }

@@ -12,7 +12,7 @@ use super::curves::Shown;
 use super::heat::{Heat, Line};
 use super::words;
 
-const VARIABLES: [Variable; 8] = [
+const VARIABLES: [Variable; 13] = [
     Variable::Depth,
     Variable::Unloading,
     Variable::HoldTime,
@@ -21,6 +21,11 @@ const VARIABLES: [Variable; 8] = [
     Variable::Radius,
     Variable::Height,
     Variable::Clock,
+    Variable::Confined,
+    Variable::Compression,
+    Variable::Block,
+    Variable::Mass,
+    Variable::Air,
 ];
 /// Residuals of this many standard deviations are drawn darkest.
 const DARKEST: f64 = 6.0;

@@ -113,6 +113,18 @@ fn mistakes_are_named_with_key_value_and_expectation() {
             "spec.toml, line 14, column 12: `indenter` names \"r9\", which is not described; known: r4",
         ),
         (
+            &WHOLE.replace("specimen = \"eva\"", "test = \"confined\"\nspecimen = \"eva\""),
+            "spec.toml, line 10, column 12: a coupon is compressed as a whole; `indenter` belongs to test = \"indentation\"",
+        ),
+        (
+            "[specimen.block]\nlaw = \"rigid\"\nheight_mm = 10\n[[run]]\ntest = \"uniaxial\"\nspecimen = \"block\"\nrate_mm_s = 1\ndepth_mm = 1\n",
+            "spec.toml, line 6, column 12: a rigid block cannot be compressed as a coupon; expected a specimen that is soft",
+        ),
+        (
+            &WHOLE.replace("height_mm = 12.7", "height_mm = 12.7\nradius_mm = 9\narea_mm2 = 300"),
+            "spec.toml, line 6, column 12: `area_mm2` and `radius_mm` say the same; state one of them",
+        ),
+        (
             &format!("{WHOLE}[noise]\nsensor_N = \"much\"\n"),
             "spec.toml, line 13, column 12: `sensor_N` is \"much\"; expected a standard deviation of 0 N or more",
         ),

@@ -7,32 +7,28 @@
 use lut_gen::chain::Model;
 use nalgebra::DMatrix;
 
-use crate::experiment::{BaseLaw, Experiment, Recording, Run, Test};
+use crate::experiment::{Recording, Run};
 
-use super::design::{Branch, Node, even, growing, node};
-use super::margin::Variable;
-use super::noise::Noise;
+use super::super::design::{Branch, Node, even, growing, node};
+use super::super::margin::Variable;
+use super::super::noise::Noise;
 
-/// What was touched.
+/// What is on the sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum Touched {
     /// Nothing.
-    Air,
+    Nothing,
     /// A known load.
-    Mass,
-    /// A stiff block.
+    Load,
+    /// A ball on a stiff block.
     Block,
 }
 
-/// One such run.
+/// What such a run shows.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Check {
-    /// What was touched.
-    pub kind: Kind,
-    /// Start on the session clock, s, if known.
-    pub start_s: Option<f64>,
-    /// Largest force of the experiment's other runs, N: the zero wanders by a part of it.
-    pub scale_n: f64,
+pub struct Alone {
+    /// What is on the sensor.
+    pub touched: Touched,
     /// Force (N) on the sensor over time (s); on a block the reading stands for it.
     path: Vec<(f64, f64)>,
     /// Places of the path that are the way down to a block.
@@ -78,47 +74,20 @@ const LEAST: (usize, usize) = (8, 6);
 /// A sensor is loaded above this part of the largest force.
 const LOADED: f64 = 0.02;
 
-/// All such runs of an experiment, with what the reader should know of those that say nothing.
-pub(super) fn of(experiment: &Experiment, scale_n: f64) -> (Vec<Check>, Vec<String>) {
-    let mut checks = Vec::new();
-    let mut messages = Vec::new();
-    for run in &experiment.runs {
-        let rigid = run.specimen.is_some_and(|at| experiment.specimens[at].base_law == BaseLaw::Rigid);
-        let ball_mm = run.indenter.and_then(|at| experiment.indenters[at].radius_mm.known());
-        let found = match run.test {
-            Test::Air => standing(run, Kind::Air, 0.0),
-            Test::Mass => match run.load_n {
-                Some(load_n) => standing(run, Kind::Mass, load_n),
-                None => Err("a mass without load_N says nothing of the sensor".to_owned()),
-            },
-            Test::Indentation if rigid => match ball_mm {
-                Some(ball_mm) => on_block(run, ball_mm),
-                None => Err("a ball of unknown radius on a stiff block says nothing of the machine".to_owned()),
-            },
-            _ => continue,
-        };
-        match found {
-            Ok(check) => checks.push(Check { scale_n, ..check }),
-            Err(why) => messages.push(format!("{}: {why}", run.file)),
-        }
-    }
-    (checks, messages)
-}
-
-impl Check {
-    fn new(kind: Kind, start_s: Option<f64>) -> Self {
+impl Alone {
+    fn new(touched: Touched) -> Self {
         let (path, nodes, at, depths) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { kind, start_s, scale_n: 0.0, path, down: 0, nodes, at, depths, ball_mm: 1.0 }
+        Self { touched, path, down: 0, nodes, at, depths, ball_mm: 1.0 }
     }
 
     /// A load (N) that stands for a time (s), recorded at a rate (Hz), for a plan: its readings are to come.
-    pub(super) fn planned(kind: Kind, (load_n, hold_s): (f64, f64), sample_hz: f64, like: (Option<f64>, f64)) -> Self {
+    pub fn planned(touched: Touched, (load_n, hold_s): (f64, f64), sample_hz: f64) -> Self {
         let count = (hold_s * sample_hz) as usize + 1;
         let time_s: Vec<f64> = (0..count).map(|k| k as f64 / sample_hz).collect();
         let recording = Recording::from_samples(time_s, vec![0.0; count], vec![load_n; count]);
-        let mut check = Self { scale_n: like.1, ..Self::new(kind, like.0) };
+        let mut check = Self::new(touched);
         check.stand(&recording, 0..count, |_| load_n);
-        if kind == Kind::Block {
+        if touched == Touched::Block {
             let place = |force_n: f64| Depth { depth_mm: 0.0, force_n, sigma_mm: RESOLUTION_MM };
             check.depths = vec![place(0.0), place(load_n)];
         }
@@ -126,21 +95,20 @@ impl Check {
     }
 
     /// Number of rows: readings (N), then depths (mm).
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.nodes.len() + self.depths.len()
     }
 
     /// What was recorded, a row each.
-    pub(super) fn measured(&self) -> impl Iterator<Item = f64> + '_ {
-        self.nodes.iter().map(|n| n.force_n).chain(self.depths.iter().map(|d| d.depth_mm))
+    pub fn measured(&self) -> Vec<f64> {
+        self.nodes.iter().map(|n| n.force_n).chain(self.depths.iter().map(|d| d.depth_mm)).collect()
     }
 
     /// What a model makes of it.
-    pub(super) fn predicted(&self, model: &Model) -> Vec<f64> {
+    pub fn predicted(&self, model: &Model, start_s: Option<f64>) -> Vec<f64> {
         let (time_s, known): (Vec<f64>, Vec<f64>) = self.path.iter().copied().unzip();
         let mut force_n = known.clone();
-        if self.kind == Kind::Block {
+        if self.touched == Touched::Block {
             model.remember(&time_s, &mut force_n);
             // the reading on the way down stands for the force: what the sensor adds there is in it already
             let mut there: Vec<(f64, f64)> =
@@ -148,14 +116,14 @@ impl Check {
             there.sort_by(|a, b| a.0.total_cmp(&b.0));
             force_n.iter_mut().zip(&known).for_each(|(f, own)| *f -= between(&there, *own));
         } else {
-            model.read(&time_s, self.start_s.unwrap_or(0.0), &mut force_n);
+            model.read(&time_s, start_s.unwrap_or(0.0), &mut force_n);
         }
         let readings = self.at.iter().map(|at| force_n[*at]);
         readings.chain(self.depths.iter().map(|d| model.yielded_mm(d.force_n))).collect()
     }
 
     /// Lower triangular factor of the covariance of its rows; none where that is not positive definite.
-    pub(super) fn factor(&self, noise: &Noise) -> Option<DMatrix<f64>> {
+    pub fn factor(&self, noise: &Noise) -> Option<DMatrix<f64>> {
         let force_n: Vec<f64> = self.at.iter().map(|at| self.path[*at].1).collect();
         let own = noise.sensor.factor(&self.nodes, &force_n)?.unpack();
         let mut factor = DMatrix::zeros(self.rows(), self.rows());
@@ -167,7 +135,7 @@ impl Check {
     }
 
     /// What its rows may be off by together, a column of unit variance each.
-    pub(super) fn freedom(&self, noise: &Noise) -> DMatrix<f64> {
+    pub fn freedom(&self, noise: &Noise) -> DMatrix<f64> {
         let readings = self.nodes.len();
         let known = |k: usize| self.path[self.at[k]].1;
         let reading = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
@@ -178,10 +146,10 @@ impl Check {
             (0..self.rows()).map(own).collect()
         };
         let mut columns = vec![reading(&|_| noise.jitter.zero_n)];
-        match self.kind {
-            Kind::Air => {}
-            Kind::Mass => columns.push(reading(&|k| KNOWN * known(k))),
-            Kind::Block => {
+        match self.touched {
+            Touched::Nothing => {}
+            Touched::Load => columns.push(reading(&|k| KNOWN * known(k))),
+            Touched::Block => {
                 columns.push(reading(&|k| LEVEL * known(k)));
                 columns.push(reading(&|k| match self.nodes[k].branch {
                     Branch::Unloading => BESIDE_MM * self.stiffness(known(k)),
@@ -202,24 +170,24 @@ impl Check {
     }
 
     /// Number of rows that are readings of the force, the first ones: the zero of the session is in them, and in no depth.
-    pub(super) fn readings(&self) -> usize {
+    pub fn readings(&self) -> usize {
         self.nodes.len()
     }
 
     /// Directions that a discrepancy may lie in: variable, label, and a weight a row.
-    pub(super) fn directions(&self) -> Vec<(Variable, String, Vec<f64>)> {
+    pub fn directions(&self) -> Vec<(Variable, String, Vec<f64>)> {
         let readings = self.nodes.len();
         let of = |weight: &dyn Fn(usize) -> f64| (0..self.rows()).map(weight).collect::<Vec<f64>>();
         let late = |k: usize| (2 * k + 1) as f64 / readings as f64 - 1.0;
         let level = of(&|k| f64::from(u8::from(k < readings)));
         let trend = of(&|k| if k < readings { late(k) } else { 0.0 });
-        match self.kind {
-            Kind::Air => vec![(Variable::Air, "zero in air".to_owned(), level)],
-            Kind::Mass => vec![
+        match self.touched {
+            Touched::Nothing => vec![(Variable::Air, "zero in air".to_owned(), level)],
+            Touched::Load => vec![
                 (Variable::Mass, "reading of a mass".to_owned(), level),
                 (Variable::Mass, "reading of a mass over time".to_owned(), trend),
             ],
-            Kind::Block => {
+            Touched::Block => {
                 let yielding = of(&|k| if k < readings { 0.0 } else { self.depths[k - readings].force_n });
                 vec![
                     (Variable::Block, "reading on a standing block over time".to_owned(), trend),
@@ -234,7 +202,7 @@ impl Check {
         let start_s = recording.time_s[0];
         let held_from_s = recording.time_s[samples.start];
         let mut windows = Vec::new();
-        if self.kind == Kind::Air {
+        if self.touched == Touched::Nothing {
             even(&mut windows, samples, WINDOWS.0, Branch::Hold);
         } else {
             // a load that comes at once begins with the first sample
@@ -253,47 +221,51 @@ impl Check {
     }
 }
 
-/// A force that is known and stands.
-fn standing(run: &Run, kind: Kind, load_n: f64) -> Result<Check, String> {
-    let recording = &run.recording;
-    if recording.len() < LEAST.0 {
-        return Err(format!("{} samples, of at least {}", recording.len(), LEAST.0));
+impl Alone {
+    /// A force that is known and stands.
+    pub fn standing(run: &Run, touched: Touched, load_n: f64) -> Result<Self, String> {
+        let recording = &run.recording;
+        if recording.len() < LEAST.0 {
+            return Err(format!("{} samples, of at least {}", recording.len(), LEAST.0));
+        }
+        let mut check = Self::new(touched);
+        check.stand(recording, 0..recording.len(), |_| load_n);
+        Ok(check)
     }
-    let mut check = Check::new(kind, run.start_s);
-    check.stand(recording, 0..recording.len(), |_| load_n);
-    Ok(check)
-}
 
-/// A ball that is pressed onto a block, stands there, and may go back.
-fn on_block(run: &Run, ball_mm: f64) -> Result<Check, String> {
-    let recording = &run.recording;
-    let (depth, force) = (&recording.depth_mm, &recording.force_n);
-    let largest_n = force.iter().copied().fold(0.0, f64::max);
-    let loaded = |i: &usize| force[*i] > LOADED * largest_n;
-    let Some(begin) = (0..force.len()).find(loaded).filter(|_| largest_n > 0.0) else {
-        return Err("the stiff block was not touched".to_owned());
-    };
-    let deepest = depth.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let tolerance = RESOLUTION_MM.max(STANDING * (deepest - depth[begin]));
-    let stands = |i: &usize| depth[*i] >= deepest - tolerance && force[*i] > 0.5 * largest_n;
-    let start = (begin..force.len()).find(stands).unwrap_or(begin);
-    let end = (start..force.len()).find(|i| !stands(i)).unwrap_or(force.len());
-    if end - start < LEAST.0 {
-        return Err(format!("the ball stands on the stiff block for {} samples, of at least {}", end - start, LEAST.0));
+    /// A ball that is pressed onto a block, stands there, and may go back.
+    pub fn on_block(run: &Run, ball_mm: f64) -> Result<Self, String> {
+        let recording = &run.recording;
+        let (depth, force) = (&recording.depth_mm, &recording.force_n);
+        let largest_n = force.iter().copied().fold(0.0, f64::max);
+        let loaded = |i: &usize| force[*i] > LOADED * largest_n;
+        let Some(begin) = (0..force.len()).find(loaded).filter(|_| largest_n > 0.0) else {
+            return Err("the stiff block was not touched".to_owned());
+        };
+        let deepest = depth.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let tolerance = RESOLUTION_MM.max(STANDING * (deepest - depth[begin]));
+        let stands = |i: &usize| depth[*i] >= deepest - tolerance && force[*i] > 0.5 * largest_n;
+        let start = (begin..force.len()).find(stands).unwrap_or(begin);
+        let end = (start..force.len()).find(|i| !stands(i)).unwrap_or(force.len());
+        if end - start < LEAST.0 {
+            return Err(format!(
+                "the ball stands on the stiff block for {} samples, of at least {}",
+                end - start,
+                LEAST.0
+            ));
+        }
+        let mut check = Self { ball_mm, ..Self::new(Touched::Block) };
+        check.go_down(recording, begin, start);
+        let level_n = force[start];
+        let whole = node(recording, &(start..end), Branch::Hold, 0.0, 0.0, 0.0);
+        check.depths.push(Depth { depth_mm: whole.depth_mm, force_n: whole.force_n, sigma_mm: RESOLUTION_MM });
+        check.stand(recording, start..end, |_| level_n);
+        // the first sample that stands belongs to the way down
+        check.down += 1;
+        check.go_back(recording, end);
+        Ok(check)
     }
-    let mut check = Check { ball_mm, ..Check::new(Kind::Block, run.start_s) };
-    check.go_down(recording, begin, start);
-    let level_n = force[start];
-    let whole = node(recording, &(start..end), Branch::Hold, 0.0, 0.0, 0.0);
-    check.depths.push(Depth { depth_mm: whole.depth_mm, force_n: whole.force_n, sigma_mm: RESOLUTION_MM });
-    check.stand(recording, start..end, |_| level_n);
-    // the first sample that stands belongs to the way down
-    check.down += 1;
-    check.go_back(recording, end);
-    Ok(check)
-}
 
-impl Check {
     /// The way down from the last sample that is not loaded to the first that stands.
     fn go_down(&mut self, recording: &Recording, begin: usize, start: usize) {
         let start_s = recording.time_s[0];
@@ -365,14 +337,14 @@ mod tests {
     const MM_PER_N: f64 = 0.1;
 
     /// Down in half a second, standing for ten, and back, on a block in a machine of 0.1 mm/N; `sensed` makes readings of the forces.
-    fn pressed(sensed: impl Fn(&[f64], &mut [f64])) -> Check {
+    fn pressed(sensed: impl Fn(&[f64], &mut [f64])) -> Alone {
         let time_s: Vec<f64> = (0..=550).map(|k| 0.02 * f64::from(k)).collect();
         let way = |t: f64| (t / 0.5).min((11.0 - t) / 0.5).clamp(0.0, 1.0);
         let mut force_n: Vec<f64> = time_s.iter().map(|t| LOAD_N * way(*t)).collect();
         let depth_mm = force_n.iter().map(|f| MM_PER_N * f).collect();
         sensed(&time_s, &mut force_n);
         let run = Run::indentation("block".to_owned(), 0, 0, Recording::from_samples(time_s, depth_mm, force_n));
-        on_block(&run, 4.0).unwrap()
+        Alone::on_block(&run, 4.0).unwrap()
     }
 
     fn with(effect: &'static lut_gen::effect::Effect, values: Vec<f64>) -> Model {
@@ -382,8 +354,9 @@ mod tests {
     }
 
     /// Largest difference of readings (N) and of depths (mm), the latter beyond a common surface.
-    fn missed(check: &Check, model: &Model) -> (f64, f64) {
-        let differences: Vec<f64> = check.measured().zip(check.predicted(model)).map(|(a, b)| a - b).collect();
+    fn missed(check: &Alone, model: &Model) -> (f64, f64) {
+        let differences: Vec<f64> =
+            check.measured().into_iter().zip(check.predicted(model, None)).map(|(a, b)| a - b).collect();
         let (readings, depths) = differences.split_at(check.nodes.len());
         let surface = depths.iter().sum::<f64>() / depths.len() as f64;
         let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -404,7 +377,7 @@ mod tests {
     fn a_sensor_that_creeps_moves_the_reading_while_the_ball_stands() {
         let check = pressed(|time_s, force_n| sensor_creep::creep(time_s, force_n, (0.1, 1.5)));
         let held = |model: &Model| {
-            let all = check.measured().zip(check.predicted(model)).zip(&check.nodes);
+            let all = check.measured().into_iter().zip(check.predicted(model, None)).zip(&check.nodes);
             let own: Vec<f64> = all.filter(|(_, n)| n.branch == Branch::Hold).map(|((a, b), _)| a - b).collect();
             own[own.len() - 1] - own[0]
         };
@@ -419,14 +392,14 @@ mod tests {
             let time_s: Vec<f64> = (0..force_n.len()).map(|k| 0.02 * k as f64).collect();
             Run::indentation("x".to_owned(), 0, 0, Recording::from_samples(time_s.clone(), time_s, force_n))
         };
-        let why = |run: &Run| on_block(run, 4.0).unwrap_err();
+        let why = |run: &Run| Alone::on_block(run, 4.0).unwrap_err();
         assert_eq!(why(&recording(vec![0.0; 50])), "the stiff block was not touched");
         let told = why(&recording((0..50).map(f64::from).collect()));
         assert!(
             told.starts_with("the ball stands on the stiff block for ") && told.ends_with("of at least 8"),
             "{told}"
         );
-        let short = standing(&recording(vec![1.0; 5]), Kind::Mass, 1.0).unwrap_err();
+        let short = Alone::standing(&recording(vec![1.0; 5]), Touched::Load, 1.0).unwrap_err();
         assert_eq!(short, "5 samples, of at least 8");
     }
 }

@@ -1,18 +1,19 @@
 //! Which run to make next: the feasible one that puts the rivals farthest apart, all their parameters free.
 
-use lut_gen::chain::{Chain, Passage, Setting};
-use lut_gen::effect::{Spread, radius};
-use nalgebra::{DMatrix, DVector};
+mod bench;
+mod coupon;
+
+use lut_gen::chain::{Model, Setting};
+use lut_gen::effect::Spread;
 use rayon::prelude::*;
 
 use crate::experiment::Experiment;
 
-use super::check::{Check, Kind};
+use super::check::{Check, Touched};
 use super::design::{Branch, Design, LEAST_SAMPLES, Node, Series};
-use super::fit;
-use super::fit::{Fit, Problem};
+use super::fit::Fit;
 use super::search::{Explanation, Search};
-use super::whiten::Whitening;
+use bench::{Bench, Forecast, distance};
 
 /// A run that could be made.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +40,8 @@ pub enum On {
     Mass(f64),
     /// Nothing.
     Air,
+    /// A coupon of the specimen's foam and height, in a ring that fits it; its diameter in mm.
+    Confined(f64),
 }
 
 /// Motion and condition of a run that could be made; each is made twice, on the specimen on fresh spots.
@@ -56,7 +59,7 @@ pub struct Plan {
     pub radius: f64,
     /// Rate of loading and unloading, mm/s.
     pub rate_mm_per_s: f64,
-    /// Largest depth, mm.
+    /// Largest depth, mm; of a coupon, what it is shortened by.
     pub depth_mm: f64,
     /// Hold at the deepest point, s.
     pub hold_s: f64,
@@ -66,7 +69,7 @@ pub struct Plan {
     pub cycles: usize,
 }
 
-/// Spots that a planned run is made on.
+/// Spots that a planned run is made on; coupons.
 const SPOTS: usize = 2;
 /// Time that a load stands on the sensor, s.
 const STANDING_S: f64 = 60.0;
@@ -81,8 +84,9 @@ const RIVALS: usize = 5;
 /// Distance from which on rivals count as decided: a likelihood ratio of 100 is 3.03 standard deviations.
 const DECIDED: f64 = 3.03;
 
-/// Runs that laboratories can make with what they have: other rates, a hold, a way back, cycles, another ball, another height.
-fn feasible(design: &Design) -> Vec<Plan> {
+/// Runs that laboratories can make with what they have: other rates, a hold, a way back, cycles, another ball, another height; coupons, whose size is such that `base`
+/// stays within the range of the sensor.
+fn feasible(design: &Design, base: &Model) -> Vec<Plan> {
     let mut list = Vec::new();
     let deepest = |s: &Series| s.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
     let mut seen: Vec<(usize, usize)> = Vec::new();
@@ -125,6 +129,12 @@ fn feasible(design: &Design) -> Vec<Plan> {
             let load_n = design.largest_n();
             let alone = Plan { hold_s: STANDING_S, ..usual };
             list.extend([On::Block(load_n), On::Mass(load_n), On::Air].map(|on| Plan { on, ..alone }));
+            let geometry = &design.geometries[series.geometry];
+            // of what hardly changes its volume a coupon is not compared
+            if geometry.nu == 0.0 {
+                let middle = Plan { rate_mm_per_s: (slowest * fastest).sqrt(), ..usual };
+                list.push(coupon::in_ring(middle, geometry.specimen.height_mm, (base, load_n)));
+            }
         }
     }
     // a ramp of too few samples would not be used
@@ -152,6 +162,7 @@ impl Plan {
                 Some(format!("put a known load of {load_n:.2} N on the sensor for {} s, twice", self.hold_s))
             }
             On::Air => Some(format!("record {} s in air at the end of the session, twice", self.hold_s)),
+            On::Confined(diameter_mm) => Some(coupon::words(self, experiment, diameter_mm)),
         };
         if let Some(text) = twice {
             return text;
@@ -182,21 +193,23 @@ impl Plan {
         text
     }
 
-    /// The runs without the specimen, with readings to be filled in.
-    fn checks(&self, like: &Design) -> Vec<Check> {
-        let (kind, load_n) = match self.on {
-            On::Specimen => return Vec::new(),
-            On::Block(load_n) => (Kind::Block, load_n),
-            On::Mass(load_n) => (Kind::Mass, load_n),
-            On::Air => (Kind::Air, 0.0),
-        };
+    /// The runs without a ball on the specimen, with readings to be filled in; of coupons, those of `base`. None where these would show nothing.
+    fn checks(&self, like: &Design, base: &Model) -> Option<Vec<Check>> {
         let end_s = like.series.iter().map(|s| s.start_s).try_fold(0.0, |end: f64, start| Some(end.max(start?)));
-        let one = Check::planned(kind, (load_n, self.hold_s), SAMPLE_HZ, (end_s, like.largest_n()));
-        vec![one; SPOTS]
+        let beside = (end_s, like.largest_n());
+        let standing = |touched, load_n| Check::planned(touched, (load_n, self.hold_s), SAMPLE_HZ, beside);
+        let one = match self.on {
+            On::Specimen => return Some(Vec::new()),
+            On::Block(load_n) => standing(Touched::Block, load_n),
+            On::Mass(load_n) => standing(Touched::Load, load_n),
+            On::Air => standing(Touched::Nothing, 0.0),
+            On::Confined(diameter_mm) => coupon::check(self, diameter_mm, like, (base, beside))?,
+        };
+        Some(vec![one; SPOTS])
     }
 
     /// The runs as a design of their own, with forces to be filled in.
-    fn design(&self, like: &Design, geometry: usize) -> Design {
+    fn design(&self, like: &Design, base: &Model, geometry: usize) -> Option<Design> {
         let mut series = Vec::new();
         let spots = if self.on == On::Specimen { SPOTS } else { 0 };
         for spot in 0..spots {
@@ -222,10 +235,10 @@ impl Plan {
                 });
             }
         }
-        Design {
+        Some(Design {
             material: like.material.clone(),
             series,
-            checks: self.checks(like),
+            checks: self.checks(like, base)?,
             geometries: like.geometries.clone(),
             rates_mm_per_s: vec![self.rate_mm_per_s],
             spots,
@@ -234,7 +247,7 @@ impl Plan {
             zero_is_contact: like.zero_is_contact,
             zero_mm: 0.0,
             messages: Vec::new(),
-        }
+        })
     }
 
     fn nodes(&self) -> Vec<Node> {
@@ -281,98 +294,6 @@ fn significant(x: f64) -> f64 {
     (x * digits).round() / digits
 }
 
-/// What a fit predicts of planned runs, and by how much each of its parameters moves that.
-struct Forecast {
-    force: DVector<f64>,
-    slopes: DMatrix<f64>,
-}
-
-/// Planned runs with what whitens them.
-struct Bench<'a> {
-    plan: Plan,
-    design: Design,
-    chain: Chain,
-    whitening: Whitening,
-    /// Declared height that the planned one differs from, mm.
-    search: &'a Search<'a>,
-}
-
-impl<'a> Bench<'a> {
-    fn new(search: &'a Search<'a>, plan: Plan) -> Option<Self> {
-        let like = search.problem.design;
-        let geometry = like
-            .series
-            .iter()
-            .find(|s| s.specimen == plan.specimen && s.indenter == plan.indenter)
-            .map(|s| s.geometry)?;
-        let design = plan.design(like, geometry);
-        let passages: Vec<Passage> = design.passages();
-        let chain = Chain { library: search.problem.chain.library.clone(), passages };
-        let mut bench = Self { plan, design, chain, whitening: search.problem.whitening.clone(), search };
-        let model = bench.placed(&search.base.model);
-        let curves = Problem::curves(&bench.design, &bench.chain, &model, &bench.contacts());
-        bench.whitening = Whitening::new(&bench.design, &curves, &search.noise)?;
-        Some(bench)
-    }
-
-    fn contacts(&self) -> Vec<f64> {
-        vec![0.0; self.design.series.len()]
-    }
-
-    /// A model with the planned height and radius in it: what is declared moves, and errors of the old ones go.
-    fn placed(&self, model: &lut_gen::chain::Model) -> lut_gen::chain::Model {
-        // what finite elements of other paths add is nothing here
-        let mut placed = lut_gen::chain::Model { whole: None, ..model.clone() };
-        let Some(first) = self.design.series.first() else { return placed };
-        let geometry = &self.search.problem.design.geometries[first.geometry];
-        if self.plan.radius != 1.0 {
-            // a new ball has its own radius
-            placed.settings.retain(|s| s.effect.code != radius::EFFECT.code || s.owner != self.plan.indenter);
-            let values = vec![(self.plan.radius - 1.0) * geometry.ball_mm];
-            placed.settings.push(Setting { effect: &radius::EFFECT, owner: self.plan.indenter, values });
-        }
-        if self.plan.height != 1.0 {
-            let effect = &lut_gen::effect::thickness::HEIGHT;
-            placed.settings.retain(|s| s.effect != effect || s.owner != self.plan.specimen);
-            let values = vec![(self.plan.height - 1.0) * geometry.specimen.height_mm];
-            placed.settings.push(Setting { effect, owner: self.plan.specimen, values });
-        }
-        placed
-    }
-
-    fn forces(&self, model: &lut_gen::chain::Model) -> DVector<f64> {
-        let mut forces = fit::rows(&self.design, &self.chain, &self.placed(model), &self.contacts());
-        self.whitening.apply(&mut forces);
-        forces
-    }
-
-    fn forecast(&self, fit: &Fit) -> Forecast {
-        let force = self.forces(&fit.model);
-        let mut slopes = DMatrix::zeros(force.len(), fit.x.len());
-        for j in 0..fit.x.len() {
-            let (_, high) = fit.coordinates[j].bounds();
-            let step = if fit.x[j] + fit.coordinates[j].step() > high { -1.0 } else { 1.0 } * fit.coordinates[j].step();
-            let mut x = fit.x.clone();
-            x[j] += step;
-            let there = self.forces(&fit::model(&fit.coordinates, &fit.candidates, &x));
-            slopes.set_column(j, &((there - &force) / step));
-        }
-        Forecast { force, slopes }
-    }
-}
-
-/// Distance of a forecast from another one whose parameters are known as far as its fit knows them.
-fn distance(from: &Forecast, to: &Forecast, fit: &Fit) -> f64 {
-    let difference = &from.force - &to.force;
-    let Some(covariance) = fit.covariance() else { return 0.0 };
-    // (I + J C J')^-1 by Woodbury
-    let Some(information) = covariance.try_inverse() else { return 0.0 };
-    let inner = information + to.slopes.tr_mul(&to.slopes);
-    let right = to.slopes.tr_mul(&difference);
-    let taken = inner.cholesky().map_or(0.0, |c| c.solve(&right).dot(&right));
-    (difference.norm_squared() - taken).max(0.0).sqrt()
-}
-
 /// Proposals, the best first: between rivals where there are several, else those that show what the design is blind to.
 #[must_use]
 pub fn proposals(
@@ -382,7 +303,7 @@ pub fn proposals(
     blind: &[&'static str],
 ) -> Vec<Proposal> {
     let rivals = distinct(held);
-    let plans = feasible(search.problem.design);
+    let plans = feasible(search.problem.design, &search.base.model);
     let mut list: Vec<Proposal> = plans
         .into_par_iter()
         .filter_map(|plan| {

@@ -1,0 +1,122 @@
+use lut_gen::homogeneous::{Coupon, Mode, Programme};
+use lut_gen::law::{Hyperfoam, Material, PronyTerm, Term};
+use lut_gen::verify::confined_stress_mpa;
+
+use super::*;
+use crate::experiment::Test;
+
+const AREA_MM2: f64 = std::f64::consts::PI * 100.0;
+
+/// A coupon of 20 mm diameter, shortened by 6 of 12.7 mm at 3 mm/s, held for 2 s and back; no noise.
+fn compressed(test: Test) -> Spec {
+    let mut spec = Spec::new("coupon", 7).foam("coupon", 0.1, 8.0, 12.7).ball("r4", 4.0);
+    spec.specimens[0].radius_mm = 10.0;
+    let ramp = RunTemplate::ramp("coupon", "", 6.0, 3.0);
+    spec.runs.push(RunTemplate { test, indenter: None, hold_s: 2.0, unload: true, ..ramp });
+    spec
+}
+
+fn law(nu: f64) -> Hyperfoam {
+    Hyperfoam::new(vec![Term { mu_mpa: 0.1, alpha: 8.0, nu }]).unwrap()
+}
+
+/// The forces are the law's; recorded depths are written to 1e-6 mm, which is 1e-5 N of 30.
+#[test]
+fn a_confined_coupon_is_the_closed_form() {
+    let made = made(&compressed(Test::Confined).with(Effect::Poisson { nu: 0.2 }));
+    assert_eq!((made.solves, made.runs.len()), (0, 1));
+    let run = &made.runs[0];
+    assert_eq!((run.file.as_str(), run.test, run.indenter), ("001-coupon-confined-v3-s1-c1.csv", Test::Confined, None));
+    let mut largest = 0.0_f64;
+    for (d, f) in run.depth_mm.iter().zip(&run.force_n) {
+        let exact = -AREA_MM2 * confined_stress_mpa(&law(0.2), 1.0 - d / 12.7);
+        assert!((f - exact).abs() < 1e-5, "{d}: {f} {exact}");
+        largest = largest.max(*f);
+    }
+    assert!(largest > 10.0, "{largest}");
+}
+
+/// What acts between ball and specimen, or where a ball is pressed, is nothing to a coupon.
+#[test]
+fn what_a_ball_meets_a_coupon_does_not() {
+    let plain = made(&compressed(Test::Uniaxial)).runs;
+    let effects = [
+        Effect::Friction { coefficient: 0.5 },
+        Effect::Adhesion { work_n_per_mm: 0.01, range_mm: 0.1 },
+        Effect::Radius { indenter: "r4".to_owned(), error_mm: 0.3 },
+        Effect::SlidingBase,
+        Effect::Numerics { mesh: Some(0.5), alpha_step: Some(4.0) },
+        Effect::StiffSkin { stiffness_n_per_mm2: 0.1 },
+        Effect::Anisotropic { depth_power: 0.2, radius_power: 0.1 },
+        Effect::Tilt { angle_deg: 5.0, distance_mm: 8.0 },
+        Effect::Placebo { variable: Variable::Depth, amplitude: 0.03 },
+    ];
+    for effect in effects {
+        assert_eq!(made(&compressed(Test::Uniaxial).with(effect.clone())).runs, plain, "{effect:?}");
+    }
+    for effect in [
+        Effect::Thickness { height_error_mm: 0.5 },
+        Effect::Relaxation(vec![(0.1, 1.0)]),
+        Effect::ContactOffset { offset_mm: 0.1 },
+        Effect::SensorGain { gain: 1.1 },
+        Effect::Lag { lag_s: 0.1 },
+        Effect::PlasticSet { share: 0.1 },
+        Effect::PowerLaw { amplitude: 0.3, t0_s: 0.1, beta: 0.3 },
+    ] {
+        assert_ne!(made(&compressed(Test::Uniaxial).with(effect.clone())).runs, plain, "{effect:?}");
+    }
+}
+
+/// A machine of 0.05 mm/N takes its share of the depth, whatever the material remembers: the force is that of the depth that is left.
+#[test]
+fn machine_and_coupon_share_the_depth() {
+    let terms = [(0.3, 0.5)];
+    let spec =
+        compressed(Test::Uniaxial).with(Effect::Relaxation(terms.to_vec())).with(Effect::Compliance { mm_per_n: 0.05 });
+    let run = &made(&spec).runs[0];
+    let left = |(d, f): (&f64, &f64)| 1.0 - (d - 0.05 * f).max(0.0) / 12.7;
+    let stretch = run.depth_mm.iter().zip(&run.force_n).map(left).collect();
+    let material = Material::from(law(0.0)).relaxing(terms.map(|(g, tau_s)| PronyTerm { g, k: g, tau_s }).to_vec());
+    let coupon = Coupon { material: material.unwrap(), mode: Mode::Uniaxial, area_mm2: AREA_MM2 };
+    let exact = coupon.follow(&Programme { time_s: run.time_s.clone(), stretch }, &[]).unwrap().force_n(&coupon);
+    let peak = run.force_n.iter().copied().fold(0.0, f64::max);
+    // the simulation follows four times as many moments: a memory that moves straight between them differs by a ten-thousandth
+    for ((t, f), e) in run.time_s.iter().zip(&run.force_n).zip(&exact).filter(|((t, _), _)| **t < 4.0) {
+        assert!((f + e).abs() < 5e-4 * peak, "{t}: {f} {e}");
+    }
+    assert!(0.05 * peak > 0.4, "{peak}");
+}
+
+/// A coupon is its own spot: two of them differ by touch and gain, two runs on one by neither.
+#[test]
+fn a_coupon_is_its_own_spot() {
+    let mut spec = compressed(Test::Confined);
+    (spec.runs[0].replicates, spec.runs[0].cycles) = (2, 2);
+    (spec.noise.contact_jitter_mm, spec.noise.gain_jitter) = (0.02, 0.01);
+    let made = made(&spec);
+    let of = |spot: i64, cycle: i64| {
+        &made.runs.iter().find(|r| (r.spot, r.cycle) == (Some(spot), Some(cycle))).unwrap().force_n
+    };
+    assert_eq!(of(1, 1), of(1, 2));
+    assert_ne!(of(1, 1), of(2, 1));
+    // and what softens remembers
+    let made = self::made(&spec.with(Effect::Softening { r: 2.0, m_mpa: 0.001, beta: 0.1 }));
+    let of = |cycle| &made.runs.iter().find(|r| (r.spot, r.cycle) == (Some(1), Some(cycle))).unwrap().force_n;
+    assert!(of(1)[50] > 1.1 * of(2)[50], "{} {}", of(1)[50], of(2)[50]);
+}
+
+#[test]
+fn mistakes_about_coupons_are_told() {
+    let error = |spec: &Spec| simulate(spec, &SOLVER, &|_, _, _| {}).unwrap_err().to_string();
+    let mut spec = compressed(Test::Confined);
+    spec.runs[0].depth_mm = 12.0;
+    assert_eq!(
+        error(&spec),
+        "coupon \"coupon\": depth_mm with offset and jitter = 12; expected at most 11.43 mm, 90 % of the true height"
+    );
+    spec.runs[0].indenter = Some("r4".to_owned());
+    assert_eq!(error(&spec), "[[run]] 1: there is no ball in the compression of a coupon, such as \"r4\"; known: none");
+    spec.runs[0].indenter = None;
+    spec.specimens[0].law = TrueLaw::Rigid { reduced_modulus_mpa: 3000.0 };
+    assert_eq!(error(&spec), "[[run]] 1: there is no specimen that is not rigid \"coupon\"; known: none");
+}
