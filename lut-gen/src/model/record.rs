@@ -56,6 +56,9 @@ impl Record {
     }
 }
 
+/// Part of the largest depth below which two depths are one.
+const ROUNDING: f64 = 1e-12;
+
 /// With the penalty's complementary energy `E` the potential exceeds that of hard contact by
 /// `-E + O(1/k^2)`, hence `F = F_k + dE/dd`: the second term at every station, from depth and `E`
 /// there (with their derivatives by a parameter, where they carry them).
@@ -70,6 +73,9 @@ pub(super) fn penalty_share<T: Real>(stations: &[Station], depth: &[T], energy: 
     let mut out = vec![zero; stations.len()];
     // point 0 is the untouched start, point i is station i - 1
     let point = |i: usize| if i == 0 { (zero, zero) } else { (depth[i - 1], energy[i - 1]) };
+    // steps that rounding makes are none: over 1e-17 mm nothing can be differentiated
+    let deepest = depth.iter().map(|d| d.value().abs()).fold(0.0, f64::max);
+    let same = |i: usize| (point(i + 1).0.value() - point(i).0.value()).abs() <= ROUNDING * deepest;
     let moves = |i: usize| (point(i + 1).0.value() - point(i).0.value()).signum();
     // depths that were reached first, with `dE/dd` over `E` there
     let mut reached: Vec<(T, T)> = Vec::new();
@@ -80,7 +86,7 @@ pub(super) fn penalty_share<T: Real>(stations: &[Station], depth: &[T], energy: 
             start += 1;
             continue;
         }
-        let still = |i: usize| stations[i].held || point(i + 1).0.value() == point(i).0.value();
+        let still = |i: usize| stations[i].held || same(i);
         if still(start) {
             let before = point(start).1;
             if start > 0 && before.value() > 0.0 {
@@ -140,4 +146,44 @@ fn parabola_slope<T: Real>(p: &[(T, T); 3], x: T) -> T {
     }
     let second = ((p[2].1 - p[1].1) / (p[2].0 - p[1].0) - first) / (p[2].0 - p[0].0);
     first + second * (x * 2.0 - p[0].0 - p[1].0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A motion that begins above the surface may come to it in steps of a rounding error each: they say nothing of how the penalty's energy grows.
+    #[test]
+    fn steps_that_rounding_makes_are_none() {
+        let station = |depth_mm: f64, penalty_energy: f64| Station {
+            time_s: depth_mm + 1.0,
+            depth_mm,
+            force_n: 0.0,
+            base_force_n: 0.0,
+            slope: 1.0,
+            penalty_energy,
+            contact_radius_mm: 0.0,
+            active: 1,
+            sliding: 0,
+            segment: 0,
+            held: false,
+            by_force: false,
+            stable: true,
+            jumped: false,
+        };
+        let energy = |depth_mm: f64| (1.0 + depth_mm).powi(2) * 1e-6;
+        let path = |depths: &[f64]| Path {
+            // what Newton's method leaves of an equilibrium
+            stations: depths.iter().enumerate().map(|(i, d)| station(*d, energy(*d) + 1e-15 * i as f64)).collect(),
+            iterations: 0,
+            factorisations: 0,
+            cuts: 0,
+            remembers: false,
+        };
+        let once = Record::new(path(&[-0.2, -0.1, 0.0, 0.1, 0.2]));
+        let thrice = Record::new(path(&[-0.2, -0.1, -1e-17, 0.0, 1e-17, 0.1, 0.2]));
+        for (at, force_n) in [(2, 2), (3, 2), (4, 2), (5, 3), (6, 4)].map(|(t, o)| (t, once.force_n[o])) {
+            assert!((thrice.force_n[at] / force_n - 1.0).abs() < 0.2, "{at}: {} of {force_n}", thrice.force_n[at]);
+        }
+    }
 }
