@@ -84,11 +84,11 @@ fn coupons_tell_elastic_twins_apart() {
     }
 }
 
-/// What is ambiguous under balls proposes a coupon first, and that names it.
+/// What is ambiguous under balls, or no better than a departure without a name, proposes a coupon first, and that names it.
 fn is_decided_by_a_coupon(case: &Case) {
     let all = case.make(&SOLVER).unwrap().experiment();
     let found = diagnosed(&all);
-    assert_eq!(found.verdict, Verdict::Ambiguous, "{:?}", codes(&found));
+    assert!([Verdict::Ambiguous, Verdict::Unknown].contains(&found.verdict), "{:?}", codes(&found));
     let first = &found.proposals[0];
     assert!(matches!(first.motion.on, On::Confined(_)), "{}", first.what);
     assert!(first.what.contains("in a ring that fits it, lubricated, by 50 % of its height"), "{}", first.what);

@@ -81,6 +81,11 @@ impl Explanation {
     }
 }
 
+/// Sum of squares of a fit with the charge for its parameters, nothing allowed for.
+pub(super) fn plain(fit: &Fit) -> f64 {
+    fit.square + CHARGE * fit.coordinates.len() as f64
+}
+
 /// Discounted sum of squares of a fit with the charge for its parameters.
 pub(super) fn score(fit: &Fit) -> f64 {
     fit.discounted + CHARGE * fit.coordinates.len() as f64
@@ -229,7 +234,8 @@ impl Search<'_> {
         Explanation {
             beats_noise: space.0.of_gain(space.1, gain) > self.spaces.threshold,
             predicts: left_out(design, &fit, &self.problem) < left_out(design, before, &self.problem),
-            beats_placebo: gain > placebo && score(&fit) < nameless + RATIO_100,
+            // gains have no form to be wrong by: what a form may be wrong by is allowed for or not, whichever is better for it
+            beats_placebo: gain > placebo && score(&fit).min(plain(&fit)) < nameless + RATIO_100,
             adequacy,
             gain,
             fit,

@@ -5,8 +5,8 @@ use lut_gen::effect::{
     sensor_nonlinearity, thickness,
 };
 
-use super::super::fit::{Candidate, Fit};
-use super::{CHARGE, Explanation, RATIO_100, Search, score};
+use super::super::fit::Candidate;
+use super::{Explanation, RATIO_100, Search, plain, score};
 
 /// Effects that claim a form of the foam's elastic law.
 const LAWS: [&str; 2] = [poisson::EFFECT.code, second_term::EFFECT.code];
@@ -37,7 +37,6 @@ impl Search<'_> {
         }
         let needed = if codes().any(|code| LAWS.contains(&code)) { RATIO_100 } else { 0.0 };
         let nameless = self.extended(&self.base, &Candidate { effect: &nameless::EFFECT, owner: 0 });
-        let plain = |fit: &Fit| fit.square + CHARGE * fit.coordinates.len() as f64;
         let likelier = f64::max(score(&nameless) - best.score(), plain(&nameless) - plain(&best.fit));
         Some(likelier - needed)
     }
