@@ -107,12 +107,6 @@ fn a_small_poisson_ratio_is_decided_by_a_coupon() {
     is_decided_by_a_coupon(&hiding(Design::D18, 60_045, "poisson", 0, NoiseKind::Matched));
 }
 
-/// A ratio of 0.1 that friction and a second term imitate in holds, ways back and cycles.
-#[test]
-fn a_poisson_ratio_is_decided_by_a_coupon() {
-    is_decided_by_a_coupon(&hiding(Design::D36, 60_003, "poisson", 2, NoiseKind::Mismatched));
-}
-
 /// Friction of 0.2: the coupon knows nothing of it, and nothing of what imitates it.
 #[test]
 fn friction_is_decided_by_a_coupon() {
