@@ -28,7 +28,7 @@ const DEEPEST_RUBBER: f64 = 1.0;
 /// How far past the contact the recorded zero may lie, mm: depths that the force models must cover.
 const LATE_MM: f64 = 0.25;
 /// Recorded zeros within this distance (mm) of the contact were meant to be the contact.
-const MEANT_MM: f64 = 0.4;
+pub(super) const MEANT_MM: f64 = 0.4;
 
 /// Below this share of the force that the same depth had on the way down a relaxing contact lifts off; how its edge does
 /// is where the chain is farthest from finite elements. Where loading itself had less than the second share of the peak, nothing has lifted.

@@ -244,6 +244,13 @@ impl Problem<'_> {
         self.design.largest_n()
     }
 
+    /// Rows of a run that a ball on the specimen has no part in.
+    #[must_use]
+    pub fn rows_of_check(&self, at: usize) -> std::ops::Range<usize> {
+        let first = self.whitening.first(self.design.series.len() + at);
+        first..first + self.design.checks[at].rows()
+    }
+
     /// Measured less predicted, whitened; entries that are not used are 0.
     #[must_use]
     pub fn residual(&self, model: &Model) -> DVector<f64> {

@@ -81,8 +81,9 @@ struct Miss {
 
 fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Series) -> bool) -> Miss {
     let forces = super::fit::predicted(problem.design, problem.chain, &fit.model, &problem.contacts_mm);
-    let whole = Problem { used: used_of(problem, predicted), ..problem.clone() };
-    let mut miss = Miss { square_n2: 0.0, deviance: deviance(&whole, fit), count: 0.0 };
+    let (used, whole) = (used_of(problem, predicted), fit.model.whole.clone());
+    let own = Problem { used, whole, ..problem.clone() };
+    let mut miss = Miss { square_n2: 0.0, deviance: deviance(&own, fit), count: 0.0 };
     for (series, force) in problem.design.series.iter().zip(&forces).filter(|(s, _)| predicted(s)) {
         for (node, force_n) in series.nodes.iter().zip(force).filter(|(n, _)| !n.lifted) {
             miss.square_n2 += (node.force_n - force_n).powi(2);
@@ -94,7 +95,7 @@ fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Ser
 
 /// Of errors `e` of runs whose prediction moves by `J` with parameters that are known to the inverse of `A`: normal with a covariance of `I + J inv(A) J'`.
 fn deviance(own: &Problem<'_>, fit: &Fit) -> f64 {
-    let there = Problem { whole: fit.model.whole.clone(), ..own.clone() }.at(&fit.candidates, &fit.x, &Allowed::none());
+    let there = own.at(&fit.candidates, &fit.x, &Allowed::none());
     let known = &fit.information + search::known_before(&fit.coordinates);
     let both = &known + there.jacobian.tr_mul(&there.jacobian);
     let right = there.jacobian.tr_mul(&there.residual);

@@ -230,7 +230,7 @@ impl Builder<'_, '_> {
     /// What runs without a ball on the specimen show.
     fn checks(&mut self, design: &Design) {
         for (at, check) in design.checks.iter().enumerate() {
-            let first = self.problem.whitening.first(design.series.len() + at);
+            let first = self.problem.rows_of_check(at).start;
             for (variable, label, weights) in check.directions() {
                 let mut direction = DVector::zeros(self.problem.whitening.residuals());
                 direction.rows_mut(first, weights.len()).copy_from_slice(&weights);

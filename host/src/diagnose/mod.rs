@@ -173,6 +173,18 @@ pub struct Evidence {
     pub solves: usize,
 }
 
+impl Evidence {
+    /// True where an elastic departure without a name explains the data about as well as what explains them best.
+    #[must_use]
+    pub fn is_nameless(&self) -> bool {
+        is_nameless(self.beyond_nameless)
+    }
+}
+
+fn is_nameless(beyond: Option<f64>) -> bool {
+    beyond.is_some_and(|by| by <= 0.0)
+}
+
 /// Progress: what is done, how much of it, of how much.
 pub type Progress<'a> = dyn Fn(&str, usize, usize) + Send + Sync + 'a;
 
@@ -290,7 +302,7 @@ impl Diagnosis {
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(&design);
         self.proposals = plan::proposals(experiment, &search, &held, &self.blind_to);
-        let nameless = beyond_nameless.is_some_and(|by| by <= 0.0);
+        let nameless = is_nameless(beyond_nameless);
         verdict::conclude(self, (visible, in_margins), (ripple.as_ref(), nameless), &held, held_out.as_ref());
         let Search { noise, base, curves: base_curves, adequacy, margins, .. } = search;
         self.evidence = Some(Box::new(Evidence {

@@ -206,25 +206,31 @@ fn most_likely(design: &Design, curves: &[Curve], contrasts: &[Contrast]) -> Sen
     let few: Vec<&Contrast> = contrasts.iter().step_by(contrasts.len().div_ceil(12)).collect();
     let peak = curves.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
     let mut best = (f64::INFINITY, SensorNoise { sigma_n: 1.0, white: 1.0, correlation_s: 0.02, relative: 0.0 });
-    let mut attempt = |unit: SensorNoise| {
-        let Some((scale, deviance)) = level(design, curves, &few, &unit) else { return best.1 };
-        if deviance < best.0 {
-            best = (deviance, SensorNoise { sigma_n: scale, relative: unit.relative * scale, ..unit });
-        }
-        best.1
-    };
-    let mut likeliest = None;
     for correlation_s in TIMES_S {
         for white in WHITE {
             for part in RELATIVE {
                 // at unit level, the relative part in proportion to the noise of a hundredth of the peak
                 let unit = SensorNoise { sigma_n: 1.0, white, correlation_s, relative: part / (0.01 * peak) };
-                likeliest = Some(attempt(unit));
+                best = likelier(design, curves, &few, &unit, best);
             }
         }
     }
-    let Some(found) = likeliest else { return best.1 };
-    refined(design, curves, contrasts, found)
+    refined(design, curves, contrasts, best.1)
+}
+
+/// A noise of the shape of another, at its likeliest level, with twice its negative log-likelihood; the best so far where that is no less likely.
+fn likelier(
+    design: &Design,
+    curves: &[Curve],
+    runs: &[&Contrast],
+    like: &SensorNoise,
+    best: (f64, SensorNoise),
+) -> (f64, SensorNoise) {
+    let unit = SensorNoise { sigma_n: 1.0, relative: like.relative / like.sigma_n, ..*like };
+    let found = level(design, curves, runs, &unit).filter(|(_, deviance)| *deviance < best.0);
+    found.map_or(best, |(sigma_n, deviance)| {
+        (deviance, SensorNoise { sigma_n, relative: unit.relative * sigma_n, ..unit })
+    })
 }
 
 /// The noise between the points of the grid, with all contrasts: a correlation time that is a tenth too long makes a step from one window to the next seem a twentieth too
@@ -232,12 +238,10 @@ fn most_likely(design: &Design, curves: &[Curve], contrasts: &[Contrast]) -> Sen
 fn refined(design: &Design, curves: &[Curve], contrasts: &[Contrast], coarse: SensorNoise) -> SensorNoise {
     const STEPS: [f64; 4] = [0.35, 0.18, 0.09, 0.045];
     let all: Vec<&Contrast> = contrasts.iter().collect();
-    let of = |noise: &SensorNoise| {
-        let unit = SensorNoise { sigma_n: 1.0, relative: noise.relative / noise.sigma_n, ..*noise };
-        let (scale, deviance) = level(design, curves, &all, &unit)?;
-        Some((deviance, SensorNoise { sigma_n: scale, relative: unit.relative * scale, ..unit }))
-    };
-    let Some(mut best) = of(&coarse) else { return coarse };
+    let mut best = likelier(design, curves, &all, &coarse, (f64::INFINITY, coarse));
+    if best.0.is_infinite() {
+        return coarse;
+    }
     for step in STEPS {
         for sign in [1.0, -1.0] {
             let now = best.1;
@@ -248,9 +252,7 @@ fn refined(design: &Design, curves: &[Curve], contrasts: &[Contrast], coarse: Se
                 SensorNoise { white: (now.white + 0.3 * sign * step).clamp(0.0, 1.0), ..now },
             ];
             for noise in tried.iter().filter(|noise| **noise != now) {
-                if let Some(found) = of(noise).filter(|found| found.0 < best.0) {
-                    best = found;
-                }
+                best = likelier(design, curves, &all, noise, best);
             }
         }
     }

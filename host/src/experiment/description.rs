@@ -191,15 +191,20 @@ fn specimen((name, section): &(String, Section<'_>)) -> Result<Specimen, Experim
 
 /// The radius, or that of the circle of a stated area.
 fn radius(section: &Section<'_>, expected: &str) -> Result<Length, ExperimentError> {
-    let area = section.number("area_mm2", PLAUSIBLE_MM2, "an area of 0.01 to 1000000 mm2")?;
-    match (area, section.value("area_mm2").filter(|_| section.value("radius_mm").is_some())) {
-        (_, Some(value)) => {
-            let problem = "`area_mm2` and `radius_mm` say the same; state one of them".to_owned();
-            Err(section.document.error(value.span(), Problem::Contradiction(problem)))
-        }
-        (Some(area_mm2), None) => Ok(Length::Known((area_mm2 / std::f64::consts::PI).sqrt())),
-        (None, None) => length(section, "radius_mm", expected),
+    match circle_mm(section)? {
+        Some(radius_mm) => Ok(Length::Known(radius_mm)),
+        None => length(section, "radius_mm", expected),
     }
+}
+
+/// The radius of the circle of a stated area, where one is stated and no radius beside it.
+pub(crate) fn circle_mm(section: &Section<'_>) -> Result<Option<f64>, ExperimentError> {
+    let area = section.number("area_mm2", PLAUSIBLE_MM2, "an area of 0.01 to 1000000 mm2")?;
+    if let Some(value) = section.value("area_mm2").filter(|_| section.value("radius_mm").is_some()) {
+        let problem = "`area_mm2` and `radius_mm` say the same; state one of them".to_owned();
+        return Err(section.document.error(value.span(), Problem::Contradiction(problem)));
+    }
+    Ok(area.map(|area_mm2| (area_mm2 / std::f64::consts::PI).sqrt()))
 }
 
 fn indenter((name, section): &(String, Section<'_>)) -> Result<Indenter, ExperimentError> {

@@ -15,6 +15,7 @@ pub(crate) mod section;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+pub(crate) use description::circle_mm;
 pub use description::{Format, Mapping};
 pub use error::{Column, ExperimentError, Problem};
 pub use recording::{DISPLAY_PAIRS, GAP_MM, Recording};

@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::Spanned;
 
 use crate::experiment::section::{Document, Section};
-use crate::experiment::{self, Base, ExperimentError, Problem, Test};
+use crate::experiment::{self, Base, ExperimentError, Problem, Test, circle_mm};
 use crate::extended::{ExtendedModel, truth};
 
 use super::effect;
@@ -166,15 +166,7 @@ fn specimen((name, section): &(String, Section<'_>), modelled: bool) -> Result<T
 /// The radius of a specimen, or that of the circle of a stated area.
 fn radius(section: &Section<'_>) -> Result<f64, ExperimentError> {
     let radius_mm = number(section, "radius_mm", 0.05, 1000.0, LENGTH)?;
-    let area_mm2 = number(section, "area_mm2", 0.01, 1e6, "an area of 0.01 to 1000000 mm2")?;
-    match (radius_mm, area_mm2, section.value("area_mm2")) {
-        (Some(_), Some(_), Some(value)) => {
-            let problem = "`area_mm2` and `radius_mm` say the same; state one of them".to_owned();
-            Err(section.document.error(value.span(), Problem::Contradiction(problem)))
-        }
-        (None, Some(area_mm2), _) => Ok((area_mm2 / std::f64::consts::PI).sqrt()),
-        (radius_mm, ..) => Ok(radius_mm.unwrap_or(25.0)),
-    }
+    Ok(circle_mm(section)?.or(radius_mm).unwrap_or(25.0))
 }
 
 fn indenter((name, section): &(String, Section<'_>)) -> Result<TrueIndenter, ExperimentError> {

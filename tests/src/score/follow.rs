@@ -102,6 +102,10 @@ fn planned(
         On::Specimen => (Test::Indentation, 0.0),
         On::Block(load_n) => {
             specimen = "block".to_owned();
+            if let Some(like) = spec.specimens.first().cloned() {
+                let law = TrueLaw::Rigid { reduced_modulus_mpa: BLOCK_MPA };
+                spec.specimens.push(TrueSpecimen { name: specimen.clone(), law, ..like });
+            }
             (Test::Indentation, load_n)
         }
         On::Mass(load_n) => (Test::Mass, load_n),
@@ -117,12 +121,6 @@ fn planned(
             (Test::Confined, 0.0)
         }
     };
-    if matches!(plan.on, On::Block(_))
-        && let Some(like) = spec.specimens.first().cloned()
-    {
-        let law = TrueLaw::Rigid { reduced_modulus_mpa: BLOCK_MPA };
-        spec.specimens.push(TrueSpecimen { name: specimen.clone(), law, ..like });
-    }
     let mut run = RunTemplate {
         test,
         load_n,

@@ -10,7 +10,7 @@ use crate::experiment::motion::{self, Motion};
 use crate::experiment::{BaseLaw, Experiment, Recording, Run, Test};
 use crate::identify::contact;
 
-use super::super::design::{Branch, Node, even, growing, lift, node};
+use super::super::design::{Branch, LEAST_SAMPLES, MEANT_MM, Node, even, growing, lift, node};
 use super::super::margin::Variable;
 use super::super::noise::Noise;
 
@@ -29,13 +29,9 @@ pub struct Coupon {
 const WINDOWS: (usize, usize, usize) = (24, 10, 12);
 /// Places within a window: the mean of a force of exponent 20 over a fiftieth of the height is met to 0.02 % by four.
 const PLACES: usize = 4;
-/// Least samples of the way down that are compared.
-const LEAST: usize = 12;
 /// Shares of the height from which and up to which the way down is compared: before, faces that are not quite parallel are still coming to rest; beyond, the cells of a foam
 /// lie on each other, and no law of two or three parameters follows them.
 const SHARES: (f64, f64) = (0.03, 0.6);
-/// Recorded zeros within this of the first touch (mm) were meant to be it.
-const MEANT_MM: f64 = 0.4;
 /// First touch is unknown by this beside the jitter of contacts (mm): faces that are not parallel touch one after the other.
 const TOUCH_MM: f64 = 0.1;
 /// A coupon's diameter is known to this (mm), which is 0.5 % of the area of one of 50 mm.
@@ -115,9 +111,9 @@ impl Coupon {
         let share = |i: usize| (depth[i] - zero_mm) / run.height_mm;
         let begin = loading.clone().find(|i| share(*i) >= SHARES.0).unwrap_or(loading.end);
         let end = (begin..loading.end).find(|i| share(*i) > SHARES.1).unwrap_or(loading.end);
-        if end - begin < LEAST {
+        if end - begin < LEAST_SAMPLES {
             return Err(format!(
-                "{} samples between {} and {} % of shortening, of at least {LEAST}",
+                "{} samples between {} and {} % of shortening, of at least {LEAST_SAMPLES}",
                 end - begin,
                 100.0 * SHARES.0,
                 100.0 * SHARES.1

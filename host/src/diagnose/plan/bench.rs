@@ -1,7 +1,7 @@
 //! What explanations predict of a run that could be made, and how far apart that is.
 
 use lut_gen::chain::{Chain, Model, Passage, Setting};
-use lut_gen::effect::{friction, radius, relaxation, second_term, softening};
+use lut_gen::effect::{friction, radius, relaxation, second_term, softening, thickness};
 use nalgebra::{DMatrix, DVector};
 
 use super::super::design::{Branch, Design};
@@ -27,17 +27,15 @@ const MISSED: [(&str, f64); 4] = [
 ];
 
 /// Planned runs with what whitens them.
-pub(super) struct Bench<'a> {
+pub(super) struct Bench {
     plan: Plan,
     design: Design,
     chain: Chain,
     whitening: Whitening,
-    /// Declared height that the planned one differs from, mm.
-    search: &'a Search<'a>,
 }
 
-impl<'a> Bench<'a> {
-    pub fn new(search: &'a Search<'a>, plan: Plan) -> Option<Self> {
+impl Bench {
+    pub fn new(search: &Search<'_>, plan: Plan) -> Option<Self> {
         let like = search.problem.design;
         let geometry = like
             .series
@@ -47,40 +45,19 @@ impl<'a> Bench<'a> {
         let design = plan.design(like, &search.base.model, geometry)?;
         let passages: Vec<Passage> = design.passages();
         let chain = Chain { library: search.problem.chain.library.clone(), passages };
-        let mut bench = Self { plan, design, chain, whitening: search.problem.whitening.clone(), search };
-        let model = bench.placed(&search.base.model);
-        let curves = Problem::curves(&bench.design, &bench.chain, &model, &bench.contacts());
-        bench.whitening = Whitening::new(&bench.design, &curves, &search.noise)?;
-        Some(bench)
+        let model = placed(&plan, &design, &search.base.model);
+        let curves = Problem::curves(&design, &chain, &model, &contacts(&design));
+        let whitening = Whitening::new(&design, &curves, &search.noise)?;
+        Some(Self { plan, design, chain, whitening })
     }
 
-    fn contacts(&self) -> Vec<f64> {
-        vec![0.0; self.design.series.len()]
-    }
-
-    /// A model with the planned height and radius in it: what is declared moves, and errors of the old ones go.
-    fn placed(&self, model: &Model) -> Model {
-        // what finite elements of other paths add is nothing here
-        let mut placed = Model { whole: None, ..model.clone() };
-        let Some(first) = self.design.series.first() else { return placed };
-        let geometry = &self.search.problem.design.geometries[first.geometry];
-        if self.plan.radius != 1.0 {
-            // a new ball has its own radius
-            placed.settings.retain(|s| s.effect.code != radius::EFFECT.code || s.owner != self.plan.indenter);
-            let values = vec![(self.plan.radius - 1.0) * geometry.ball_mm];
-            placed.settings.push(Setting { effect: &radius::EFFECT, owner: self.plan.indenter, values });
-        }
-        if self.plan.height != 1.0 {
-            let effect = &lut_gen::effect::thickness::HEIGHT;
-            placed.settings.retain(|s| s.effect != effect || s.owner != self.plan.specimen);
-            let values = vec![(self.plan.height - 1.0) * geometry.specimen.height_mm];
-            placed.settings.push(Setting { effect, owner: self.plan.specimen, values });
-        }
-        placed
+    /// What a model predicts for every row.
+    fn rows(&self, model: &Model) -> DVector<f64> {
+        fit::rows(&self.design, &self.chain, &placed(&self.plan, &self.design, model), &contacts(&self.design))
     }
 
     pub fn forces(&self, model: &Model) -> DVector<f64> {
-        let mut forces = fit::rows(&self.design, &self.chain, &self.placed(model), &self.contacts());
+        let mut forces = self.rows(model);
         self.whitening.apply(&mut forces);
         forces
     }
@@ -101,13 +78,12 @@ impl<'a> Bench<'a> {
 
     /// What the chain may be wrong by in the forecast of a fit, smoothly along each branch.
     fn errors(&self, fit: &Fit) -> DMatrix<f64> {
-        let rows = |model: &Model| fit::rows(&self.design, &self.chain, &self.placed(model), &self.contacts());
         let mut columns = Vec::new();
         for candidate in &fit.candidates {
             let Some((_, share)) = MISSED.iter().find(|(code, _)| *code == candidate.effect.code) else { continue };
             let mut bare = fit.model.clone();
             bare.settings.retain(|s| s.effect != candidate.effect);
-            let added = rows(&fit.model) - rows(&bare);
+            let added = self.rows(&fit.model) - self.rows(&bare);
             for branch in [Branch::Loading, Branch::Hold, Branch::Unloading] {
                 for shape in 0..3 {
                     let mut column = *share * self.along(&added, branch, shape);
@@ -133,6 +109,31 @@ impl<'a> Bench<'a> {
         }
         out
     }
+}
+
+fn contacts(design: &Design) -> Vec<f64> {
+    vec![0.0; design.series.len()]
+}
+
+/// A model with the planned height and radius in it: what is declared moves, and errors of the old ones go.
+fn placed(plan: &Plan, design: &Design, model: &Model) -> Model {
+    // what finite elements of other paths add is nothing here
+    let mut placed = Model { whole: None, ..model.clone() };
+    let Some(first) = design.series.first() else { return placed };
+    let geometry = &design.geometries[first.geometry];
+    if plan.radius != 1.0 {
+        // a new ball has its own radius
+        placed.settings.retain(|s| s.effect.code != radius::EFFECT.code || s.owner != plan.indenter);
+        let values = vec![(plan.radius - 1.0) * geometry.ball_mm];
+        placed.settings.push(Setting { effect: &radius::EFFECT, owner: plan.indenter, values });
+    }
+    if plan.height != 1.0 {
+        let effect = &thickness::HEIGHT;
+        placed.settings.retain(|s| s.effect != effect || s.owner != plan.specimen);
+        let values = vec![(plan.height - 1.0) * geometry.specimen.height_mm];
+        placed.settings.push(Setting { effect, owner: plan.specimen, values });
+    }
+    placed
 }
 
 /// Distance of a forecast from another one whose parameters are known as far as its fit knows them, and which both may be wrong as the chain is.

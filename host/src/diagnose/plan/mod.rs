@@ -336,7 +336,7 @@ fn distinct(held: &[Explanation]) -> Vec<&Fit> {
 }
 
 /// Least distance between two rivals, and the codes of those that lie far enough apart.
-fn between(bench: &Bench<'_>, rivals: &[&Fit]) -> (f64, Vec<&'static str>) {
+fn between(bench: &Bench, rivals: &[&Fit]) -> (f64, Vec<&'static str>) {
     let forecasts: Vec<Forecast> = rivals.iter().map(|fit| bench.forecast(fit)).collect();
     let mut least = f64::INFINITY;
     let mut decided: Vec<&'static str> = Vec::new();
@@ -362,7 +362,7 @@ fn between(bench: &Bench<'_>, rivals: &[&Fit]) -> (f64, Vec<&'static str>) {
 }
 
 /// Blind spots of which a plausible amount would show with the planned run, and how clearly the best of them.
-fn shown(bench: &Bench<'_>, search: &Search<'_>, blind: &[&'static str]) -> (f64, Vec<&'static str>) {
+fn shown(bench: &Bench, search: &Search<'_>, blind: &[&'static str]) -> (f64, Vec<&'static str>) {
     /// A direction needs 2.8 to pass alone at one in two hundred; 1.3 more to do so in nine cases of ten.
     const SEEN: f64 = 4.1;
     let base = bench.forecast(&search.base);

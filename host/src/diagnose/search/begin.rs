@@ -28,11 +28,12 @@ pub(super) fn starts(candidate: &Candidate, of: impl Fn(&Quantity) -> Vec<f64>) 
     list
 }
 
-/// Where the search for a quantity begins: of an amplitude also close to nothing, since a start that is too large drives the base away.
+/// Where the search for a quantity begins: of an amplitude also close to nothing, since a start that is too large drives the base away; one that begins at nothing is there.
 fn beginnings(q: &Quantity, largest_n: f64) -> Vec<f64> {
     const LITTLE: f64 = 0.05;
     let own = q.starts.iter().map(|v| q.scaled(*v, largest_n));
-    let close = own.clone().filter(|_| q.spread == Spread::Even).map(|v| q.null + LITTLE * (v - q.null));
+    let far = own.clone().filter(|v| q.spread == Spread::Even && *v != q.null);
+    let close = far.map(|v| q.null + LITTLE * (v - q.null));
     own.clone().chain(close).collect()
 }
 

@@ -44,11 +44,11 @@ pub(super) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
         back.axpy(share.1, &added, 1.0);
     }
     let mut columns = Vec::new();
-    for (at, check) in problem.design.checks.iter().enumerate() {
+    for at in 0..problem.design.checks.len() {
         // sensor and machine are as far from their equations there as anywhere
         let mut column = DVector::zeros(len);
-        let first = problem.whitening.first(problem.design.series.len() + at);
-        column.rows_mut(first, check.rows()).copy_from(&forth.rows(first, check.rows()));
+        let own = problem.rows_of_check(at);
+        column.rows_range_mut(own.clone()).copy_from(&forth.rows_range(own));
         if column.norm() > 0.0 {
             problem.whitening.apply(&mut column);
             columns.push(column);
@@ -77,9 +77,9 @@ fn reaches_coupons(candidate: &Candidate) -> bool {
 
 /// Takes off what an effect may be wrong by what lies in the rows of coupons.
 fn without_coupons(problem: &Problem<'_>, added: &mut DVector<f64>) {
-    let design = problem.design;
-    for (at, check) in design.checks.iter().enumerate().filter(|(_, check)| check.coupon_of().is_some()) {
-        added.rows_mut(problem.whitening.first(design.series.len() + at), check.rows()).fill(0.0);
+    let checks = problem.design.checks.iter().enumerate();
+    for (at, _) in checks.filter(|(_, check)| check.coupon_of().is_some()) {
+        added.rows_range_mut(problem.rows_of_check(at)).fill(0.0);
     }
 }
 

@@ -65,12 +65,12 @@ pub(super) fn nearest(experiment: &Experiment, found: &Diagnosis) -> Option<Stri
         "Of single effects, {} comes closest: it removes {} of what exceeds the noise, but {}. It is not a name for what is wrong here.",
         words::candidates(experiment, &first.fit.candidates),
         percent(share),
-        match first.holds() {
-            true if words::is_nameless(found) => {
-                "an elastic departure without a name explains these data about as well".to_owned()
-            }
-            true => "it did not predict what was left out better than the base".to_owned(),
-            false => told(first),
+        if !first.holds() {
+            told(first)
+        } else if evidence.is_nameless() {
+            "an elastic departure without a name explains these data about as well".to_owned()
+        } else {
+            "it did not predict what was left out better than the base".to_owned()
         },
     ))
 }

@@ -3,7 +3,7 @@
 use lut_gen::effect::{self, Owner};
 
 use crate::diagnose::fit::Candidate;
-use crate::diagnose::{Diagnosis, Finding, Refusal, Verdict};
+use crate::diagnose::{Diagnosis, Evidence, Finding, Refusal, Verdict};
 use crate::experiment::Experiment;
 
 /// The verdict in one sentence that needs no other, with the stable code in brackets.
@@ -27,7 +27,7 @@ pub fn sentence(found: &Diagnosis) -> String {
             material,
             causes(found)
         ),
-        Verdict::Unknown if is_nameless(found) => format!(
+        Verdict::Unknown if found.evidence.as_deref().is_some_and(Evidence::is_nameless) => format!(
             "The simulation of {} is wrong here, and no effect in the catalogue explains it clearly better than an elastic departure without a name{} ({code}).",
             material,
             shows(found)
@@ -78,11 +78,6 @@ fn reason(found: &Diagnosis) -> String {
         Some(Refusal::NoSuchNoise) => "repeats differ by what is no noise".to_owned(),
         Some(Refusal::Faulty(told)) => told.trim_end_matches('.').to_owned(),
     }
-}
-
-/// True where an elastic departure without a name explains the data as well as what explains them best.
-pub(super) fn is_nameless(found: &Diagnosis) -> bool {
-    found.evidence.as_deref().and_then(|e| e.beyond_nameless).is_some_and(|by| by <= 0.0)
 }
 
 fn shows(found: &Diagnosis) -> String {
