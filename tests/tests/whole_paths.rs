@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use lut_gen::chain::{Chain, Model, Setting};
+use lut_gen::chain::{Chain, Detail, Model, Setting};
 use lut_gen::effect::{self, Effect};
 use palpate::diagnose::Models;
 use palpate::diagnose::design::{Branch, Design};
@@ -44,7 +44,7 @@ fn misses_of(hidden: Vec<simulate::Effect>, settings: &[Setting]) -> [[f64; 3]; 
     rough.settings.extend_from_slice(settings);
     let contacts = vec![0.0; design.series.len()];
     let groups: Vec<usize> = design.series.iter().map(|s| s.group).collect();
-    let whole = chain.whole(&rough, &contacts, &design.windows(), &groups).unwrap();
+    let whole = chain.whole(&rough, &contacts, &design.windows(), &groups, Detail::Names).unwrap();
     let exact = Model { whole: Some(whole), ..rough.clone() };
     let forces = |m: &Model| fit::predicted(&design, &chain, m, &contacts);
     let (bare, rough, exact) = (forces(&base), forces(&rough), forces(&exact));

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lut_gen::chain::{Chain, Model, Setting, Whole};
-use lut_gen::effect::{Effect, Quantity, Spread, contact_offset};
+use lut_gen::effect::{Effect, Quantity, Spread, contact_offset, second_term};
 use nalgebra::{DMatrix, DVector};
 
 use super::check::Check;
@@ -115,7 +115,7 @@ pub struct Fit {
     pub residual: DVector<f64>,
     /// Derivative of the whitened prediction by every parameter.
     pub jacobian: DMatrix<f64>,
-    /// True when a quantity of an effect lies at a bound that is not its null value, or the exponent or the contact at one.
+    /// True when a quantity of an effect, other than a second exponent, lies at a bound that is not its null value, or the exponent or the contact at one.
     pub at_bound: bool,
 }
 
@@ -333,7 +333,10 @@ impl Problem<'_> {
         let bounds: Vec<(f64, f64)> = coordinates.iter().map(Coordinate::bounds).collect();
         let square = residual.norm_squared();
         let jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
+        // the second exponent ends where force models do: a law that goes on beyond is still a second term
+        let open = |at: usize| candidates[at].effect.code == second_term::EFFECT.code;
         let at_bound = coordinates.iter().zip(x.iter().zip(&bounds)).any(|(c, (x, (low, high)))| match c {
+            Coordinate::Of(at, q) if q.spread == Spread::Logarithmic && open(*at) => false,
             Coordinate::Of(_, q) => {
                 let near = |end: f64| (x - end).abs() < 1e-3 * (high - low);
                 let null = c.of(q.null);

@@ -11,7 +11,7 @@ use palpate::diagnose::search::Explanation;
 use palpate::diagnose::whiten::Whitening;
 use palpate::diagnose::{Diagnosis, Evidence, Models, Prepared, Verdict};
 use palpate::experiment::Experiment;
-use palpate::simulate::{SimulateError, SimulatedExperiment, SimulatedRun, Solver, Spec, simulate};
+use palpate::simulate::{Effect, SimulateError, SimulatedExperiment, SimulatedRun, Solver, Spec, simulate};
 use rayon::prelude::*;
 
 use crate::hidden::Truth;
@@ -68,7 +68,7 @@ fn true_noise(spec: &Spec, session_s: f64) -> Noise {
 }
 
 /// How far each effect of an experiment moves its forces, in standard deviations of the true noise along the effect, after
-/// the base parameters are fitted again and the other effects have taken up what they can to first order.
+/// the base parameters are fitted again and the other effects, in size and in shape, have taken up what they can to first order.
 ///
 /// # Errors
 /// When a finite-element solve of the experiment without one of its effects fails.
@@ -87,6 +87,16 @@ pub fn strength(
         let without = simulate(&spec, solver, &|_, _, _| {})?;
         shifts.push(shift(design, made, &without));
     }
+    // what an effect is in time, energy or strain is as little known as how large it is
+    let mut turned = Vec::new();
+    if made.truth.effects.len() > 1 {
+        for (at, effect) in made.truth.effects.iter().enumerate() {
+            let Some(other) = reshaped(effect) else { continue };
+            let mut spec = made.truth.clone();
+            spec.effects[at] = other;
+            turned.push((at, shift(design, made, &simulate(&spec, solver, &|_, _, _| {})?)));
+        }
+    }
     let session_s = made.runs.iter().map(|run| run.start_s).fold(0.0, f64::max);
     let noise = true_noise(&made.truth, session_s);
     let base = &evidence.base;
@@ -102,6 +112,7 @@ pub fn strength(
         values
     };
     let own: Vec<DVector<f64>> = shifts.iter().cloned().map(whitened).collect();
+    let turned: Vec<(usize, DVector<f64>)> = turned.into_iter().map(|(at, values)| (at, whitened(values))).collect();
     let each = shifts.iter().enumerate().map(|(at, shift)| {
         let data = with_forces(design, &clean, shift);
         let problem = Problem {
@@ -118,11 +129,31 @@ pub fn strength(
         let fits = starts.map(|x| problem.fit(&[], &x));
         let fit = if fits[0].square <= fits[1].square { &fits[0] } else { &fits[1] };
         let others = own.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, s)| s.clone());
-        let taken: Vec<DVector<f64>> = fit.jacobian.column_iter().map(|c| c.into_owned()).chain(others).collect();
+        let shapes = turned.iter().filter(|(i, _)| *i != at).map(|(_, s)| s.clone());
+        let taken: Vec<DVector<f64>> =
+            fit.jacobian.column_iter().map(|c| c.into_owned()).chain(others).chain(shapes).collect();
         rest_of(&DMatrix::from_columns(std::slice::from_ref(&fit.residual)), &basis(&DMatrix::from_columns(&taken)))
             .norm()
     });
     Ok(each.collect())
+}
+
+/// An effect of the same size and a slightly different shape; none where it has one shape.
+fn reshaped(effect: &Effect) -> Option<Effect> {
+    const BY: f64 = 1.05;
+    match effect {
+        Effect::Relaxation(terms) => {
+            Some(Effect::Relaxation(terms.iter().map(|(g, tau_s)| (*g, BY * tau_s)).collect()))
+        }
+        Effect::SecondTerm { mu2_ratio, alpha2 } => {
+            Some(Effect::SecondTerm { mu2_ratio: *mu2_ratio, alpha2: BY * alpha2 })
+        }
+        Effect::Softening { r, m_mpa, beta } => Some(Effect::Softening { r: *r, m_mpa: BY * m_mpa, beta: *beta }),
+        Effect::SensorCreep { amplitude, tau_s } => {
+            Some(Effect::SensorCreep { amplitude: *amplitude, tau_s: BY * tau_s })
+        }
+        _ => None,
+    }
 }
 
 /// The design with the forces of a clean specimen and a shift, both in N.

@@ -57,13 +57,13 @@ pub(super) fn of(design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Opt
     }
     let columns: Vec<DMatrix<f64>> = few.iter().map(|c| shapes(&design.series[c.series], &waves)).collect();
     let count: f64 = few.iter().map(|c| c.values.len() as f64 - 3.0).sum();
+    let relative = if sensor.sigma_n > 0.0 { sensor.relative / sensor.sigma_n } else { 0.0 };
+    // the likeliest noise without a wave lies between those of the grid: a wave must not stand for the difference
     let noises: Vec<SensorNoise> = TIMES_S
         .iter()
         .flat_map(|correlation_s| WHITE.map(|white| (*correlation_s, white)))
-        .map(|(correlation_s, white)| {
-            let relative = if sensor.sigma_n > 0.0 { sensor.relative / sensor.sigma_n } else { 0.0 };
-            SensorNoise { sigma_n: 1.0, white, correlation_s, relative }
-        })
+        .chain([(sensor.correlation_s, sensor.white)])
+        .map(|(correlation_s, white)| SensorNoise { sigma_n: 1.0, white, correlation_s, relative })
         .collect();
     // deviance without a wave, and the least with one: deviance, which wave, amplitude, level of the noise
     type Best = (f64, (f64, usize, f64, f64));

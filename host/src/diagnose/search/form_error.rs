@@ -13,7 +13,7 @@ use super::super::fit::{Allowed, Candidate, Fit, Problem};
 const ROUGH: (f64, f64) = (0.02, 0.06);
 /// The same of an effect that finite elements of the whole path contain, and of those outside the specimen, which the chain has as their
 /// equations say.
-const SOLVED_SHARE: (f64, f64) = (0.01, 0.015);
+const SOLVED_SHARE: (f64, f64) = (0.005, 0.0075);
 const OUTSIDE: (f64, f64) = (0.01, 0.02);
 /// The same of softening, whose finite elements know the turns of a path only (tests/whole_paths.rs).
 const SOFTENED: (f64, f64) = (0.015, 0.02);

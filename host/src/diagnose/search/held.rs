@@ -2,7 +2,8 @@
 
 use super::super::Progress;
 use super::super::fit::{Candidate, Fit};
-use super::{CHARGE, Explanation, RATIO_100, Search, form_error, sorted};
+use super::nameless::claims_a_law;
+use super::{CHARGE, Explanation, RATIO_100, Search, form_error, score, sorted};
 
 /// By how much two effects must be better than one, as a difference of sums of squares: a likelihood ratio of ten thousand. There are twenty times as many pairs as
 /// effects, and the jitter that a second name could be is known from a few spots only.
@@ -45,7 +46,7 @@ impl<'a> Found<'a> {
             let fit = found.singles[best].fit.clone();
             found.tell_about(&fit, stated_n);
         }
-        found.held = alike(&found.singles);
+        found.held = found.alike(&found.singles);
         // where an explanation that may itself be wrong holds nothing is added to it: a second name for what it leaves would be a wrong one
         if found.held.first().is_some_and(|best| !best.is_exact()) {
             return found.against_nameless();
@@ -63,18 +64,20 @@ impl<'a> Found<'a> {
             found.tell_about(&fit, stated_n);
             found.try_twins(&fit);
         }
-        let together = alike(&found.pairs);
+        let together = found.alike(&found.pairs);
         if together.first().is_some_and(|two| found.needs(two)) {
             found.held = together;
         } else {
-            found.held = alike(&found.singles);
+            found.held = found.alike(&found.singles);
         }
         found.against_nameless()
     }
 
-    /// The same with what a departure without a name does in the place of the best that holds.
+    /// The same with what a departure without a name does in the place of the best that holds. Where an elastic law is not excluded beside that, no other one is either.
     fn against_nameless(mut self) -> Self {
-        self.beyond_nameless = self.held.first().and_then(|best| self.search.beyond_nameless(best));
+        let law = self.held.iter().skip(1).find(|rival| claims_a_law(rival));
+        let of = |e: &Explanation| self.search.beyond_nameless(e);
+        self.beyond_nameless = self.held.first().and_then(of).or_else(|| law.and_then(of));
         self
     }
 
@@ -82,6 +85,45 @@ impl<'a> Found<'a> {
     fn needs(&self, two: &Explanation) -> bool {
         let alone = self.singles.iter().filter(|e| e.adequacy.passes());
         two.score() + SECOND < alone.map(Explanation::score).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The best explanation that meets every demand, and all that leave no more than noise and are no hundred times less likely: a
+    /// rival that predicts worse, loses to a placebo or ends at a bound is not named alone, but it is not excluded either.
+    fn alike(&self, list: &[Explanation]) -> Vec<Explanation> {
+        let best = list.iter().filter(|e| e.holds()).min_by(|a, b| a.score().total_cmp(&b.score()));
+        let Some(best) = best else { return Vec::new() };
+        let same = |e: &Explanation| e.fit.candidates == best.fit.candidates;
+        let rival = |e: &&Explanation| !same(e) && e.adequacy.passes() && !self.is_excluded(e, best);
+        let mut rivals: Vec<Explanation> = list.iter().filter(rival).cloned().collect();
+        rivals.sort_by(|a, b| a.score().total_cmp(&b.score()));
+        rivals.insert(0, best.clone());
+        rivals
+    }
+
+    /// True where a rival is a hundred times less likely than the best, whatever it is charged for: parameters, and freedom that it does not need, are reasons not to
+    /// name it, none to exclude it. Of stated twins the gap must also exceed what the forms of both may be wrong by.
+    fn is_excluded(&self, rival: &Explanation, best: &Explanation) -> bool {
+        let more = rival.fit.coordinates.len().saturating_sub(best.fit.coordinates.len()) as f64;
+        let charged = rival.score() - best.score() - CHARGE * more;
+        let free = (rival.fit.discounted - rival.fit.price) - (best.fit.discounted - best.fit.price);
+        charged.min(free) > RATIO_100 + self.doubt(rival, best)
+    }
+
+    /// What the forms of twins may be wrong by, as a part of what telling them apart rests on: the square of a signature is wrong by twice what it is wrong by.
+    fn doubt(&self, rival: &Explanation, best: &Explanation) -> f64 {
+        let only = |of: &Fit, other: &Fit| -> Vec<Candidate> {
+            of.candidates.iter().filter(|c| !other.candidates.contains(c)).copied().collect()
+        };
+        match (&only(&rival.fit, &best.fit)[..], &only(&best.fit, &rival.fit)[..]) {
+            ([a], [b]) if are_twins(a, b) => {
+                // what they share is not what they are told apart by
+                let shared: Vec<Candidate> = best.fit.candidates.iter().filter(|c| *c != b).copied().collect();
+                let without = self.singles.iter().find(|e| e.fit.candidates == shared);
+                let gain = without.map_or(best.gain, |e| e.fit.discounted - best.fit.discounted);
+                2.0 * gain * (form_error::mean_share(a, &rival.fit) + form_error::mean_share(b, &best.fit))
+            }
+            _ => 0.0,
+        }
     }
 
     /// Places of the other forms of a single effect that are clearly not noise.
@@ -111,7 +153,8 @@ impl<'a> Found<'a> {
             .candidates
             .iter()
             .filter(|c| are_twins(c, &second) && c.effect.code != first.effect.code && !tried(c));
-        let more: Vec<Explanation> = missing.map(|c| self.search.with(&before.fit, c)).collect();
+        let score = score(best);
+        let more: Vec<Explanation> = missing.map(|c| self.search.with(&before.fit, c, score)).collect();
         self.pairs.extend(more);
         self.pairs = sorted(std::mem::take(&mut self.pairs));
     }
@@ -132,39 +175,4 @@ fn likeliest(list: &[Explanation]) -> Option<usize> {
 fn are_twins(a: &Candidate, b: &Candidate) -> bool {
     a.effect.code != b.effect.code
         && (a.effect.twins.contains(&b.effect.code) || b.effect.twins.contains(&a.effect.code))
-}
-
-/// The best explanation that meets every demand, and all that leave no more than noise and are no hundred times less likely: a
-/// rival that predicts worse, loses to a placebo or ends at a bound is not named alone, but it is not excluded either.
-fn alike(list: &[Explanation]) -> Vec<Explanation> {
-    let best = list.iter().filter(|e| e.holds()).min_by(|a, b| a.score().total_cmp(&b.score()));
-    let Some(best) = best else { return Vec::new() };
-    let same = |e: &Explanation| e.fit.candidates == best.fit.candidates;
-    let rival = |e: &&Explanation| !same(e) && e.adequacy.passes() && !is_excluded(e, best);
-    let mut rivals: Vec<Explanation> = list.iter().filter(rival).cloned().collect();
-    rivals.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    rivals.insert(0, best.clone());
-    rivals
-}
-
-/// True where a rival is a hundred times less likely than the best, whatever it is charged for: parameters, and freedom that it does not need, are reasons not to
-/// name it, none to exclude it. Of stated twins the gap must also exceed what the forms of both may be wrong by.
-fn is_excluded(rival: &Explanation, best: &Explanation) -> bool {
-    let more = rival.fit.coordinates.len().saturating_sub(best.fit.coordinates.len()) as f64;
-    let charged = rival.score() - best.score() - CHARGE * more;
-    let free = (rival.fit.discounted - rival.fit.price) - (best.fit.discounted - best.fit.price);
-    charged.min(free) > RATIO_100 + doubt(rival, best)
-}
-
-/// What the forms of twins may be wrong by, as a part of what telling them apart rests on: the square of a signature is wrong by twice what it is wrong by.
-fn doubt(rival: &Explanation, best: &Explanation) -> f64 {
-    let only = |of: &Fit, other: &Fit| -> Vec<Candidate> {
-        of.candidates.iter().filter(|c| !other.candidates.contains(c)).copied().collect()
-    };
-    match (&only(&rival.fit, &best.fit)[..], &only(&best.fit, &rival.fit)[..]) {
-        ([a], [b]) if are_twins(a, b) => {
-            2.0 * best.gain * (form_error::mean_share(a, &rival.fit) + form_error::mean_share(b, &best.fit))
-        }
-        _ => 0.0,
-    }
 }

@@ -235,7 +235,7 @@ impl Search<'_> {
             beats_noise: space.0.of_gain(space.1, gain) > self.spaces.threshold,
             predicts: left_out(design, &fit, &self.problem) < left_out(design, before, &self.problem),
             // gains have no form to be wrong by: what a form may be wrong by is allowed for or not, whichever is better for it
-            beats_placebo: gain > placebo && score(&fit).min(plain(&fit)) < nameless + RATIO_100,
+            beats_placebo: gain > placebo && score(&fit).min(plain(&fit)) < nameless,
             adequacy,
             gain,
             fit,

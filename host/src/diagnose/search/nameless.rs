@@ -1,8 +1,8 @@
-//! Whether an elastic explanation does better than an elastic departure that has no name.
+//! Whether an explanation does better than a departure that has no name: an elastic one, or relaxation in more times than two.
 
 use lut_gen::effect::{
-    adhesion, compliance, contact_offset, friction, nameless, numerics, poisson, radius, second_term, sensor_gain,
-    sensor_nonlinearity, thickness,
+    adhesion, compliance, contact_offset, friction, nameless, numerics, poisson, radius, relaxation, second_term,
+    sensor_gain, sensor_nonlinearity, thickness,
 };
 
 use super::super::fit::Candidate;
@@ -23,21 +23,45 @@ const STATIC: [&str; 9] = [
     numerics::EFFECT.code,
 ];
 
+/// True where an explanation has a part that claims a form of the elastic law, and none that is not elastic.
+pub(super) fn claims_a_law(explanation: &Explanation) -> bool {
+    is_elastic(explanation) && codes(explanation).any(|code| LAWS.contains(&code))
+}
+
+fn is_elastic(explanation: &Explanation) -> bool {
+    codes(explanation).all(|code| LAWS.contains(&code) || STATIC.contains(&code))
+}
+
+fn codes(explanation: &Explanation) -> impl Iterator<Item = &'static str> + '_ {
+    explanation.fit.candidates.iter().map(|c| c.effect.code)
+}
+
 impl Search<'_> {
-    /// By how much (sum of squares, parameters charged) an explanation is likelier than it must be against an elastic departure without a name in its place; none where it
-    /// has a part that is not elastic.
-    ///
-    /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any. A wrong radius, or a machine that gives way, has one
-    /// form: it must be no less likely. What that form may be wrong by is allowed for or not, whichever is better for it: a departure without a name has none to be wrong by.
+    /// By how much (sum of squares, parameters charged) an explanation is likelier than it must be against a departure without a name in its place; none where no such
+    /// departure is known for it.
     #[must_use]
     pub fn beyond_nameless(&self, best: &Explanation) -> Option<f64> {
-        let codes = || best.fit.candidates.iter().map(|c| c.effect.code);
-        if !codes().all(|code| LAWS.contains(&code) || STATIC.contains(&code)) {
+        if is_elastic(best) { Some(self.beyond_elastic(best)) } else { self.beyond_more_times(best) }
+    }
+
+    /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any, and so must two elastic effects that imitate one together. A
+    /// wrong radius, or a machine that gives way, has one form: it must be no less likely. What that form may be wrong by is allowed for or not, whichever is better for it: a
+    /// departure without a name has none to be wrong by.
+    fn beyond_elastic(&self, best: &Explanation) -> f64 {
+        let needed = if claims_a_law(best) || best.fit.candidates.len() > 1 { RATIO_100 } else { 0.0 };
+        let nameless = self.extended(&self.base, &Candidate { effect: &nameless::EFFECT, owner: 0 });
+        f64::max(score(&nameless) - best.score(), plain(&nameless) - plain(&best.fit)) - needed
+    }
+
+    /// What is named beside a relaxation that needs two times may be all that a third one leaves: it must be a hundred times likelier than that.
+    fn beyond_more_times(&self, best: &Explanation) -> Option<f64> {
+        let two = best.fit.candidates.iter().find(|c| *c.effect == relaxation::TWO)?;
+        if best.fit.candidates.len() < 2 {
             return None;
         }
-        let needed = if codes().any(|code| LAWS.contains(&code)) { RATIO_100 } else { 0.0 };
-        let nameless = self.extended(&self.base, &Candidate { effect: &nameless::EFFECT, owner: 0 });
-        let likelier = f64::max(score(&nameless) - best.score(), plain(&nameless) - plain(&best.fit));
-        Some(likelier - needed)
+        let alone = self.extended(&self.base, two);
+        let three = self.extended(&alone, &Candidate { effect: &relaxation::ONE, owner: two.owner });
+        let three = self.solved(&three).unwrap_or(three);
+        Some(score(&three) - best.score() - RATIO_100)
     }
 }

@@ -1,5 +1,6 @@
 //! Finite elements of whole paths for the explanations that may be named.
 
+use lut_gen::chain::Detail;
 use lut_gen::effect::{friction, second_term, softening};
 use nalgebra::DVector;
 
@@ -24,7 +25,7 @@ const SETTLES: usize = 5;
 /// A fit near a solve may promise this much less than what was left at the solve; of one that promises more only that is believed.
 const KEPT: f64 = 4.0;
 
-/// Valleys of a second term that are followed to their ground.
+/// Valleys of a second term beside another effect that are followed to their ground.
 const FOLLOWED: usize = 2;
 
 /// What a solve at a point left, and what a fit near it does.
@@ -48,7 +49,7 @@ impl Search<'_> {
             return None;
         }
         if !fit.candidates.iter().any(|c| is_far(c, fit)) {
-            return self.solve_at(&fit.candidates, &fit.x).map(|solved| solved.near);
+            return self.solve_at(&fit.candidates, &fit.x, Detail::Names).map(|solved| solved.near);
         }
         let Some(term) = fit.candidates.last().filter(|c| is_term(c)) else {
             return self.rounds(&fit.candidates, &fit.x, SOLVES);
@@ -68,19 +69,26 @@ impl Search<'_> {
             x
         });
         let starts: Vec<DVector<f64>> = others.chain([fit.x.clone()]).collect();
-        let mut valleys: Vec<Solved> = starts.iter().filter_map(|x| self.solve_at(&fit.candidates, x)).collect();
+        let mut valleys: Vec<Solved> =
+            starts.iter().filter_map(|x| self.solve_at(&fit.candidates, x, Detail::Valleys)).collect();
         valleys.sort_by(|a, b| a.near.discounted.total_cmp(&b.near.discounted));
-        let followed =
-            valleys.iter().take(FOLLOWED).filter_map(|v| self.rounds(&fit.candidates, &v.near.x, SOLVES - 1));
+        let deepest = valleys.first()?.near.discounted;
+        // without a history a solve is one ramp
+        let (most, rounds) = if fit.candidates.len() == 1 { (valleys.len(), SETTLES) } else { (FOLLOWED, SOLVES - 1) };
+        let worth = valleys.iter().take(most).filter(|v| v.near.discounted < deepest + NEAR);
+        let followed = worth.filter_map(|v| self.rounds(&fit.candidates, &v.near.x, rounds));
         followed.min_by(|a, b| a.discounted.total_cmp(&b.discounted))
     }
 
-    /// A fit with one more candidate, solved where the chain has it roughly only, and what was found out about it.
+    /// A fit with one more candidate, and what was found out about it, solved where the chain has it roughly only and it may be better than the best score so far.
     #[must_use]
-    pub fn with(&self, before: &Fit, candidate: &Candidate) -> Explanation {
-        let fit = self.extended(before, candidate);
-        let fit = self.solved(&fit).unwrap_or(fit);
-        self.compared(fit, before)
+    pub fn with(&self, before: &Fit, candidate: &Candidate, best: f64) -> Explanation {
+        let seen = self.compared(self.extended(before, candidate), before);
+        let worth = seen.score() < best + NEAR || may_be_best(&seen, before, best) || seen.adequacy.passes();
+        match worth.then(|| self.solved(&seen.fit)).flatten() {
+            Some(fit) => self.compared(fit, before),
+            None => seen,
+        }
     }
 
     /// Puts in the place of an explanation's fit one with solves at its own place until it stays there: what one that is merely near its best leaves,
@@ -95,12 +103,12 @@ impl Search<'_> {
     }
 
     /// Solves at a point, and fits near it.
-    fn solve_at(&self, candidates: &[Candidate], x: &DVector<f64>) -> Option<Solved> {
+    fn solve_at(&self, candidates: &[Candidate], x: &DVector<f64>, detail: Detail) -> Option<Solved> {
         let problem = &self.problem;
         let groups: Vec<usize> = problem.design.series.iter().map(|s| s.group).collect();
         let windows = problem.design.windows();
         let model = problem.model(&coordinates(problem.design, candidates), candidates, x);
-        let whole = problem.chain.whole(&model, &problem.contacts_mm, &windows, &groups).ok()?;
+        let whole = problem.chain.whole(&model, &problem.contacts_mm, &windows, &groups, detail).ok()?;
         let own = Problem { whole: Some(whole), ..problem.clone() };
         let near = own.fit(candidates, x);
         let allowed = allowed(problem, &near);
@@ -113,7 +121,7 @@ impl Search<'_> {
         let mut x = x.clone();
         let mut best: Option<Solved> = None;
         for _ in 0..most {
-            let solved = self.solve_at(candidates, &x)?;
+            let solved = self.solve_at(candidates, &x, Detail::Names)?;
             if let Some(best) = best.as_ref().filter(|best| solved.here.discounted >= best.here.discounted) {
                 // too far: half of the way
                 x = 0.5 * (&best.here.x + &x);
@@ -134,28 +142,27 @@ impl Search<'_> {
     pub(super) fn solve_best(&self, list: &mut [Explanation], before: Vec<Fit>) {
         let Some(best) = list.iter().map(Explanation::score).min_by(f64::total_cmp) else { return };
         let near = |e: &Explanation| e.score() < best + NEAR;
-        // what the chain has only roughly may be the best and seem far behind
-        let none = score(&self.base);
-        let far = |e: &Explanation| {
-            let rough = e.fit.candidates.iter().any(|c| is_far(c, &e.fit));
-            // the chain may see nothing in a second term at all
-            let term = matches!(&e.fit.candidates[..], [only] if is_term(only));
-            rough && (term || e.beats_noise && e.score() < best + FAR * (none - best))
-        };
         // of forms of one effect the chain may prefer the wrong one by as much as it is itself wrong by
         let codes = |e: &Explanation| e.fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect::<Vec<_>>();
         let solved: Vec<_> = list.iter().filter(|e| e.beats_noise && near(e)).take(SOLVED).map(codes).collect();
         let mut left = SOLVED;
         for (explanation, before) in list.iter_mut().zip(&before) {
             let wanted = explanation.beats_noise && near(explanation) && left > 0;
-            if (wanted || far(explanation) || solved.contains(&codes(explanation)))
-                && let Some(fit) = self.solved(&explanation.fit)
-            {
+            let own = wanted || may_be_best(explanation, before, best) || solved.contains(&codes(explanation));
+            if own && let Some(fit) = self.solved(&explanation.fit) {
                 *explanation = self.compared(fit, before);
             }
             left -= usize::from(wanted);
         }
     }
+}
+
+/// True where an effect that the chain has only roughly seems behind the best score, but explains so much of what is left without it that it may be the best.
+fn may_be_best(explanation: &Explanation, before: &Fit, best: f64) -> bool {
+    let rough = explanation.fit.candidates.iter().any(|c| is_far(c, &explanation.fit));
+    // the chain may see nothing in a second term at all
+    let term = matches!(&explanation.fit.candidates[..], [only] if is_term(only));
+    rough && (term || explanation.beats_noise && explanation.score() < best + FAR * (score(before) - best))
 }
 
 /// True for effects whose chain is so rough that one solve leads to a point where the next one is needed, unless there was one near by.
