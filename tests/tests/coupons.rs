@@ -94,7 +94,7 @@ fn is_decided_by_a_coupon(case: &Case) {
     assert!(first.what.contains("in a ring that fits it, lubricated, by 50 % of its height"), "{}", first.what);
     let followed = Followed::of(case, &all, &found, None, (&SOLVER, &MODELS)).unwrap().unwrap();
     println!("{}", followed.answer.line());
-    assert!(followed.resolved() && followed.runs.len() == 1, "{}", followed.answer.line());
+    assert!(followed.resolved && followed.runs.len() == 1, "{}", followed.answer.line());
 }
 
 fn hiding(design: Design, seed: u64, code: &'static str, level: usize, noise: NoiseKind) -> Case {

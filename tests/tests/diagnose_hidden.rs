@@ -139,7 +139,7 @@ fn a_second_effect_is_seen_beside_softening() {
 fn a_planned_run_decides() {
     let ambiguous = scored(&hiding(Design::D18, 31_014, "compliance", 4));
     let followed = ambiguous.followed.as_ref().expect("an ambiguous answer proposes a run");
-    assert!(followed.resolved() && followed.runs.len() <= 2, "{}", ambiguous.line());
+    assert!(followed.resolved && followed.runs.len() <= 2, "{}", ambiguous.line());
 }
 
 /// What is in no catalogue gets no name, or that of its cause.

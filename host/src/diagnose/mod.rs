@@ -164,8 +164,8 @@ pub struct Evidence {
     pub pairs: Vec<Explanation>,
     /// Explanations that hold and none that is a hundred times more likely, the best first.
     pub held: Vec<Explanation>,
-    /// By how much (sum of squares, parameters charged) the likeliest of these is likelier than it must be against an elastic departure without a name; none where it is not
-    /// elastic.
+    /// By how much (sum of squares, parameters charged) the likeliest of these is likelier than it must be against a departure without a name, elastic or in more times of
+    /// relaxation than two; none where neither is a question.
     pub beyond_nameless: Option<f64>,
     /// Error on conditions that were left out.
     pub held_out: Option<HeldOut>,
@@ -174,7 +174,7 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// True where an elastic departure without a name explains the data about as well as what explains them best.
+    /// True where a departure without a name explains the data about as well as what explains them best.
     #[must_use]
     pub fn is_nameless(&self) -> bool {
         is_nameless(self.beyond_nameless)
@@ -285,8 +285,7 @@ impl Diagnosis {
         candidates.retain(|c| !without.contains(&c.effect.code));
         let first = Search::new(prepared, candidates);
         self.blind_to = verdict::blind_spots(&first);
-        let in_margins = !first.adequacy.passes();
-        let visible = in_margins || first.catalogue() > first.spaces.threshold;
+        let visible = !first.adequacy.passes() || first.catalogue() > first.spaces.threshold;
         self.shows_in = first.adequacy.shows_in.iter().map(|v| v.word()).collect();
         let Found { search, singles, pairs, held, beyond_nameless } = if visible {
             Found::of(first, experiment.sensor.noise_n, progress)
@@ -303,7 +302,7 @@ impl Diagnosis {
         self.cancelling = verdict::cancelling(&design);
         self.proposals = plan::proposals(experiment, &search, &held, &self.blind_to);
         let nameless = is_nameless(beyond_nameless);
-        verdict::conclude(self, (visible, in_margins), (ripple.as_ref(), nameless), &held, held_out.as_ref());
+        verdict::conclude(self, visible, (ripple.as_ref(), nameless), &held, held_out.as_ref());
         let Search { noise, base, curves: base_curves, adequacy, margins, .. } = search;
         self.evidence = Some(Box::new(Evidence {
             design: design.clone(),

@@ -1,5 +1,7 @@
 //! From explanations to a verdict with names.
 
+use lut_gen::effect::relaxation;
+
 use super::Diagnosis;
 use super::check::Kind;
 use super::design::Design;
@@ -99,11 +101,11 @@ pub(super) fn cancelling(design: &Design) -> Vec<&'static str> {
     list
 }
 
-/// Fills in verdict and findings. `in_margins` tells whether a discrepancy shows in any variable, `visible` whether it shows at all, `nameless` whether an elastic
-/// departure without a name is too likely beside the best that holds.
+/// Fills in verdict and findings. `visible` tells whether a discrepancy shows, in a variable or along what an effect would change, `nameless` whether a departure without a
+/// name is too likely beside the best that holds.
 pub(super) fn conclude(
     diagnosis: &mut Diagnosis,
-    (visible, in_margins): (bool, bool),
+    visible: bool,
     (ripple, nameless): (Option<&Ripple>, bool),
     held: &[Explanation],
     held_out: Option<&HeldOut>,
@@ -129,16 +131,19 @@ pub(super) fn conclude(
     let spoilt = ripple.is_some_and(|r| r.share > SPOILS);
     if let Some(best) = held.first().filter(|_| nameless) {
         let codes: Vec<&str> = best.fit.candidates.iter().map(|c| c.effect.code).collect();
+        let other = if best.fit.candidates.iter().any(|c| *c.effect == relaxation::TWO) {
+            "relaxation in more times than two does that it could be named: a spectrum of times would look like this"
+        } else {
+            "an elastic departure without a name does that it could be named: another law, a skin or a gradient would look like this"
+        };
         diagnosis.messages.push(format!(
-            "{} explains it best of the catalogue, but not so much better than an elastic departure without a name does that it could be named: another law, a skin or a gradient would look like this",
+            "{} explains it best of the catalogue, but not so much better than {other}",
             codes.join(" with ")
         ));
     }
     let best = held.first().filter(|_| visible && gains && !spoilt && !nameless);
     let Some(best) = best else {
-        // what shows in no variable and has no name is within what one clean experiment of two hundred shows
-        let untested = (held_out.is_none() || nameless) && !held.is_empty() && visible;
-        diagnosis.verdict = if in_margins || ripple.is_some() || untested { Verdict::Unknown } else { Verdict::Clean };
+        diagnosis.verdict = if visible || ripple.is_some() { Verdict::Unknown } else { Verdict::Clean };
         return;
     };
     for (at, candidate) in best.fit.candidates.iter().enumerate() {

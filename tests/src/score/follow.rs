@@ -8,7 +8,7 @@ use palpate::simulate::{Effect, RunTemplate, SimulatedExperiment, Solver, TrueLa
 use crate::hidden::Case;
 
 use super::outcome::Outcome;
-use super::{Answer, ScoreError, known_models};
+use super::{Answer, ScoreError, known_models, oracle};
 
 /// Most runs that are made, one after the other.
 pub const MOST_RUNS: usize = 2;
@@ -28,6 +28,8 @@ pub struct Followed {
     pub answer: Answer,
     /// How good it is.
     pub outcome: Outcome,
+    /// Every name is single and right, and none is missing of what could be seen before.
+    pub resolved: bool,
 }
 
 impl Followed {
@@ -59,16 +61,20 @@ impl Followed {
                 next = one.proposals.first().map(|p| p.motion);
             }
             let outcome = Outcome::of(&case.truth(), strength, &answer);
-            followed = Some(Self { runs: runs.clone(), answer, outcome });
+            let resolved = is_resolved(&case.truth().codes(), strength, &answer);
+            followed = Some(Self { runs: runs.clone(), answer, outcome, resolved });
         }
         Ok(followed)
     }
+}
 
-    /// True when every effect has its one right name.
-    #[must_use]
-    pub fn resolved(&self) -> bool {
-        self.answer.verdict == Verdict::Named && matches!(self.outcome, Outcome::Exact | Outcome::Both)
-    }
+/// True when every name is single and that of an effect which is there, and every effect that could be seen before has one.
+fn is_resolved(codes: &[&str], strength: Option<&[f64]>, answer: &Answer) -> bool {
+    let names: Vec<&str> = answer.findings.iter().map(|f| f.code).collect();
+    let seen = |at: usize| strength.is_none_or(|s| s.get(at).is_none_or(|s| *s > oracle::SEEN));
+    answer.verdict == Verdict::Named
+        && names.iter().all(|name| codes.contains(name))
+        && codes.iter().enumerate().all(|(at, code)| !seen(at) || names.contains(code))
 }
 
 /// The planned runs alone, with what is hidden, other chance and other spots.

@@ -5,7 +5,6 @@ use std::fmt::Write;
 use crate::hidden::{Design, NoiseKind, What};
 
 use super::Scored;
-use super::follow::Followed;
 use super::outcome::Outcome;
 use super::rate::{percent, share, upper95};
 
@@ -147,7 +146,7 @@ impl Score<'_> {
         );
         let (cases, resolved) = (
             self.count(|s| s.outcome != Outcome::Wrong && s.followed.is_some()),
-            self.count(|s| s.outcome != Outcome::Wrong && s.followed.as_ref().is_some_and(Followed::resolved)),
+            self.count(|s| s.outcome != Outcome::Wrong && s.followed.as_ref().is_some_and(|f| f.resolved)),
         );
         row(
             "ambiguous, the truth in the set: the right single names after at most two planned runs >= 80 %",

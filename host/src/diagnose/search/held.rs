@@ -63,6 +63,10 @@ impl<'a> Found<'a> {
             let fit = found.pairs[best].fit.clone();
             found.tell_about(&fit, stated_n);
             found.try_twins(&fit);
+            // with the noise that it told about another may be likelier
+            if let Some(best) = found.alike(&found.pairs).first().map(|e| e.fit.clone()) {
+                found.try_twins(&best);
+            }
         }
         let together = found.alike(&found.pairs);
         if together.first().is_some_and(|two| found.needs(two)) {

@@ -112,7 +112,7 @@ pub struct Search<'a> {
     pub adequacy: Adequacy,
     /// Candidates that this design could have.
     pub candidates: Vec<Candidate>,
-    /// Signature of every candidate at the base fit.
+    /// Signature of every candidate at the base fit; behind them that of an elastic departure without a name.
     pub signatures: Vec<DMatrix<f64>>,
     /// What they hold of clean twins.
     pub spaces: Spaces,
@@ -126,7 +126,8 @@ impl<'a> Search<'a> {
         let curves = Problem::curves(problem.design, problem.chain, &base.model, &problem.contacts_mm);
         let margins = margin::margins(&problem, &curves);
         let twins = evidence::twins(&problem.whitening, &noise, &problem.used, evidence::TWINS);
-        let signatures: Vec<DMatrix<f64>> = candidates.par_iter().map(|c| signature(&problem, &base, c)).collect();
+        let mut signatures: Vec<DMatrix<f64>> = candidates.par_iter().map(|c| signature(&problem, &base, c)).collect();
+        signatures.push(nameless::departure(&problem, &base));
         let spaces = Spaces::new(&signatures, &base.jacobian, &twins);
         let none = DMatrix::zeros(problem.whitening.residuals(), 0);
         let panel = Panel::new(&margins, &twins);
@@ -141,10 +142,10 @@ impl<'a> Search<'a> {
         Some(Self::new(own.about(&fit.model, stated_n)?, self.candidates.clone()))
     }
 
-    /// Largest reading of any candidate at the base.
+    /// Largest reading of any candidate, or of an elastic departure without a name, at the base.
     #[must_use]
     pub fn catalogue(&self) -> f64 {
-        (0..self.candidates.len()).map(|at| self.spaces.read(at, &self.base.residual)).fold(f64::MIN, f64::max)
+        (0..self.signatures.len()).map(|at| self.spaces.read(at, &self.base.residual)).fold(f64::MIN, f64::max)
     }
 }
 

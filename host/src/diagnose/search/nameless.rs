@@ -1,12 +1,31 @@
 //! Whether an explanation does better than a departure that has no name: an elastic one, or relaxation in more times than two.
 
+use lut_gen::chain::Setting;
 use lut_gen::effect::{
-    adhesion, compliance, contact_offset, friction, nameless, numerics, poisson, radius, relaxation, second_term,
-    sensor_gain, sensor_nonlinearity, thickness,
+    Quantity, adhesion, compliance, contact_offset, friction, nameless, numerics, poisson, radius, relaxation,
+    second_term, sensor_gain, sensor_nonlinearity, thickness,
 };
 
-use super::super::fit::Candidate;
+use nalgebra::{DMatrix, DVector};
+
+use super::super::fit::{Candidate, Fit, Problem};
 use super::{Explanation, RATIO_100, Search, plain, score};
+
+/// What a plausible amount of each part of an elastic departure without a name changes, whitened, a column a part.
+pub(super) fn departure(problem: &Problem<'_>, at: &Fit) -> DMatrix<f64> {
+    let here = problem.residual(&at.model);
+    let quantities = nameless::EFFECT.quantities;
+    let columns: Vec<DVector<f64>> = (0..quantities.len())
+        .map(|part| {
+            let value = |(k, q): (usize, &Quantity)| if k == part { q.plausible } else { q.null };
+            let mut model = at.model.clone();
+            let values = quantities.iter().enumerate().map(value).collect();
+            model.settings.push(Setting { effect: &nameless::EFFECT, owner: 0, values });
+            &here - problem.residual(&model)
+        })
+        .collect();
+    DMatrix::from_columns(&columns)
+}
 
 /// Effects that claim a form of the foam's elastic law.
 const LAWS: [&str; 2] = [poisson::EFFECT.code, second_term::EFFECT.code];

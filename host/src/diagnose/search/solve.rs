@@ -48,7 +48,7 @@ impl Search<'_> {
         if !lut_gen::chain::is_rough(&fit.model) {
             return None;
         }
-        if !fit.candidates.iter().any(|c| is_far(c, fit)) {
+        if !is_far_off(fit) {
             return self.solve_at(&fit.candidates, &fit.x, Detail::Names).map(|solved| solved.near);
         }
         let Some(term) = fit.candidates.last().filter(|c| is_term(c)) else {
@@ -151,18 +151,24 @@ impl Search<'_> {
             let own = wanted || may_be_best(explanation, before, best) || solved.contains(&codes(explanation));
             if own && let Some(fit) = self.solved(&explanation.fit) {
                 *explanation = self.compared(fit, before);
+                left -= usize::from(wanted);
             }
-            left -= usize::from(wanted);
         }
     }
 }
 
 /// True where an effect that the chain has only roughly seems behind the best score, but explains so much of what is left without it that it may be the best.
 fn may_be_best(explanation: &Explanation, before: &Fit, best: f64) -> bool {
-    let rough = explanation.fit.candidates.iter().any(|c| is_far(c, &explanation.fit));
+    let rough = is_far_off(&explanation.fit);
     // the chain may see nothing in a second term at all
     let term = matches!(&explanation.fit.candidates[..], [only] if is_term(only));
     rough && (term || explanation.beats_noise && explanation.score() < best + FAR * (score(before) - best))
+}
+
+/// True where one solve leads to a point where the next one is needed: with an effect that the chain has only roughly, or an exponent far from that of the solve near by.
+fn is_far_off(fit: &Fit) -> bool {
+    let moved = fit.model.whole.as_ref().is_some_and(|whole| whole.is_far_from(&fit.model));
+    moved || fit.candidates.iter().any(|c| is_far(c, fit))
 }
 
 /// True for effects whose chain is so rough that one solve leads to a point where the next one is needed, unless there was one near by.

@@ -68,7 +68,7 @@ pub(super) fn nearest(experiment: &Experiment, found: &Diagnosis) -> Option<Stri
         if !first.holds() {
             told(first)
         } else if evidence.is_nameless() {
-            "an elastic departure without a name explains these data about as well".to_owned()
+            "a departure without a name explains these data about as well".to_owned()
         } else {
             "it did not predict what was left out better than the base".to_owned()
         },

@@ -28,7 +28,7 @@ pub fn sentence(found: &Diagnosis) -> String {
             causes(found)
         ),
         Verdict::Unknown if found.evidence.as_deref().is_some_and(Evidence::is_nameless) => format!(
-            "The simulation of {} is wrong here, and no effect in the catalogue explains it clearly better than an elastic departure without a name{} ({code}).",
+            "The simulation of {} is wrong here, and no effect in the catalogue explains it clearly better than a departure without a name{} ({code}).",
             material,
             shows(found)
         ),
@@ -58,7 +58,7 @@ pub fn meaning(verdict: Verdict) -> &'static str {
             "ambiguous: one explanation meets every demand on a name, and others leave nothing visible either and are within a likelihood ratio of 100 of it. Each of them would mend the simulation here; only another run can tell which is at work."
         }
         Verdict::Unknown => {
-            "unknown: the residual is larger than noise makes it, and no explanation meets every demand on a name, or an elastic one is not clearly likelier than any smooth function of depth and radius. A cause outside the catalogue is as possible as more causes at once than were tried."
+            "unknown: the residual is larger than noise makes it, and no explanation meets every demand on a name, or the likeliest is not clearly likelier than any smooth function of depth and radius, or than relaxation in more times than two. A cause outside the catalogue is as possible as more causes at once than were tried."
         }
         Verdict::TooFewData => "too-few-data: no run of this material can be compared with a simulation.",
         Verdict::Refused => {

@@ -37,6 +37,8 @@ type Curve = Vec<(f64, f64)>;
 pub struct Whole {
     /// Shear modulus (MPa) that it was found at: it is in proportion to that.
     mu_mpa: f64,
+    /// Exponent that it was found at.
+    alpha: f64,
     /// What finite elements add and what a few places miss of the motion, N at the places of every passage.
     missed_n: Vec<Vec<(f64, f64)>>,
     /// How large the effect is that the former is in proportion to; none where there are several.
@@ -50,6 +52,14 @@ impl Whole {
     #[must_use]
     pub fn covers(&self, code: &str) -> bool {
         self.codes.contains(&code)
+    }
+
+    /// True for a model whose exponent is another one by so much that what is missed is not the same.
+    #[must_use]
+    pub fn is_far_from(&self, model: &Model) -> bool {
+        const FAR: f64 = 1.3;
+        let ratio = model.alpha / self.alpha;
+        ratio.max(ratio.recip()) > FAR
     }
 
     /// What is missed in a run of `places` places by a model, N; nothing for a run that it was not made for.
@@ -254,7 +264,7 @@ impl Chain {
         });
         let missed_n = missed_n.collect();
         let codes = bare.settings.iter().map(|s| s.effect.code).collect();
-        Ok(Arc::new(Whole { mu_mpa: model.mu_mpa, missed_n, size: size(&bare), codes }))
+        Ok(Arc::new(Whole { mu_mpa: model.mu_mpa, alpha: model.alpha, missed_n, size: size(&bare), codes }))
     }
 
     fn fine(&self, model: &Model, (run, windows): (usize, &[Window]), contact_mm: f64, remembers: bool) -> Fine {
