@@ -143,6 +143,11 @@ pub(super) fn conclude(
     }
     let best = held.first().filter(|_| visible && gains && !spoilt && !nameless);
     let Some(best) = best else {
+        if visible && diagnosis.shows_in.is_empty() {
+            diagnosis.messages.push(
+                "no variable shows it by itself: the residual lies along what an effect of the catalogue, or a smooth elastic departure, would change, farther than noise goes".to_owned(),
+            );
+        }
         diagnosis.verdict = if visible || ripple.is_some() { Verdict::Unknown } else { Verdict::Clean };
         return;
     };

@@ -184,3 +184,34 @@ fn append(all: &mut Experiment, more: &Experiment) {
         all.runs.push(run);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate::diagnose::Finding;
+
+    fn answer(verdict: Verdict, codes: &[&'static str]) -> Answer {
+        let finding = |code: &&'static str| Finding {
+            code,
+            form: "",
+            owner: 0,
+            parameters: Vec::new(),
+            ambiguous_with: Vec::new(),
+        };
+        let findings = codes.iter().map(finding).collect();
+        Answer { verdict, findings, shows_in: Vec::new(), blind_to: Vec::new(), reason: None, seconds: 0.0 }
+    }
+
+    /// What could not be seen before need not be named, what could must be, and a name of something else spoils it.
+    #[test]
+    fn names_must_be_right_and_complete() {
+        let pair = ["thickness", "lag"];
+        let seen = [0.7, oracle::SEEN + 1.0];
+        let resolved = |verdict, codes: &[&'static str]| is_resolved(&pair, Some(&seen), &answer(verdict, codes));
+        assert!(resolved(Verdict::Named, &["lag"]) && resolved(Verdict::Named, &["lag", "thickness"]));
+        assert!(!resolved(Verdict::Named, &["thickness"]) && !resolved(Verdict::Named, &["lag", "drift"]));
+        assert!(!resolved(Verdict::Ambiguous, &["lag"]) && !resolved(Verdict::Clean, &[]));
+        // with no strength known everything must be named
+        assert!(!is_resolved(&pair, None, &answer(Verdict::Named, &["lag"])));
+    }
+}

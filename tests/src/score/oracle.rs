@@ -269,3 +269,17 @@ fn miss(problem: &Problem<'_>, fit: &Fit, group: usize) -> (f64, f64) {
     let pairs = own.flat_map(|(s, curve)| s.nodes.iter().zip(curve));
     pairs.fold((0.0, 0.0), |(sum, count), (node, force_n)| (sum + (node.force_n - force_n).powi(2), count + 1.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same size in another shape, where there is more than one.
+    #[test]
+    fn a_reshaped_effect_is_as_large_as_before() {
+        assert_eq!(reshaped(&Effect::Relaxation(vec![(0.2, 2.0)])), Some(Effect::Relaxation(vec![(0.2, 2.1)])));
+        let creep = reshaped(&Effect::SensorCreep { amplitude: 0.1, tau_s: 4.0 });
+        assert_eq!(creep, Some(Effect::SensorCreep { amplitude: 0.1, tau_s: 4.2 }));
+        assert_eq!(reshaped(&Effect::Compliance { mm_per_n: 0.1 }), None);
+    }
+}

@@ -32,55 +32,60 @@ impl<'a> Found<'a> {
         progress("effects", 0, 2);
         let singles = search.singles();
         let mut found = Self { search, singles, pairs: Vec::new(), held: Vec::new(), beyond_nameless: None };
+        found.settle_singles(stated_n);
+        found.held = found.alike(&found.singles);
+        // where an explanation that may itself be wrong holds nothing is added to it: a second name for what it leaves would be a wrong one
+        if found.held.first().is_none_or(Explanation::is_exact) {
+            progress("effects together", 1, 2);
+            found.look_for_pairs(stated_n);
+            let together = found.alike(&found.pairs);
+            let needed = together.first().is_some_and(|two| found.needs(two));
+            found.held = if needed { together } else { found.alike(&found.singles) };
+        }
+        found.against_nameless()
+    }
+
+    /// Brings the likeliest single effects to where their solves are, and tells the noise about the likeliest.
+    fn settle_singles(&mut self, stated_n: Option<f64>) {
         // one with a parameter at its bound is not named: the next must be as near to its own best, and so must the other forms of the likeliest effect
-        let sound = found.singles.iter().position(|e| e.beats_noise && !e.fit.at_bound);
-        let mut best: Vec<usize> = likeliest(&found.singles).into_iter().chain(sound).collect();
-        let forms = best.first().map(|at| found.forms(&found.singles[*at])).unwrap_or_default();
+        let sound = self.singles.iter().position(|e| e.beats_noise && !e.fit.at_bound);
+        let mut best: Vec<usize> = likeliest(&self.singles).into_iter().chain(sound).collect();
+        let forms = best.first().map(|at| self.forms(&self.singles[*at])).unwrap_or_default();
         best.extend(forms);
         best.sort_unstable();
         best.dedup();
         for at in best {
-            found.search.settle(&mut found.singles[at]);
+            self.search.settle(&mut self.singles[at]);
         }
-        if let Some(best) = likeliest(&found.singles) {
-            let fit = found.singles[best].fit.clone();
-            found.tell_about(&fit, stated_n);
+        if let Some(best) = likeliest(&self.singles) {
+            let fit = self.singles[best].fit.clone();
+            self.tell_about(&fit, stated_n);
         }
-        found.held = found.alike(&found.singles);
-        // where an explanation that may itself be wrong holds nothing is added to it: a second name for what it leaves would be a wrong one
-        if found.held.first().is_some_and(|best| !best.is_exact()) {
-            return found.against_nameless();
-        }
-        progress("effects together", 1, 2);
-        let mut base: Vec<Explanation> = found.singles.iter().filter(|e| e.beats_noise).cloned().collect();
-        if let Some(best) = found.held.first() {
+    }
+
+    /// Extends single effects by a second one.
+    fn look_for_pairs(&mut self, stated_n: Option<f64>) {
+        let mut base: Vec<Explanation> = self.singles.iter().filter(|e| e.beats_noise).cloned().collect();
+        if let Some(best) = self.held.first() {
             // a second effect may be what the richer form of the first was taken for
             base.retain(|e| key(e) == key(best));
         }
-        found.pairs = found.search.one_more(&base);
-        if let Some(best) = likeliest(&found.pairs).filter(|best| found.needs(&found.pairs[*best])) {
-            found.search.settle(&mut found.pairs[best]);
-            let fit = found.pairs[best].fit.clone();
-            found.tell_about(&fit, stated_n);
-            found.try_twins(&fit);
-            // with the noise that it told about another may be likelier
-            if let Some(best) = found.alike(&found.pairs).first().map(|e| e.fit.clone()) {
-                found.try_twins(&best);
-            }
+        self.pairs = self.search.one_more(&base);
+        let Some(best) = likeliest(&self.pairs).filter(|best| self.needs(&self.pairs[*best])) else { return };
+        self.search.settle(&mut self.pairs[best]);
+        let fit = self.pairs[best].fit.clone();
+        self.tell_about(&fit, stated_n);
+        self.try_twins(&fit);
+        // with the noise that it told about another may be likelier
+        if let Some(best) = self.alike(&self.pairs).first().map(|e| e.fit.clone()) {
+            self.try_twins(&best);
         }
-        let together = found.alike(&found.pairs);
-        if together.first().is_some_and(|two| found.needs(two)) {
-            found.held = together;
-        } else {
-            found.held = found.alike(&found.singles);
-        }
-        found.against_nameless()
     }
 
     /// The same with what a departure without a name does in the place of the best that holds. Where an elastic law is not excluded beside that, no other one is either.
     fn against_nameless(mut self) -> Self {
         let law = self.held.iter().skip(1).find(|rival| claims_a_law(rival));
-        let of = |e: &Explanation| self.search.beyond_nameless(e);
+        let of = |e: &Explanation| self.search.beyond_nameless(e, &self.singles);
         self.beyond_nameless = self.held.first().and_then(of).or_else(|| law.and_then(of));
         self
     }

@@ -57,10 +57,10 @@ fn codes(explanation: &Explanation) -> impl Iterator<Item = &'static str> + '_ {
 
 impl Search<'_> {
     /// By how much (sum of squares, parameters charged) an explanation is likelier than it must be against a departure without a name in its place; none where no such
-    /// departure is known for it.
+    /// departure is known for it. `singles` are the explanations by one effect.
     #[must_use]
-    pub fn beyond_nameless(&self, best: &Explanation) -> Option<f64> {
-        if is_elastic(best) { Some(self.beyond_elastic(best)) } else { self.beyond_more_times(best) }
+    pub fn beyond_nameless(&self, best: &Explanation, singles: &[Explanation]) -> Option<f64> {
+        if is_elastic(best) { Some(self.beyond_elastic(best)) } else { self.beyond_more_times(best, singles) }
     }
 
     /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any, and so must two elastic effects that imitate one together. A
@@ -73,13 +73,13 @@ impl Search<'_> {
     }
 
     /// What is named beside a relaxation that needs two times may be all that a third one leaves: it must be a hundred times likelier than that.
-    fn beyond_more_times(&self, best: &Explanation) -> Option<f64> {
+    fn beyond_more_times(&self, best: &Explanation, singles: &[Explanation]) -> Option<f64> {
         let two = best.fit.candidates.iter().find(|c| *c.effect == relaxation::TWO)?;
         if best.fit.candidates.len() < 2 {
             return None;
         }
-        let alone = self.extended(&self.base, two);
-        let three = self.extended(&alone, &Candidate { effect: &relaxation::ONE, owner: two.owner });
+        let alone = singles.iter().find(|e| e.fit.candidates == [*two])?;
+        let three = self.extended(&alone.fit, &Candidate { effect: &relaxation::ONE, owner: two.owner });
         let three = self.solved(&three).unwrap_or(three);
         Some(score(&three) - best.score() - RATIO_100)
     }

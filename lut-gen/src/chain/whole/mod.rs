@@ -539,3 +539,16 @@ impl Passage {
         Self { time_s, depth_mm, ..self.clone() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nearness is one of exponents, whatever the modulus, up and down.
+    #[test]
+    fn a_solve_is_far_from_another_exponent() {
+        let whole = Whole { mu_mpa: 0.1, alpha: 8.0, missed_n: Vec::new(), size: None, codes: Vec::new() };
+        assert!(!whole.is_far_from(&Model::base(5.0, 8.0)) && !whole.is_far_from(&Model::base(0.1, 9.5)));
+        assert!(whole.is_far_from(&Model::base(0.1, 11.0)) && whole.is_far_from(&Model::base(0.1, 6.0)));
+    }
+}
