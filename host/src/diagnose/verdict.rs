@@ -1,14 +1,12 @@
 //! From explanations to a verdict with names.
 
-use lut_gen::effect::relaxation;
-
 use super::Diagnosis;
 use super::check::Kind;
 use super::design::Design;
 use super::evidence::{Gauge, Panel};
 use super::held_out::HeldOut;
 use super::ripple::{Over, Ripple, SPOILS};
-use super::search::{Explanation, Search};
+use super::search::{self, Explanation, Search};
 
 /// The stable word of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -131,7 +129,7 @@ pub(super) fn conclude(
     let spoilt = ripple.is_some_and(|r| r.share > SPOILS);
     if let Some(best) = held.first().filter(|_| nameless) {
         let codes: Vec<&str> = best.fit.candidates.iter().map(|c| c.effect.code).collect();
-        let other = if best.fit.candidates.iter().any(|c| *c.effect == relaxation::TWO) {
+        let other = if search::beside_two_times(best).is_some() {
             "relaxation in more times than two does that it could be named: a spectrum of times would look like this"
         } else {
             "an elastic departure without a name does that it could be named: another law, a skin or a gradient would look like this"

@@ -45,6 +45,7 @@ impl Followed {
         strength: Option<&[f64]>,
         (solver, models): (&Solver, &Models),
     ) -> Result<Option<Self>, ScoreError> {
+        let truth = case.truth();
         let mut all = experiment.clone();
         let mut next = diagnosis.proposals.first().map(|p| p.motion);
         let mut followed: Option<Self> = None;
@@ -60,8 +61,8 @@ impl Followed {
             if matches!(answer.verdict, Verdict::Ambiguous | Verdict::Unknown) && runs.len() < MOST_RUNS {
                 next = one.proposals.first().map(|p| p.motion);
             }
-            let outcome = Outcome::of(&case.truth(), strength, &answer);
-            let resolved = is_resolved(&case.truth().codes(), strength, &answer);
+            let outcome = Outcome::of(&truth, strength, &answer);
+            let resolved = is_resolved(&truth.codes(), strength, &answer);
             followed = Some(Self { runs: runs.clone(), answer, outcome, resolved });
         }
         Ok(followed)

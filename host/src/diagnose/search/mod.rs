@@ -23,6 +23,7 @@ use begin::starts;
 pub use form_error::allowed;
 use form_error::{form_error, is_rough};
 pub(super) use held::Found;
+pub(super) use nameless::beside_two_times;
 
 /// Likelihood ratio of 100 as a difference of sums of squares.
 pub const RATIO_100: f64 = 9.21;
@@ -198,16 +199,18 @@ pub fn candidates(design: &Design) -> Vec<Candidate> {
 /// What a plausible amount of a candidate changes, whitened: a column for every start of its shape.
 #[must_use]
 pub fn signature(problem: &Problem<'_>, at: &Fit, candidate: &Candidate) -> DMatrix<f64> {
+    changes(problem, at, candidate, shapes(problem.largest_n(), candidate))
+}
+
+/// What a candidate changes at each of some values of its quantities, whitened, a column each.
+fn changes(problem: &Problem<'_>, at: &Fit, candidate: &Candidate, each: Vec<Vec<f64>>) -> DMatrix<f64> {
     let here = problem.residual(&at.model);
-    let columns: Vec<DVector<f64>> = shapes(problem.largest_n(), candidate)
-        .into_iter()
-        .map(|values| {
-            let mut model = at.model.clone();
-            model.settings.push(Setting { effect: candidate.effect, owner: candidate.owner, values });
-            &here - problem.residual(&model)
-        })
-        .collect();
-    DMatrix::from_columns(&columns)
+    let column = |values| {
+        let mut model = at.model.clone();
+        model.settings.push(Setting { effect: candidate.effect, owner: candidate.owner, values });
+        &here - problem.residual(&model)
+    };
+    DMatrix::from_columns(&each.into_iter().map(column).collect::<Vec<DVector<f64>>>())
 }
 
 /// Plausible amplitudes with every start of the shape parameters.

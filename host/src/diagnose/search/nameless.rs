@@ -1,30 +1,25 @@
 //! Whether an explanation does better than a departure that has no name: an elastic one, or relaxation in more times than two.
 
-use lut_gen::chain::Setting;
 use lut_gen::effect::{
     Quantity, adhesion, compliance, contact_offset, friction, nameless, numerics, poisson, radius, relaxation,
     second_term, sensor_gain, sensor_nonlinearity, thickness,
 };
-
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::super::fit::{Candidate, Fit, Problem};
-use super::{Explanation, RATIO_100, Search, plain, score};
+use super::{Explanation, RATIO_100, Search, changes, plain, score};
 
-/// What a plausible amount of each part of an elastic departure without a name changes, whitened, a column a part.
+/// An elastic departure without a name.
+const NAMELESS: Candidate = Candidate { effect: &nameless::EFFECT, owner: 0 };
+
+/// What a plausible amount of each of its parts changes, whitened, a column a part.
 pub(super) fn departure(problem: &Problem<'_>, at: &Fit) -> DMatrix<f64> {
-    let here = problem.residual(&at.model);
     let quantities = nameless::EFFECT.quantities;
-    let columns: Vec<DVector<f64>> = (0..quantities.len())
-        .map(|part| {
-            let value = |(k, q): (usize, &Quantity)| if k == part { q.plausible } else { q.null };
-            let mut model = at.model.clone();
-            let values = quantities.iter().enumerate().map(value).collect();
-            model.settings.push(Setting { effect: &nameless::EFFECT, owner: 0, values });
-            &here - problem.residual(&model)
-        })
-        .collect();
-    DMatrix::from_columns(&columns)
+    let alone = |part: usize| {
+        let value = |(k, q): (usize, &Quantity)| if k == part { q.plausible } else { q.null };
+        quantities.iter().enumerate().map(value).collect()
+    };
+    changes(problem, at, &NAMELESS, (0..quantities.len()).map(alone).collect())
 }
 
 /// Effects that claim a form of the foam's elastic law.
@@ -45,6 +40,12 @@ const STATIC: [&str; 9] = [
 /// True where an explanation has a part that claims a form of the elastic law, and none that is not elastic.
 pub(super) fn claims_a_law(explanation: &Explanation) -> bool {
     is_elastic(explanation) && codes(explanation).any(|code| LAWS.contains(&code))
+}
+
+/// The relaxation of two times that an explanation has something else beside, if it is one of those.
+pub fn beside_two_times(explanation: &Explanation) -> Option<&Candidate> {
+    let candidates = &explanation.fit.candidates;
+    candidates.iter().find(|c| *c.effect == relaxation::TWO).filter(|_| candidates.len() > 1)
 }
 
 fn is_elastic(explanation: &Explanation) -> bool {
@@ -68,16 +69,13 @@ impl Search<'_> {
     /// departure without a name has none to be wrong by.
     fn beyond_elastic(&self, best: &Explanation) -> f64 {
         let needed = if claims_a_law(best) || best.fit.candidates.len() > 1 { RATIO_100 } else { 0.0 };
-        let nameless = self.extended(&self.base, &Candidate { effect: &nameless::EFFECT, owner: 0 });
+        let nameless = self.extended(&self.base, &NAMELESS);
         f64::max(score(&nameless) - best.score(), plain(&nameless) - plain(&best.fit)) - needed
     }
 
     /// What is named beside a relaxation that needs two times may be all that a third one leaves: it must be a hundred times likelier than that.
     fn beyond_more_times(&self, best: &Explanation, singles: &[Explanation]) -> Option<f64> {
-        let two = best.fit.candidates.iter().find(|c| *c.effect == relaxation::TWO)?;
-        if best.fit.candidates.len() < 2 {
-            return None;
-        }
+        let two = beside_two_times(best)?;
         let alone = singles.iter().find(|e| e.fit.candidates == [*two])?;
         let three = self.extended(&alone.fit, &Candidate { effect: &relaxation::ONE, owner: two.owner });
         let three = self.solved(&three).unwrap_or(three);
