@@ -48,7 +48,7 @@ fn codes(found: &Diagnosis) -> Vec<&'static str> {
 
 /// Relative half width of the 95 % interval of the exponent.
 fn spread(found: &Diagnosis) -> f64 {
-    let [_, (alpha, (low, high))] = found.evidence.as_ref().unwrap().base.base(1.96);
+    let [_, (alpha, (low, high))] = found.evidence.as_ref().unwrap().base.base();
     0.5 * (high - low) / alpha
 }
 

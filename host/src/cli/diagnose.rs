@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 
-use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models, Verdict, Z95};
+use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models, Verdict};
 use crate::experiment::{self, Experiment};
 use crate::extended::ExtendedModel;
 use crate::report::{self, number};
@@ -188,7 +188,11 @@ fn print_finding(finding: &Finding) {
         [] => String::new(),
         others => format!(", or {}", others.join(", or ")),
     };
-    println!("effect           {} ({}){twins}", finding.code, finding.form);
+    let of = match finding.of.as_slice() {
+        [] => String::new(),
+        names => format!(" of {}", names.join(" or of ")),
+    };
+    println!("effect           {} ({}){of}{twins}", finding.code, finding.form);
     for (name, value, (low, high)) in &finding.parameters {
         println!("  {name:14} {:>10}  95 %: {} to {}", number(*value), number(*low), number(*high));
     }
@@ -200,8 +204,8 @@ fn print_finding(finding: &Finding) {
 
 /// Parameters and held-out errors, before and after.
 fn print_gain(evidence: &Evidence) {
-    let Some(best) = evidence.held.first() else { return };
-    let (before, after) = (evidence.base.base(Z95), best.fit.base(Z95));
+    let Some(after) = evidence.extended() else { return };
+    let before = evidence.base.base();
     for (name, (was, is)) in ["mu_MPa", "alpha"].iter().zip(before.iter().zip(&after)) {
         let (low, high) = is.1;
         println!("{name:16} {:>10} -> {}  95 %: {} to {}", number(was.0), number(is.0), number(low), number(high));

@@ -2,11 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::fit::Fit;
 use super::plan::On;
 use super::search::Explanation;
-use super::verdict::Z95;
-use super::{Diagnosis, Evidence, Verdict};
+use super::{Diagnosis, Estimate, Evidence, Verdict};
 
 /// One material's answer; keys as in the contract, `material`, `faults`, `reason` and `messages` added.
 #[must_use]
@@ -22,13 +20,13 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
                     ((*name).to_owned(), json!({ "value": value, "interval95": [low, high] }))
                 })
                 .collect();
-            json!({ "code": finding.code, "form": finding.form, "parameters": parameters })
+            json!({ "code": finding.code, "form": finding.form, "of": finding.of, "parameters": parameters })
         })
         .collect();
     let ambiguous: Vec<&Vec<&str>> = diagnosis.findings.iter().map(|f| &f.ambiguous_with).collect();
     let evidence = diagnosis.evidence.as_deref();
     let held_out = evidence.and_then(|e| e.held_out.as_ref());
-    let extended = evidence.and_then(|e| e.held.first()).filter(|_| named(diagnosis.verdict));
+    let extended = evidence.and_then(Evidence::extended).filter(|_| named(diagnosis.verdict));
     let proposals = proposals(diagnosis);
     let candidates: Vec<Value> =
         evidence.map_or_else(Vec::new, |e| e.singles.iter().map(|s| candidate(e, s)).collect());
@@ -50,8 +48,8 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "held_out": held_out.map(|h| json!({
             "rmse_N_before": h.rmse_before_n, "rmse_N_after": h.rmse_after_n, "conditions": h.conditions,
         })),
-        "base": { "parameters": evidence.map(|e| parameters(&e.base)) },
-        "extended": { "parameters": extended.map(|e| parameters(&e.fit)) },
+        "base": { "parameters": evidence.map(|e| parameters(e.base.base())) },
+        "extended": { "parameters": extended.map(parameters) },
         "messages": diagnosis.messages,
         "report": report,
         "seconds": diagnosis.seconds,
@@ -118,8 +116,7 @@ fn named(verdict: Verdict) -> bool {
     matches!(verdict, Verdict::Named | Verdict::Ambiguous)
 }
 
-fn parameters(fit: &Fit) -> Value {
-    let [mu, alpha] = fit.base(Z95);
-    let one = |(value, (low, high)): (f64, (f64, f64))| json!({ "value": value, "interval95": [low, high] });
+fn parameters([mu, alpha]: [Estimate; 2]) -> Value {
+    let one = |(value, (low, high)): Estimate| json!({ "value": value, "interval95": [low, high] });
     json!({ "mu_MPa": one(mu), "alpha": one(alpha) })
 }

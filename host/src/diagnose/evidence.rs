@@ -30,9 +30,16 @@ pub struct Gauge {
     pub threshold: f64,
 }
 
-/// Draws of whitened residuals of clean twins, with the uncertainty of the noise estimate.
+/// Draws of whitened residuals of clean twins, with the uncertainty of the noise estimate. `plausible` is what else the noise of the sensor may be: weights, of sum 1, and
+/// [`Whitening::colours`]; where there is none it is what it was estimated to be.
 #[must_use]
-pub fn twins(whitening: &Whitening, noise: &Noise, used: &[bool], count: usize) -> DMatrix<f64> {
+pub fn twins(
+    whitening: &Whitening,
+    noise: &Noise,
+    plausible: &[(f64, Vec<DMatrix<f64>>)],
+    used: &[bool],
+    count: usize,
+) -> DMatrix<f64> {
     let mut chance = Pcg64::seed_from_u64(SEED);
     let factor = |freedom: f64, chance: &mut Pcg64| {
         ChiSquared::new(freedom).map_or(1.0, |chi| (freedom / chi.sample(chance).max(0.05 * freedom)).sqrt())
@@ -43,7 +50,14 @@ pub fn twins(whitening: &Whitening, noise: &Noise, used: &[bool], count: usize) 
         let there = noise.posterior.at(chance.random()).unwrap_or(&noise.jitter);
         let ratio = |of: fn(&Jitter) -> f64| if of(&noise.jitter) > 0.0 { of(there) / of(&noise.jitter) } else { 0.0 };
         let jitter = [ratio(|j| j.contact_mm), ratio(|j| j.gain), ratio(|j| j.zero_n)];
-        let mut draw = whitening.draw(sensor, jitter, || StandardNormal.sample(&mut chance));
+        let place = chance.random::<f64>();
+        let mut sum = 0.0;
+        let colours = plausible.iter().find(|(weight, _)| {
+            sum += weight;
+            sum >= place
+        });
+        let colours = colours.or(plausible.last()).map_or(&[][..], |(_, colours)| colours);
+        let mut draw = whitening.draw(colours, sensor, jitter, || StandardNormal.sample(&mut chance));
         draw.iter_mut().zip(used).filter(|(_, used)| !**used).for_each(|(value, _)| *value = 0.0);
         out.set_column(j, &draw);
     }

@@ -6,8 +6,10 @@ use lut_gen::chain::{Chain, Model, Setting, Whole};
 use lut_gen::effect::{Effect, Quantity, Spread, contact_offset, second_term};
 use nalgebra::{DMatrix, DVector};
 
+use super::Z95;
 use super::check::Check;
 use super::design::Design;
+use super::evidence::exceeded;
 use super::noise::Curve;
 use super::whiten::{Whitening, kernel};
 
@@ -115,6 +117,8 @@ pub struct Fit {
     pub residual: DVector<f64>,
     /// Derivative of the whitened prediction by every parameter.
     pub jacobian: DMatrix<f64>,
+    /// Standard errors on either side of every parameter that hold the truth in 95 cases of 100: more than [`Z95`] where the noise was itself estimated from little.
+    pub reach: Vec<f64>,
     /// True when a quantity of an effect, other than a second exponent, lies at a bound that is not its null value, or the exponent or the contact at one.
     pub at_bound: bool,
 }
@@ -350,7 +354,21 @@ impl Problem<'_> {
         let candidates = candidates.to_vec();
         let discounted = square;
         let price = 0.0;
-        Fit { candidates, coordinates, x, model, square, discounted, price, information, residual, jacobian, at_bound }
+        let reach = vec![Z95; coordinates.len()];
+        Fit {
+            candidates,
+            coordinates,
+            x,
+            model,
+            square,
+            discounted,
+            price,
+            information,
+            residual,
+            jacobian,
+            reach,
+            at_bound,
+        }
     }
 
     /// The fit found again with errors of its effects allowed for, and told without that allowance.
@@ -444,34 +462,48 @@ impl Fit {
         normal.try_inverse()
     }
 
-    /// Values of the quantities of one candidate, with 95 % intervals at `z` standard errors.
+    /// Finds how far the errors of the parameters reach in clean twins, which know that the noise is an estimate.
+    pub fn reach_in(&mut self, twins: &DMatrix<f64>) {
+        let Some(inverse) = self.jacobian.tr_mul(&self.jacobian).try_inverse() else { return };
+        let errors = &inverse * self.jacobian.tr_mul(twins);
+        for (i, reach) in self.reach.iter_mut().enumerate() {
+            let own: Vec<f64> = errors.row(i).iter().map(|e| e.abs() / inverse[(i, i)].sqrt()).collect();
+            let found = exceeded(own, 0.05);
+            *reach = if found.is_finite() { found.max(Z95) } else { Z95 };
+        }
+    }
+
+    /// Values of the quantities of one candidate, with 95 % intervals.
     #[must_use]
-    pub fn quantities(&self, candidate: usize, z: f64) -> Vec<(Quantity, f64, (f64, f64))> {
+    pub fn quantities(&self, candidate: usize) -> Vec<(Quantity, f64, (f64, f64))> {
         let covariance = self.covariance();
         let own = self.coordinates.iter().enumerate().filter_map(|(i, c)| match c {
             Coordinate::Of(at, q) if *at == candidate => Some((i, c, q)),
             _ => None,
         });
         own.map(|(i, c, q)| {
-            let interval = interval(c, self.x[i], covariance.as_ref().map_or(f64::NAN, |v| v[(i, i)].sqrt()), z);
+            let sigma = covariance.as_ref().map_or(f64::NAN, |v| v[(i, i)].sqrt());
+            let (low, high) = interval(c, self.x[i], self.reach[i] * sigma);
+            let value = c.value(self.x[i]);
+            let interval = (low, value + (high - value).hypot(q.understated * value));
             (*q, c.value(self.x[i]), interval)
         })
         .collect()
     }
 
-    /// `mu` (MPa) and `alpha`, each with its interval.
+    /// `mu` (MPa) and `alpha`, each with its 95 % interval.
     #[must_use]
-    pub fn base(&self, z: f64) -> [(f64, (f64, f64)); 2] {
+    pub fn base(&self) -> [(f64, (f64, f64)); 2] {
         let covariance = self.covariance();
         std::array::from_fn(|i| {
             let c = &self.coordinates[i];
             let sigma = covariance.as_ref().map_or(f64::NAN, |v| v[(i, i)].sqrt());
-            (c.value(self.x[i]), interval(c, self.x[i], sigma, z))
+            (c.value(self.x[i]), interval(c, self.x[i], self.reach[i] * sigma))
         })
     }
 }
 
-fn interval(c: &Coordinate, x: f64, sigma: f64, z: f64) -> (f64, f64) {
+fn interval(c: &Coordinate, x: f64, half: f64) -> (f64, f64) {
     let (low, high) = c.bounds();
-    (c.value((x - z * sigma).max(low)), c.value((x + z * sigma).min(high)))
+    (c.value((x - half).max(low)), c.value((x + half).min(high)))
 }

@@ -91,6 +91,12 @@ impl Posterior {
         Jitter { contact_mm: mean(|j| j.contact_mm), gain: mean(|j| j.gain), zero_n: mean(|j| j.zero_n) }
     }
 
+    /// How likely it is that spots differ in gain by more than this.
+    #[must_use]
+    pub fn gain_above(&self, gain: f64) -> f64 {
+        self.grid.iter().filter(|(_, jitter)| jitter.gain > gain).map(|(weight, _)| weight).sum()
+    }
+
     /// The point of the grid that a number between 0 and 1 falls on.
     #[must_use]
     pub fn at(&self, share: f64) -> Option<&Jitter> {

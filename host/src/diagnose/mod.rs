@@ -173,7 +173,22 @@ pub struct Evidence {
     pub solves: usize,
 }
 
+/// A value with its 95 % interval.
+pub type Estimate = (f64, (f64, f64));
+
 impl Evidence {
+    /// `mu` (MPa) and `alpha` of the likeliest explanation that holds, each in an interval that has those of all that hold: which of these is true is not known.
+    #[must_use]
+    pub fn extended(&self) -> Option<[Estimate; 2]> {
+        let all = self.held.iter().map(|e| e.fit.base());
+        all.reduce(|best, other| {
+            std::array::from_fn(|i| {
+                let ((value, (low, high)), (_, its)) = (best[i], other[i]);
+                (value, (low.min(its.0), high.max(its.1)))
+            })
+        })
+    }
+
     /// True where a departure without a name explains the data about as well as what explains them best.
     #[must_use]
     pub fn is_nameless(&self) -> bool {
@@ -301,8 +316,13 @@ impl Diagnosis {
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(&design);
         self.proposals = plan::proposals(experiment, &search, &held, &self.blind_to);
-        let nameless = is_nameless(beyond_nameless);
-        verdict::conclude(self, visible, (ripple.as_ref(), nameless), &held, held_out.as_ref());
+        let seen = verdict::Seen {
+            visible,
+            ripple: ripple.as_ref(),
+            uneven: verdict::unevenness(&search.noise),
+            nameless: is_nameless(beyond_nameless),
+        };
+        verdict::conclude(self, experiment, seen, &held, held_out.as_ref());
         let Search { noise, base, curves: base_curves, adequacy, margins, .. } = search;
         self.evidence = Some(Box::new(Evidence {
             design: design.clone(),

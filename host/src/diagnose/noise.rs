@@ -2,6 +2,7 @@
 //! and zero.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
 
 use super::design::{Design, Node};
 use super::jitter::Posterior;
@@ -257,6 +258,45 @@ fn refined(design: &Design, curves: &[Curve], contrasts: &[Contrast], coarse: Se
         }
     }
     best.1
+}
+
+/// Correlation times, each this factor from the next, and white shares about the likeliest that the noise may have as well: as many on both sides.
+const OTHER_TIMES: (f64, i32) = (1.2, 5);
+const OTHER_WHITE: (f64, i32) = (0.15, 2);
+/// Least weight of one that is kept.
+const WEIGHS: f64 = 0.01;
+
+/// What else the noise of the sensor may be, with its weights, of sum 1: a few short runs know its correlation to a factor of two only. `curves` as in [`estimate`].
+#[must_use]
+pub fn plausible(design: &Design, curves: &[Curve], noise: &Noise) -> Vec<(f64, SensorNoise)> {
+    let likeliest = noise.sensor;
+    let contrasts = contrasts(design, curves);
+    let all: Vec<&Contrast> = contrasts.iter().collect();
+    if noise.source == Source::Stated || all.is_empty() {
+        return vec![(1.0, likeliest)];
+    }
+    let (factor, times) = OTHER_TIMES;
+    let (share, shares) = OTHER_WHITE;
+    let mut white: Vec<f64> =
+        (-shares..=shares).map(|k| (likeliest.white + share * f64::from(k)).clamp(0.0, 1.0)).collect();
+    white.dedup();
+    let others = (-times..=times).flat_map(|k| white.iter().map(move |white| (k, *white)));
+    let others: Vec<SensorNoise> = others
+        .map(|(k, white)| SensorNoise { correlation_s: likeliest.correlation_s * factor.powi(k), white, ..likeliest })
+        .collect();
+    let each: Vec<(f64, SensorNoise)> = others
+        .par_iter()
+        .map(|other| likelier(design, curves, &all, other, (f64::INFINITY, *other)))
+        .filter(|(deviance, _)| deviance.is_finite())
+        .collect();
+    let least = each.iter().map(|e| e.0).fold(f64::INFINITY, f64::min);
+    let weighed = |floor: f64| {
+        let sum: f64 = each.iter().map(|e| f64::exp(0.5 * (least - e.0))).filter(|w| *w >= floor).sum();
+        let own = each.iter().map(|e| (f64::exp(0.5 * (least - e.0)), e.1)).filter(|(w, _)| *w >= floor);
+        own.map(|(w, noise)| (w / sum, noise)).collect::<Vec<_>>()
+    };
+    let kept = weighed(WEIGHS);
+    if kept.is_empty() { vec![(1.0, likeliest)] } else { kept }
 }
 
 /// Level of a noise of given shape, and twice its negative log-likelihood.

@@ -233,13 +233,59 @@ fn the_threshold_is_exceeded_as_often_as_it_says() {
     let noise = noise::estimate(&design, &curves, None).unwrap();
     let whitening = Whitening::new(&design, &curves, &noise).unwrap();
     let used = vec![true; whitening.residuals()];
-    let twins = evidence::twins(&whitening, &noise, &used, 5000);
+    let twins = evidence::twins(&whitening, &noise, &[], &used, 5000);
     let (known, fresh) = (twins.columns(0, 1000).into_owned(), twins.columns(1000, 4000).into_owned());
     let patterns = nalgebra::DMatrix::from_fn(whitening.residuals(), 20, |i, j| f64::from(u8::from(i % 20 == j)));
     let gauge = Gauge::new(&Panel::of(patterns, &known), &nalgebra::DMatrix::zeros(whitening.residuals(), 0), &known);
     let above =
         fresh.column_iter().filter(|c| gauge.read(&c.into_owned()).iter().any(|r| r.abs() > gauge.threshold)).count();
     assert!(above < 4000 / 200 + 45, "{above}");
+}
+
+/// Eight short ramps know the correlation of the noise to some ten percent: the weights are spread over several, the largest on what it is near, and twins of a longer
+/// correlation have neighbours that are alike.
+#[test]
+fn what_else_the_noise_may_be_is_in_the_twins() {
+    let design = Design::of(&experiment(9), "foam").unwrap();
+    let curves = curves(&design);
+    let noise = noise::estimate(&design, &curves, None).unwrap();
+    let plausible = noise::plausible(&design, &curves, &noise);
+    let weights: f64 = plausible.iter().map(|p| p.0).sum();
+    let mean_s = plausible.iter().map(|p| p.0 * p.1.correlation_s).sum::<f64>();
+    let scatter_s = plausible.iter().map(|p| p.0 * (p.1.correlation_s - mean_s).powi(2)).sum::<f64>().sqrt();
+    assert!((weights - 1.0).abs() < 1e-12 && plausible.len() > 2, "{plausible:?}");
+    assert!((mean_s - TAU_S).abs() < 3.0 * scatter_s, "{mean_s} {scatter_s}");
+    assert!((0.02..0.6).contains(&(scatter_s / TAU_S)), "{scatter_s}");
+    let whitening = Whitening::new(&design, &curves, &noise).unwrap();
+    let same = whitening.colours(&design, &curves, &noise.sensor).unwrap();
+    assert!(same.iter().all(|c| (c - nalgebra::DMatrix::identity(c.nrows(), c.ncols())).amax() < 1e-9));
+    let slower = SensorNoise { correlation_s: 2.0 * noise.sensor.correlation_s, ..noise.sensor };
+    let slower = vec![(1.0, whitening.colours(&design, &curves, &slower).unwrap())];
+    let used = vec![true; whitening.residuals()];
+    // what neighbours have in common
+    let shared = |plausible: &[(f64, Vec<nalgebra::DMatrix<f64>>)]| {
+        let twins = evidence::twins(&whitening, &noise, plausible, &used, 500);
+        let each = twins.column_iter().map(|c| c.as_slice().windows(2).map(|w| w[0] * w[1]).sum::<f64>());
+        each.sum::<f64>() / 500.0 / design.series.iter().map(|s| s.nodes.len()).sum::<usize>() as f64
+    };
+    let (known, other) = (shared(&[]), shared(&slower));
+    assert!(known.abs() < 0.05 && other > known + 0.1, "{known} {other}");
+}
+
+/// Spots of which each is six percent stiffer than the one before are told, those that differ by a percent are not.
+#[test]
+fn spots_that_differ_too_much_are_told() {
+    let told = |more: f64| {
+        let mut all = experiment(11);
+        for (at, run) in all.runs.iter_mut().enumerate() {
+            let gain = 1.0 + more * (at as f64 - 3.5);
+            run.recording.force_n.iter_mut().for_each(|f| *f *= gain);
+        }
+        let design = Design::of(&all, "foam").unwrap();
+        verdict::unevenness(&noise::estimate(&design, &curves(&design), None).unwrap())
+    };
+    assert_eq!(told(0.0), None);
+    assert!(told(0.06).is_some_and(|gain| (0.05..0.2).contains(&gain)), "{:?}", told(0.06));
 }
 
 /// The same experiment with a wave in every run whose phase is another one each time; of time (s) and depth (mm).

@@ -1,12 +1,16 @@
 //! From explanations to a verdict with names.
 
+use lut_gen::effect::Owner;
+
 use super::Diagnosis;
 use super::check::Kind;
 use super::design::Design;
 use super::evidence::{Gauge, Panel};
 use super::held_out::HeldOut;
+use super::noise::{Noise, Source};
 use super::ripple::{Over, Ripple, SPOILS};
 use super::search::{self, Explanation, Search};
+use crate::experiment::Experiment;
 
 /// The stable word of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,6 +53,8 @@ pub struct Finding {
     pub form: &'static str,
     /// Ball or specimen that it belongs to.
     pub owner: usize,
+    /// Names of the balls or specimens that it may belong to, the likeliest first; empty where it belongs to all.
+    pub of: Vec<String>,
     /// Parameters: name, value, 95 % interval.
     pub parameters: Vec<(&'static str, f64, (f64, f64))>,
     /// Other names that this design cannot tell from it.
@@ -99,12 +105,34 @@ pub(super) fn cancelling(design: &Design) -> Vec<&'static str> {
     list
 }
 
-/// Fills in verdict and findings. `visible` tells whether a discrepancy shows, in a variable or along what an effect would change, `nameless` whether a departure without a
-/// name is too likely beside the best that holds.
+/// Gain between spots that a uniform specimen on a level table has at most: foams are uniform to a percent.
+const UNIFORM: f64 = 0.02;
+/// How likely spots must differ by more for that to be told.
+const SURELY: f64 = 0.975;
+
+/// Scatter of the gain between spots where that is more than a uniform specimen has: none of the catalogue's effects tells one spot from another.
+pub(super) fn unevenness(noise: &Noise) -> Option<f64> {
+    let measured = noise.source == Source::Replicates;
+    (measured && noise.posterior.gain_above(UNIFORM) > SURELY).then_some(noise.jitter.gain)
+}
+
+/// What was seen besides what a name explains.
+pub(super) struct Seen<'a> {
+    /// A discrepancy shows, in a variable or along what an effect would change.
+    pub visible: bool,
+    /// The force ripples.
+    pub ripple: Option<&'a Ripple>,
+    /// Spots differ in gain by this, which is too much.
+    pub uneven: Option<f64>,
+    /// A departure without a name is too likely beside the best that holds.
+    pub nameless: bool,
+}
+
+/// Fills in verdict and findings.
 pub(super) fn conclude(
     diagnosis: &mut Diagnosis,
-    visible: bool,
-    (ripple, nameless): (Option<&Ripple>, bool),
+    experiment: &Experiment,
+    Seen { visible, ripple, uneven, nameless }: Seen<'_>,
     held: &[Explanation],
     held_out: Option<&HeldOut>,
 ) {
@@ -125,12 +153,20 @@ pub(super) fn conclude(
             diagnosis.shows_in.insert(0, word);
         }
     }
+    if let Some(gain) = uneven {
+        diagnosis.shows_in.push("spot");
+        diagnosis.messages.push(format!(
+            "from spot to spot the force differs by {:.1} % as a gain, where a uniform specimen on a level table has about one: height, tilt or the material itself varies over the \
+             specimen, which no effect of the catalogue says; measure its height at every spot, or press one spot again after a rest",
+            100.0 * gain
+        ));
+    }
     // a large ripple makes the noise another one than was assumed, and names with it
     let spoilt = ripple.is_some_and(|r| r.share > SPOILS);
     if let Some(best) = held.first().filter(|_| nameless) {
         let codes: Vec<&str> = best.fit.candidates.iter().map(|c| c.effect.code).collect();
-        let other = if search::beside_two_times(best).is_some() {
-            "relaxation in more times than two does that it could be named: a spectrum of times would look like this"
+        let other = if search::relaxes(best) {
+            "relaxation in a spectrum of times does that it could be named: a power law of time would look like this"
         } else {
             "an elastic departure without a name does that it could be named: another law, a skin or a gradient would look like this"
         };
@@ -146,15 +182,17 @@ pub(super) fn conclude(
                 "no variable shows it by itself: the residual lies along what an effect of the catalogue, or a smooth elastic departure, would change, farther than noise goes".to_owned(),
             );
         }
-        diagnosis.verdict = if visible || ripple.is_some() { Verdict::Unknown } else { Verdict::Clean };
+        diagnosis.verdict =
+            if visible || ripple.is_some() || uneven.is_some() { Verdict::Unknown } else { Verdict::Clean };
         return;
     };
     for (at, candidate) in best.fit.candidates.iter().enumerate() {
-        let parameters = best.fit.quantities(at, Z95).into_iter().map(|(q, value, i)| (q.name, value, i)).collect();
+        let parameters = best.fit.quantities(at).into_iter().map(|(q, value, i)| (q.name, value, i)).collect();
         diagnosis.findings.push(Finding {
             code: candidate.effect.code,
             form: candidate.effect.form,
             owner: candidate.owner,
+            of: owners(experiment, best, at, held),
             parameters,
             ambiguous_with: others(best, at, held),
         });
@@ -163,6 +201,29 @@ pub(super) fn conclude(
     diagnosis.blind_to = diagnosis.blind_to.iter().filter(|code| !named(code)).copied().collect();
     let single = diagnosis.findings.iter().all(|f| f.ambiguous_with.is_empty());
     diagnosis.verdict = if single { Verdict::Named } else { Verdict::Ambiguous };
+}
+
+/// Names of the balls or specimens that an effect of the best explanation belongs to, there or in a rival that is the same but for that.
+fn owners(experiment: &Experiment, best: &Explanation, at: usize, held: &[Explanation]) -> Vec<String> {
+    let own = best.fit.candidates[at];
+    let name = |owner: usize| match own.effect.owner {
+        Owner::All => None,
+        Owner::Indenter => experiment.indenters.get(owner).map(|ball| ball.name.clone()),
+        Owner::Specimen => experiment.specimens.get(owner).map(|its| its.name.clone()),
+    };
+    let elsewhere = |rival: &Explanation| {
+        let here = rival.fit.candidates.iter().find(|c| !best.fit.candidates.contains(c))?;
+        let same = rival.fit.candidates.iter().filter(|c| best.fit.candidates.contains(c)).count();
+        let moved = here.effect == own.effect && same + 1 == best.fit.candidates.len();
+        (moved && rival.fit.candidates.len() == best.fit.candidates.len()).then_some(here.owner)
+    };
+    let mut all = vec![own.owner];
+    for owner in held.iter().skip(1).filter_map(elsewhere) {
+        if !all.contains(&owner) {
+            all.push(owner);
+        }
+    }
+    all.into_iter().filter_map(name).collect()
 }
 
 /// Codes that rivals of the best explanation have in place of one of its effects.

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::design::Design;
-use super::noise::{Curve, Noise};
+use super::design::{Design, Series};
+use super::noise::{Curve, Noise, SensorNoise};
 
 /// A linear map of residuals (N, all runs one after the other) that makes their noise white.
 #[derive(Debug, Clone)]
@@ -209,10 +209,30 @@ impl Whitening {
         }
     }
 
-    /// A draw of what whitened residuals would be if sensor noise were `sensor` times and jitter of contact, gain and zero
+    /// What makes of independent unit normal numbers what this whitening makes of another noise of the sensor, run by run; `None` when a covariance is not positive definite.
+    #[must_use]
+    pub fn colours(&self, design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Option<Vec<DMatrix<f64>>> {
+        let of = |((series, curve), own): ((&Series, &Curve), &Factor)| {
+            let its = sensor.factor(&series.nodes, &curve.force_n)?;
+            own.lower.solve_lower_triangular(&its.l())
+        };
+        design.series.iter().zip(curves).zip(&self.runs).map(of).collect()
+    }
+
+    /// A draw of what whitened residuals would be if sensor noise were `sensor` times that of some [`Whitening::colours`] and jitter of contact, gain and zero
     /// were `jitter` times what was estimated; `normal` gives independent unit normal numbers.
-    pub fn draw(&self, sensor: f64, jitter: [f64; 3], mut normal: impl FnMut() -> f64) -> DVector<f64> {
+    pub fn draw(
+        &self,
+        colours: &[DMatrix<f64>],
+        sensor: f64,
+        jitter: [f64; 3],
+        mut normal: impl FnMut() -> f64,
+    ) -> DVector<f64> {
         let mut values = DVector::from_fn(self.len, |_, _| sensor * normal());
+        for (colour, first) in colours.iter().zip(&self.first) {
+            let own = colour * values.rows(*first, colour.nrows());
+            values.rows_mut(*first, colour.nrows()).copy_from(&own);
+        }
         for spot in &self.spots {
             let size = |k: usize| if spot.estimated { jitter[k.min(2)] } else { 1.0 };
             let amounts = DVector::from_fn(spot.jitter.ncols(), |k, _| size(k) * normal());

@@ -246,12 +246,12 @@ impl Identified {
         let start = DVector::from_fn(list.len(), |i, _| if i < known { x[i] } else { list[i].of(values[i - known]) });
         let found = problem.fit(&candidates, &start);
         for (at, effect) in self.effects.iter_mut().enumerate() {
-            for (parameter, (_, value, interval)) in effect.parameters.iter_mut().zip(found.quantities(at, Z95)) {
+            for (parameter, (_, value, interval)) in effect.parameters.iter_mut().zip(found.quantities(at)) {
                 (parameter.value, parameter.interval, parameter.fixed) = (value, Some(interval), false);
             }
         }
         let at_edge = on_bound(&list[1], found.x[1]);
-        (found.model.clone(), found.base(Z95), at_edge)
+        (found.model.clone(), found.base(), at_edge)
     }
 
     /// The answer of `palpate identify` with a model: the keys of the contract, and `model` with the effects.

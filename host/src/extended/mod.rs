@@ -25,7 +25,7 @@ use std::path::Path;
 use lut_gen::chain::{Model, Setting};
 use lut_gen::effect::{Effect, Owner};
 
-use crate::diagnose::{Diagnosis, Verdict, Z95};
+use crate::diagnose::{Diagnosis, Verdict};
 use crate::experiment::{Base, Experiment, ExperimentError};
 
 /// An effect with its values.
@@ -143,13 +143,14 @@ impl ExtendedModel {
         if !matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous) {
             return None;
         }
-        let fit = &diagnosis.evidence.as_ref()?.held.first()?.fit;
-        let [mu, alpha] = fit.base(Z95);
+        let evidence = diagnosis.evidence.as_ref()?;
+        let fit = &evidence.held.first()?.fit;
+        let [mu, alpha] = evidence.extended()?;
         let mut model = Self::base(&diagnosis.material, mu.0, alpha.0);
         model.intervals = [Some(mu.1), Some(alpha.1)];
         model.declare(experiment);
         for (at, candidate) in fit.candidates.iter().enumerate() {
-            let quantities = fit.quantities(at, Z95);
+            let quantities = fit.quantities(at);
             let owner = match candidate.effect.owner {
                 Owner::All => None,
                 Owner::Indenter => experiment.indenters.get(candidate.owner).map(|i| i.name.clone()),

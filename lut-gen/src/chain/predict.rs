@@ -251,7 +251,9 @@ impl Model {
     /// Parts and times (s) of all relaxation.
     pub(super) fn relaxing(&self) -> Vec<(f64, f64)> {
         let settings = [&relaxation::ONE, &relaxation::TWO].into_iter().flat_map(|effect| self.of(effect));
-        settings.flat_map(|s| s.values.chunks_exact(2)).map(|t| (t[0], t[1])).collect()
+        let terms = settings.flat_map(|s| s.values.chunks_exact(2)).map(|t| (t[0], t[1]));
+        let spectra = self.of(&relaxation::SPECTRUM).flat_map(|s| s.values.chunks_exact(2));
+        terms.chain(spectra.flat_map(|s| relaxation::spectrum(s[0], s[1]))).collect()
     }
 
     /// Makes readings of the forces (N) on a sensor at times (s) of a run that begins at `start_s` on the session clock.

@@ -84,6 +84,8 @@ pub struct Quantity {
     pub spread: Spread,
     /// Power of a force in its unit: bounds, `plausible` and `starts` are given for a largest force of 1 N, see [`Quantity::scaled`].
     pub force_power: i32,
+    /// By what part of itself the true amount may be larger than the one that fits, because the effect has a property that no force shows; intervals reach that far.
+    pub understated: f64,
 }
 
 /// What an effect belongs to, so that each of several has its own.
@@ -159,12 +161,28 @@ impl Quantity {
         plausible: f64,
         starts: &'static [f64],
     ) -> Self {
-        Self { name, null, low: bounds.0, high: bounds.1, plausible, starts, spread: Spread::Even, force_power: 0 }
+        Self {
+            name,
+            null,
+            low: bounds.0,
+            high: bounds.1,
+            plausible,
+            starts,
+            spread: Spread::Even,
+            force_power: 0,
+            understated: 0.0,
+        }
     }
 
     /// The same with a unit that holds a power of a force.
     pub(crate) const fn per_force(mut self, power: i32) -> Self {
         self.force_power = power;
+        self
+    }
+
+    /// The same where the true amount may be larger by a part of itself.
+    pub(crate) const fn understated_by(mut self, part: f64) -> Self {
+        self.understated = part;
         self
     }
 
@@ -191,6 +209,7 @@ impl Quantity {
             starts,
             spread: Spread::Logarithmic,
             force_power: 0,
+            understated: 0.0,
         }
     }
 }

@@ -68,7 +68,7 @@ fn noise(evidence: &Evidence) -> String {
 }
 
 fn base(evidence: &Evidence) -> String {
-    let [mu, alpha] = evidence.base.base(1.96);
+    let [mu, alpha] = evidence.base.base();
     let nodes: usize = evidence.design.series.iter().map(|s| s.nodes.len()).sum();
     format!(
         "mu {} MPa ({} to {}), alpha {} ({} to {}); sum of squares {:.0} where {nodes} is expected",

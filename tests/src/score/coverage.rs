@@ -27,14 +27,13 @@ const Z95: f64 = 1.96;
 #[must_use]
 pub fn hits(truth: &Truth, outcome: &Outcome, diagnosis: &Diagnosis, experiment: &Experiment) -> Vec<Hit> {
     let Some(evidence) = diagnosis.evidence.as_deref() else { return Vec::new() };
-    let fit = match outcome {
-        Outcome::CleanRight => Some(&evidence.base),
-        Outcome::Exact | Outcome::Both if diagnosis.verdict == Verdict::Named => evidence.held.first().map(|e| &e.fit),
+    let told = match outcome {
+        Outcome::CleanRight => Some(evidence.base.base()),
+        Outcome::Exact | Outcome::Both if diagnosis.verdict == Verdict::Named => evidence.extended(),
         _ => None,
     };
-    let Some(fit) = fit else { return Vec::new() };
+    let Some([mu, alpha]) = told else { return Vec::new() };
     let gain = truth.codes().contains(&"sensor-gain");
-    let [mu, alpha] = fit.base(Z95);
     let mut list = Vec::new();
     if !gain {
         list.extend(hit("mu_MPa", truth.foam.mu_mpa.ln(), mu.0.ln(), (mu.1.0.ln(), mu.1.1.ln())));

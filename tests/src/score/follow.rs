@@ -196,6 +196,7 @@ mod tests {
             code,
             form: "",
             owner: 0,
+            of: Vec::new(),
             parameters: Vec::new(),
             ambiguous_with: Vec::new(),
         };

@@ -130,7 +130,7 @@ mod tests {
 
     fn finding(set: &[&'static str]) -> Finding {
         let parameters = Vec::new();
-        Finding { code: set[0], form: "", owner: 0, parameters, ambiguous_with: set[1..].to_vec() }
+        Finding { code: set[0], form: "", owner: 0, of: Vec::new(), parameters, ambiguous_with: set[1..].to_vec() }
     }
 
     fn answer(sets: &[&[&'static str]]) -> Answer {

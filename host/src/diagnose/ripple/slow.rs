@@ -11,7 +11,7 @@ use super::super::noise::{Contrast, Curve, SensorNoise, contrasts};
 use super::{Over, Ripple};
 
 /// Contrasts that are looked at, at most.
-const CONTRASTS: usize = 16;
+const CONTRASTS: usize = 64;
 /// Correlation times (s) and white shares of the noise that are tried, with a wave and without.
 const TIMES_S: [f64; 7] = [0.01, 0.04, 0.1, 0.2, 0.4, 1.0, 2.5];
 const WHITE: [f64; 3] = [0.0, 0.3, 0.8];

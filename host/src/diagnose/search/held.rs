@@ -42,6 +42,10 @@ impl<'a> Found<'a> {
             let needed = together.first().is_some_and(|two| found.needs(two));
             found.held = if needed { together } else { found.alike(&found.singles) };
         }
+        if let Some(best) = found.held.first_mut() {
+            found.search.polish(best);
+        }
+        found.held.iter_mut().for_each(|e| e.fit.reach_in(&found.search.twins));
         found.against_nameless()
     }
 

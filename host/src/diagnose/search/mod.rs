@@ -16,14 +16,14 @@ use super::design::{Branch, Design};
 use super::evidence::{self, Adequacy, Panel, Spaces};
 use super::fit::{Candidate, Coordinate, Fit, Problem, coordinates};
 use super::margin::{self, Margin};
-use super::noise::{Curve, Noise};
+use super::noise::{self, Curve, Noise, SensorNoise};
 use super::placebo;
 use super::prepared::Prepared;
 use begin::starts;
 pub use form_error::allowed;
 use form_error::{form_error, is_rough};
 pub(super) use held::Found;
-pub(super) use nameless::beside_two_times;
+pub(super) use nameless::relaxes;
 
 /// Likelihood ratio of 100 as a difference of sums of squares.
 pub const RATIO_100: f64 = 9.21;
@@ -123,10 +123,16 @@ impl<'a> Search<'a> {
     /// Of what is prepared.
     #[must_use]
     pub fn new(prepared: Prepared<'a>, candidates: Vec<Candidate>) -> Self {
-        let Prepared { problem, base, noise } = prepared;
+        let Prepared { problem, mut base, noise } = prepared;
         let curves = Problem::curves(problem.design, problem.chain, &base.model, &problem.contacts_mm);
         let margins = margin::margins(&problem, &curves);
-        let twins = evidence::twins(&problem.whitening, &noise, &problem.used, evidence::TWINS);
+        let plausible = noise::plausible(problem.design, &curves, &noise);
+        let colours = |(weight, sensor): &(f64, SensorNoise)| {
+            problem.whitening.colours(problem.design, &curves, sensor).map(|colours| (*weight, colours))
+        };
+        let plausible: Vec<_> = plausible.par_iter().filter_map(colours).collect();
+        let twins = evidence::twins(&problem.whitening, &noise, &plausible, &problem.used, evidence::TWINS);
+        base.reach_in(&twins);
         let mut signatures: Vec<DMatrix<f64>> = candidates.par_iter().map(|c| signature(&problem, &base, c)).collect();
         signatures.push(nameless::departure(&problem, &base));
         let spaces = Spaces::new(&signatures, &base.jacobian, &twins);

@@ -1,4 +1,4 @@
-//! Whether an explanation does better than a departure that has no name: an elastic one, or relaxation in more times than two.
+//! Whether an explanation does better than a departure that has no name: an elastic one, or relaxation in more times than the catalogue has.
 
 use lut_gen::effect::{
     Quantity, adhesion, compliance, contact_offset, friction, nameless, numerics, poisson, radius, relaxation,
@@ -11,6 +11,9 @@ use super::{Explanation, RATIO_100, Search, changes, plain, score};
 
 /// An elastic departure without a name.
 const NAMELESS: Candidate = Candidate { effect: &nameless::EFFECT, owner: 0 };
+
+/// Relaxation in a whole spectrum of times.
+const SPECTRUM: Candidate = Candidate { effect: &relaxation::SPECTRUM, owner: 0 };
 
 /// What a plausible amount of each of its parts changes, whitened, a column a part.
 pub(super) fn departure(problem: &Problem<'_>, at: &Fit) -> DMatrix<f64> {
@@ -42,8 +45,13 @@ pub(super) fn claims_a_law(explanation: &Explanation) -> bool {
     is_elastic(explanation) && codes(explanation).any(|code| LAWS.contains(&code))
 }
 
+/// True where an explanation has a relaxation, which a departure in time and no elastic one is the rival of.
+pub fn relaxes(explanation: &Explanation) -> bool {
+    codes(explanation).any(|code| code == relaxation::ONE.code)
+}
+
 /// The relaxation of two times that an explanation has something else beside, if it is one of those.
-pub fn beside_two_times(explanation: &Explanation) -> Option<&Candidate> {
+fn beside_two_times(explanation: &Explanation) -> Option<&Candidate> {
     let candidates = &explanation.fit.candidates;
     candidates.iter().find(|c| *c.effect == relaxation::TWO).filter(|_| candidates.len() > 1)
 }
@@ -61,7 +69,10 @@ impl Search<'_> {
     /// departure is known for it. `singles` are the explanations by one effect.
     #[must_use]
     pub fn beyond_nameless(&self, best: &Explanation, singles: &[Explanation]) -> Option<f64> {
-        if is_elastic(best) { Some(self.beyond_elastic(best)) } else { self.beyond_more_times(best, singles) }
+        if is_elastic(best) {
+            return Some(self.beyond_elastic(best));
+        }
+        [self.beyond_spectrum(best), self.beyond_more_times(best, singles)].into_iter().flatten().reduce(f64::min)
     }
 
     /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any, and so must two elastic effects that imitate one together. A
@@ -71,6 +82,15 @@ impl Search<'_> {
         let needed = if claims_a_law(best) || best.fit.candidates.len() > 1 { RATIO_100 } else { 0.0 };
         let nameless = self.extended(&self.base, &NAMELESS);
         f64::max(score(&nameless) - best.score(), plain(&nameless) - plain(&best.fit)) - needed
+    }
+
+    /// A relaxation of one or two times must be no less likely than that of a power law, and what is named beside it a hundred times likelier than that alone.
+    fn beyond_spectrum(&self, best: &Explanation) -> Option<f64> {
+        relaxes(best).then_some(())?;
+        let needed = if best.fit.candidates.len() > 1 { RATIO_100 } else { 0.0 };
+        let spectrum = self.extended(&self.base, &SPECTRUM);
+        let spectrum = self.solved(&spectrum).unwrap_or(spectrum);
+        Some(score(&spectrum) - best.score() - needed)
     }
 
     /// What is named beside a relaxation that needs two times may be all that a third one leaves: it must be a hundred times likelier than that.

@@ -20,6 +20,8 @@ const RATIO: f64 = 0.3;
 /// Solves of one fit, each at the point where the last one led, and the change of the sum of squares that ends them.
 const SOLVES: usize = 3;
 const SAME: f64 = 1.0;
+/// The same of what is named in the end: its parameters lie within a fifth of their errors of where the next solve would lead.
+const ENDS: f64 = 0.04;
 /// Solves of the likeliest explanation, which must end where its solve is.
 const SETTLES: usize = 5;
 /// A fit near a solve may promise this much less than what was left at the solve; of one that promises more only that is believed.
@@ -52,7 +54,7 @@ impl Search<'_> {
             return self.solve_at(&fit.candidates, &fit.x, Detail::Names).map(|solved| solved.near);
         }
         let Some(term) = fit.candidates.last().filter(|c| is_term(c)) else {
-            return self.rounds(&fit.candidates, &fit.x, SOLVES);
+            return self.rounds(&fit.candidates, &fit.x, (SOLVES, SAME));
         };
         // two terms have several valleys, and the chain's own may be none: each is looked into, and the deepest followed
         let others = term.effect.quantities[1].starts.iter().map(|alpha| {
@@ -76,7 +78,7 @@ impl Search<'_> {
         // without a history a solve is one ramp
         let (most, rounds) = if fit.candidates.len() == 1 { (valleys.len(), SETTLES) } else { (FOLLOWED, SOLVES - 1) };
         let worth = valleys.iter().take(most).filter(|v| v.near.discounted < deepest + NEAR);
-        let followed = worth.filter_map(|v| self.rounds(&fit.candidates, &v.near.x, rounds));
+        let followed = worth.filter_map(|v| self.rounds(&fit.candidates, &v.near.x, (rounds, SAME)));
         followed.min_by(|a, b| a.discounted.total_cmp(&b.discounted))
     }
 
@@ -96,9 +98,20 @@ impl Search<'_> {
     pub fn settle(&self, explanation: &mut Explanation) {
         let fit = &explanation.fit;
         if lut_gen::chain::is_rough(&fit.model)
-            && let Some(settled) = self.rounds(&fit.candidates, &fit.x, SETTLES)
+            && let Some(settled) = self.rounds(&fit.candidates, &fit.x, (SETTLES, SAME))
         {
             explanation.fit = settled;
+        }
+    }
+
+    /// The same of an explanation that is to be named, until its parameters stay: what they are is told with errors that know nothing of a solve elsewhere.
+    pub(super) fn polish(&self, explanation: &mut Explanation) {
+        let fit = &explanation.fit;
+        if lut_gen::chain::is_rough(&fit.model)
+            && let Some(ended) = self.rounds(&fit.candidates, &fit.x, (SETTLES, ENDS))
+            && ended.discounted < fit.discounted + SAME
+        {
+            explanation.fit = ended;
         }
     }
 
@@ -117,7 +130,7 @@ impl Search<'_> {
 
     /// Solves at a point and fits near it, some times over, and comes back with what is near the best point that was solved: what a fit
     /// far from its solve promises need not be kept.
-    fn rounds(&self, candidates: &[Candidate], x: &DVector<f64>, most: usize) -> Option<Fit> {
+    fn rounds(&self, candidates: &[Candidate], x: &DVector<f64>, (most, same): (usize, f64)) -> Option<Fit> {
         let mut x = x.clone();
         let mut best: Option<Solved> = None;
         for _ in 0..most {
@@ -128,7 +141,7 @@ impl Search<'_> {
                 continue;
             }
             x = solved.near.x.clone();
-            let settled = solved.promise() < SAME;
+            let settled = solved.promise() < same;
             best = Some(solved);
             if settled {
                 break;

@@ -4,7 +4,7 @@ use lut_gen::effect::Spread;
 
 use crate::diagnose::fit::Fit;
 use crate::diagnose::search::Explanation;
-use crate::diagnose::{Diagnosis, Evidence, Verdict, Z95};
+use crate::diagnose::{Diagnosis, Estimate, Evidence, Verdict};
 use crate::experiment::Experiment;
 use crate::report::{Page, number};
 
@@ -20,18 +20,18 @@ pub(super) fn section(
     page.section("Before and after, on conditions that no fit has seen");
     held_out(page, found, evidence);
     page.section("Parameters");
-    base(page, &evidence.base, best.map(|e| &e.fit));
+    base(page, evidence);
     match best {
         Some(explanation) => effects(page, experiment, &explanation.fit),
         None => page.paragraph("Nothing was added to the base."),
     }
     if best.is_some() && evidence.held.len() > 1 {
-        page.paragraph("With each explanation that these data leave open, the base's parameters are:");
+        page.paragraph("The intervals above hold those of every explanation that these data leave open, with each of which the base's parameters are:");
         let rows: Vec<Vec<String>> = evidence
             .held
             .iter()
             .map(|e| {
-                let [mu, alpha] = e.fit.base(Z95);
+                let [mu, alpha] = e.fit.base();
                 vec![words::candidates(experiment, &e.fit.candidates), with_interval(mu), with_interval(alpha)]
             })
             .collect();
@@ -71,14 +71,12 @@ fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
     }
 }
 
-type Estimate = (f64, (f64, f64));
-
 fn with_interval((value, (low, high)): Estimate) -> String {
     format!("{} ({} to {})", number(value), number(low), number(high))
 }
 
-fn base(page: &mut Page, before: &Fit, after: Option<&Fit>) {
-    let (was, is) = (before.base(Z95), after.map(|fit| fit.base(Z95)));
+fn base(page: &mut Page, evidence: &Evidence) {
+    let (was, is) = (evidence.base.base(), evidence.extended());
     let rows: Vec<Vec<String>> = ["mu (MPa)", "alpha"]
         .iter()
         .enumerate()
@@ -99,7 +97,7 @@ fn base(page: &mut Page, before: &Fit, after: Option<&Fit>) {
 fn effects(page: &mut Page, experiment: &Experiment, fit: &Fit) {
     let mut rows = Vec::new();
     for (at, candidate) in fit.candidates.iter().enumerate() {
-        for (quantity, value, (low, high)) in fit.quantities(at, Z95) {
+        for (quantity, value, (low, high)) in fit.quantities(at) {
             let (word, unit) = words::quantity(quantity.name);
             // a shape parameter has no amount at which the effect is absent
             let null = if quantity.spread == Spread::Logarithmic { "-".to_owned() } else { number(quantity.null) };

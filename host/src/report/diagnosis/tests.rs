@@ -56,7 +56,14 @@ fn diagnosis(verdict: Verdict) -> Diagnosis {
 }
 
 fn finding(code: &'static str, ambiguous_with: Vec<&'static str>) -> Finding {
-    Finding { code, form: "one-term", owner: 0, parameters: vec![("g1", 0.2, (0.18, 0.22))], ambiguous_with }
+    Finding {
+        code,
+        form: "one-term",
+        owner: 0,
+        of: Vec::new(),
+        parameters: vec![("g1", 0.2, (0.18, 0.22))],
+        ambiguous_with,
+    }
 }
 
 /// Entries of the hand-made data: two runs of a loading and a hold.
@@ -111,6 +118,7 @@ fn fit(candidates: Vec<Candidate>, square: f64) -> Fit {
     let information = jacobian.tr_mul(&jacobian);
     Fit {
         candidates,
+        reach: vec![1.96; coordinates.len()],
         coordinates,
         x: DVector::from_vec(x),
         model,
@@ -205,6 +213,12 @@ fn every_verdict_is_one_sentence_in_plain_words_with_its_code() {
     let mut set = diagnosis(Verdict::Ambiguous);
     set.findings = vec![finding("relaxation", vec!["sensor-creep", "lag"])];
     list.push((set, "The simulation of eva is wrong here, and these data leave more than one cause: relaxation of the material, creep or hysteresis of the force sensor or lag or a rate limit of the motion (ambiguous)."));
+    let mut either = diagnosis(Verdict::Named);
+    either.findings = vec![Finding { of: vec!["r4".to_owned(), "r9".to_owned()], ..finding("radius", Vec::new()) }];
+    list.push((
+        either,
+        "The simulation of eva is wrong here, and the data say why: the radius of a ball (r4 or r9) (named).",
+    ));
     let mut unknown = diagnosis(Verdict::Unknown);
     unknown.shows_in = vec!["hold time", "rate"];
     list.push((unknown, "The simulation of eva is wrong here, and no effect in the catalogue explains how; it shows in hold time and rate (unknown)."));

@@ -97,7 +97,13 @@ fn causes(found: &Diagnosis) -> String {
 
 fn cause(finding: &Finding) -> String {
     let codes: Vec<&str> = std::iter::once(finding.code).chain(finding.ambiguous_with.iter().copied()).collect();
-    listed(&codes.iter().map(|code| name(code)).collect::<Vec<_>>(), "or")
+    let of: Vec<&str> = finding.of.iter().map(String::as_str).collect();
+    let named = |code: &&str| match of.as_slice() {
+        names @ [_, ..] if *code == finding.code => format!("{} ({})", name(code), listed(names, "or")),
+        _ => name(code).to_owned(),
+    };
+    let each: Vec<String> = codes.iter().map(named).collect();
+    listed(&each.iter().map(String::as_str).collect::<Vec<_>>(), "or")
 }
 
 /// "a, b and c".

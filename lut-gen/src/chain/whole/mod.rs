@@ -413,12 +413,8 @@ impl Chain {
                 terms.push(Term { mu_mpa: ratio * model.mu_mpa, alpha, nu });
             }
         }
-        let prony = [&relaxation::ONE, &relaxation::TWO].into_iter().flat_map(|effect| model.of(effect));
-        let prony: Vec<PronyTerm> = prony
-            .flat_map(|s| s.values.chunks_exact(2))
-            .filter(|t| t[0] > 0.0)
-            .map(|t| PronyTerm { g: t[0], k: t[0], tau_s: t[1] })
-            .collect();
+        let prony = model.relaxing().into_iter().filter(|(g, _)| *g > 0.0);
+        let prony: Vec<PronyTerm> = prony.map(|(g, tau_s)| PronyTerm { g, k: g, tau_s }).collect();
         let mut material: Material = Hyperfoam::new(terms)?.into();
         if !prony.is_empty() {
             material = material.relaxing(prony)?;
