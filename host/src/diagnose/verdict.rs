@@ -165,11 +165,7 @@ pub(super) fn conclude(
     let spoilt = ripple.is_some_and(|r| r.share > SPOILS);
     if let Some(best) = held.first().filter(|_| nameless) {
         let codes: Vec<&str> = best.fit.candidates.iter().map(|c| c.effect.code).collect();
-        let other = if search::relaxes(best) {
-            "relaxation in a spectrum of times does that it could be named: a power law of time would look like this"
-        } else {
-            "an elastic departure without a name does that it could be named: another law, a skin or a gradient would look like this"
-        };
+        let other = search::rival(best);
         diagnosis.messages.push(format!(
             "{} explains it best of the catalogue, but not so much better than {other}",
             codes.join(" with ")

@@ -27,6 +27,8 @@ const FREQUENCIES: usize = 30;
 const STANDS_OUT: f64 = 7.0;
 /// Least power over what is usual: with hundreds of branches the logarithms scatter so little that a bend of the spectrum would stand out.
 const LEAST: f64 = 2.0;
+/// Least part of the scatter: near half the sampling rate, where a correlated noise has next to no power, next to nothing stands out.
+const LEAST_SHARE: f64 = 0.03;
 /// One branch, freed of its polynomial and tapered.
 struct Branch {
     time_s: Vec<f64>,
@@ -239,7 +241,7 @@ fn line(branches: &[Branch], over: Over) -> Option<(f64, Ripple)> {
         amplitude_n: (0.5 * best.3).sqrt(),
         share: (0.5 * best.3 / variance.max(f64::MIN_POSITIVE)).min(1.0),
     };
-    (by > STANDS_OUT && best.2 > LEAST * middle.exp()).then_some((by, ripple))
+    (by > STANDS_OUT && best.2 > LEAST * middle.exp() && ripple.share > LEAST_SHARE).then_some((by, ripple))
 }
 
 #[cfg(test)]

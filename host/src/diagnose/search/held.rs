@@ -1,13 +1,19 @@
 //! Which explanations hold, alone or with rivals that these data do not exclude.
 
 use super::super::Progress;
-use super::super::fit::{Candidate, Fit};
+use nalgebra::DVector;
+
+use super::super::fit::{Candidate, Coordinate, Fit, Problem};
+use super::before::Before;
 use super::nameless::claims_a_law;
-use super::{CHARGE, Explanation, RATIO_100, Search, form_error, score, sorted};
+use super::{CHARGE, Explanation, RATIO_100, Search, allowed, form_error, score, sorted};
 
 /// By how much two effects must be better than one, as a difference of sums of squares: a likelihood ratio of ten thousand. There are twenty times as many pairs as
 /// effects, and the jitter that a second name could be is known from a few spots only.
 const SECOND: f64 = 2.0 * RATIO_100;
+
+/// How far what holds may be behind what is likelier and does not, as a difference of sums of squares: what is solved at another place is not the same to the last few.
+const NEARLY: f64 = 6.0 * RATIO_100;
 
 /// What a search came to.
 #[derive(Debug)]
@@ -38,6 +44,9 @@ impl<'a> Found<'a> {
         if found.held.first().is_none_or(Explanation::is_exact) {
             progress("effects together", 1, 2);
             found.look_for_pairs(stated_n);
+            if found.nest_singles() {
+                found.settle_singles(stated_n);
+            }
             let together = found.alike(&found.pairs);
             let needed = together.first().is_some_and(|two| found.needs(two));
             found.held = if needed { together } else { found.alike(&found.singles) };
@@ -94,17 +103,51 @@ impl<'a> Found<'a> {
         self
     }
 
+    /// One effect explains at least as much as it does beside one that is next to nothing: singles once more from where the best pair has them. True where one is better there,
+    /// which a fit that began from a base far off had missed.
+    fn nest_singles(&mut self) -> bool {
+        let Some(pair) = likeliest(&self.pairs).map(|best| self.pairs[best].fit.clone()) else { return false };
+        let base = Before::new(&self.search.problem, self.search.base.clone());
+        let known = self.search.base.x.len();
+        let mut better = false;
+        for (at, candidate) in pair.candidates.iter().enumerate() {
+            let own = |i: &usize| matches!(pair.coordinates[*i], Coordinate::Of(of, _) if of == at);
+            let kept: Vec<usize> = (0..pair.x.len()).filter(|i| *i < known || own(i)).collect();
+            let start = DVector::from_fn(kept.len(), |k, _| pair.x[kept[k]]);
+            let Some(single) = self.singles.iter_mut().find(|e| e.fit.candidates == [*candidate]) else { continue };
+            let whole = single.fit.model.whole.clone();
+            let problem = Problem { whole, ..self.search.problem.clone() };
+            let fit = problem.fit(&[*candidate], &start);
+            if fit.square + RATIO_100 < single.fit.square {
+                let fit = self.search.problem.refit(&fit, &allowed(&self.search.problem, &fit));
+                let found = self.search.compared(fit, &base);
+                if found.score() + RATIO_100 < single.score() {
+                    *single = found;
+                    better = true;
+                }
+            }
+        }
+        if better {
+            self.singles = sorted(std::mem::take(&mut self.singles));
+        }
+        better
+    }
+
     /// True where two effects are clearly likelier than any one that leaves no more than noise, be that one not to be named because it ends at a bound.
     fn needs(&self, two: &Explanation) -> bool {
         let alone = self.singles.iter().filter(|e| e.adequacy.passes());
-        two.score() + SECOND < alone.map(Explanation::score).fold(f64::INFINITY, f64::min)
+        let least = alone.map(|e| e.score() - form_error::coherent(&e.fit) * e.gain).fold(f64::INFINITY, f64::min);
+        two.score() + SECOND < least
     }
 
     /// The best explanation that meets every demand, and all that leave no more than noise and are no hundred times less likely: a
     /// rival that predicts worse, loses to a placebo or ends at a bound is not named alone, but it is not excluded either.
     fn alike(&self, list: &[Explanation]) -> Vec<Explanation> {
         let best = list.iter().filter(|e| e.holds()).min_by(|a, b| a.score().total_cmp(&b.score()));
-        let Some(best) = best else { return Vec::new() };
+        // one that leaves what is no noise and is still far likelier says that more is at work than either
+        let sound = list.iter().filter(|e| e.beats_noise && !e.fit.at_bound);
+        let likeliest = sound.map(Explanation::score).fold(f64::INFINITY, f64::min);
+        let Some(best) = best.filter(|best| best.score() < likeliest + NEARLY) else { return Vec::new() };
         let same = |e: &Explanation| e.fit.candidates == best.fit.candidates;
         let rival = |e: &&Explanation| !same(e) && e.adequacy.passes() && !self.is_excluded(e, best);
         let mut rivals: Vec<Explanation> = list.iter().filter(rival).cloned().collect();
@@ -167,7 +210,8 @@ impl<'a> Found<'a> {
             .iter()
             .filter(|c| are_twins(c, &second) && c.effect.code != first.effect.code && !tried(c));
         let score = score(best);
-        let more: Vec<Explanation> = missing.map(|c| self.search.with(&before.fit, c, score)).collect();
+        let before = Before::new(&self.search.problem, before.fit.clone());
+        let more: Vec<Explanation> = missing.map(|c| self.search.with(&before, c, score)).collect();
         self.pairs.extend(more);
         self.pairs = sorted(std::mem::take(&mut self.pairs));
     }

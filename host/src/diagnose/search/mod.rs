@@ -1,5 +1,6 @@
 //! Which effects explain a residual: fits of every candidate, and of pairs and triples where one is not enough.
 
+mod before;
 mod begin;
 mod form_error;
 mod held;
@@ -7,7 +8,7 @@ mod nameless;
 mod solve;
 
 use lut_gen::chain::Setting;
-use lut_gen::effect::{CATALOGUE, Owner, Spread, relaxation, thickness};
+use lut_gen::effect::{CATALOGUE, Owner, Spread, relaxation, sensor_creep, thickness};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -17,13 +18,13 @@ use super::evidence::{self, Adequacy, Panel, Spaces};
 use super::fit::{Candidate, Coordinate, Fit, Problem, coordinates};
 use super::margin::{self, Margin};
 use super::noise::{self, Curve, Noise, SensorNoise};
-use super::placebo;
 use super::prepared::Prepared;
+use before::Before;
 use begin::starts;
 pub use form_error::allowed;
 use form_error::{form_error, is_rough};
 pub(super) use held::Found;
-pub(super) use nameless::relaxes;
+pub(super) use nameless::rival;
 
 /// Likelihood ratio of 100 as a difference of sums of squares.
 pub const RATIO_100: f64 = 9.21;
@@ -173,6 +174,8 @@ pub fn candidates(design: &Design) -> Vec<Candidate> {
         let possible = match effect.code {
             "drift" => clock,
             "softening" => cycles || has(Branch::Unloading),
+            // what only ever rises turns nowhere
+            _ if *effect == sensor_creep::HYSTERESIS => cycles || has(Branch::Unloading),
             "contact-offset" => design.zero_is_contact,
             _ => true,
         };
@@ -230,22 +233,17 @@ fn shapes(largest_n: f64, candidate: &Candidate) -> Vec<Vec<f64>> {
 impl Search<'_> {
     /// What was found out about a fit, compared with the one it extends by a candidate whose space is given.
     #[must_use]
-    pub fn judged(&self, fit: Fit, before: &Fit, space: (&Spaces, usize)) -> Explanation {
+    pub fn judged(&self, fit: Fit, before: &Before, space: (&Spaces, usize)) -> Explanation {
         let wrong = TOLERANT * form_error(&self.problem, &fit);
         let adequacy = Adequacy::of(&fit, &self.margins, &self.panel, &wrong, &self.twins);
-        // what the effects before it may be wrong by is no evidence for one more
-        let allowed = allowed(&self.problem, before);
-        let discounted = |residual: &DVector<f64>| allowed.discounted(residual).norm_squared();
-        let gain = discounted(&before.residual) - discounted(&fit.residual);
-        let added = fit.coordinates.len() - before.coordinates.len();
-        let placebo = placebo::largest_gain(&self.problem, before, &allowed, added);
-        let nameless = placebo::gains(&self.problem, before, CHARGE);
+        let gain = before.gain_of(&fit);
+        let placebo = before.placebo(&self.problem, fit.coordinates.len() - before.fit.coordinates.len());
         let design = self.problem.design;
         Explanation {
             beats_noise: space.0.of_gain(space.1, gain) > self.spaces.threshold,
-            predicts: left_out(design, &fit, &self.problem) < left_out(design, before, &self.problem),
+            predicts: left_out(design, &fit, &self.problem) < before.left_out,
             // gains have no form to be wrong by: what a form may be wrong by is allowed for or not, whichever is better for it
-            beats_placebo: gain > placebo && score(&fit).min(plain(&fit)) < nameless,
+            beats_placebo: gain > placebo && score(&fit).min(plain(&fit)) < before.nameless,
             adequacy,
             gain,
             fit,
@@ -255,13 +253,26 @@ impl Search<'_> {
     /// Explanations found before, once more with this search's noise, each from where it was. `singles` are what pairs extend; without them the base is extended.
     #[must_use]
     pub fn again(&self, list: &[Explanation], singles: Option<&[Explanation]>) -> Vec<Explanation> {
+        let first = |e: &Explanation| e.fit.candidates[..e.fit.candidates.len() - 1].to_vec();
+        let mut extended: Vec<Vec<Candidate>> = Vec::new();
+        for e in list {
+            if !extended.contains(&first(e)) {
+                extended.push(first(e));
+            }
+        }
+        let known: Vec<(&[Candidate], Before)> = extended
+            .par_iter()
+            .filter_map(|candidates| {
+                let fit = match singles {
+                    Some(singles) => &singles.iter().find(|s| s.fit.candidates == *candidates)?.fit,
+                    None => &self.base,
+                };
+                Some((candidates.as_slice(), Before::new(&self.problem, fit.clone())))
+            })
+            .collect();
         let each = list.par_iter().filter_map(|e| {
+            let (_, before) = known.iter().find(|(candidates, _)| *candidates == first(e))?;
             let fit = self.problem.refit(&e.fit, &allowed(&self.problem, &e.fit));
-            let first = &e.fit.candidates[..e.fit.candidates.len() - 1];
-            let before = match singles {
-                Some(singles) => &singles.iter().find(|s| s.fit.candidates == first)?.fit,
-                None => &self.base,
-            };
             Some(self.compared(fit, before))
         });
         sorted(each.collect())
@@ -270,20 +281,21 @@ impl Search<'_> {
     /// Explanations by one effect, the best first.
     #[must_use]
     pub fn singles(&self) -> Vec<Explanation> {
+        let base = Before::new(&self.problem, self.base.clone());
         let each = self.candidates.par_iter().enumerate().map(|(at, candidate)| {
             let fit = self.extended(&self.base, candidate);
-            self.judged(fit, &self.base, (&self.spaces, at))
+            self.judged(fit, &base, (&self.spaces, at))
         });
         let mut each: Vec<Explanation> = each.collect();
-        self.nest(&mut each);
+        self.nest(&mut each, &base);
         let mut list = sorted(each);
-        let before = vec![self.base.clone(); list.len()];
-        self.solve_best(&mut list, before);
+        let before = vec![&base; list.len()];
+        self.solve_best(&mut list, &before);
         sorted(list)
     }
 
     /// Two terms of relaxation are found at least as well as one is: begun from it, with a little of a second term.
-    fn nest(&self, singles: &mut [Explanation]) {
+    fn nest(&self, singles: &mut [Explanation], base: &Before) {
         const SECOND: (f64, f64) = (0.01, 10.0);
         let of = |e: &Explanation, form: &lut_gen::effect::Effect| e.fit.candidates.iter().any(|c| c.effect == form);
         let Some(one) = singles.iter().find(|e| of(e, &relaxation::ONE)).map(|e| e.fit.clone()) else { return };
@@ -301,7 +313,7 @@ impl Search<'_> {
         let fit = self.problem.fit(&two.fit.candidates, &DVector::from_fn(list.len(), |i, _| place(i)));
         if fit.square < two.fit.square {
             let fit = self.problem.refit(&fit, &allowed(&self.problem, &fit));
-            *two = self.judged(fit, &self.base, (&self.spaces, at));
+            *two = self.judged(fit, base, (&self.spaces, at));
         }
     }
 
@@ -332,18 +344,27 @@ impl Search<'_> {
             new
         });
         fits.truncate(JUDGED);
-        let before: Vec<Fit> = fits.iter().map(|(at, _)| than[*at].fit.clone()).collect();
-        let each = fits.into_par_iter().map(|(at, fit)| self.compared(fit, &than[at].fit));
+        let extended: Vec<Option<Before>> = (0..than.len())
+            .into_par_iter()
+            .map(|at| {
+                let own = fits.iter().any(|(of, _)| *of == at);
+                own.then(|| Before::new(&self.problem, than[at].fit.clone()))
+            })
+            .collect();
+        let fits: Vec<(&Before, Fit)> =
+            fits.into_iter().filter_map(|(at, fit)| Some((extended[at].as_ref()?, fit))).collect();
+        let before: Vec<&Before> = fits.iter().map(|(before, _)| *before).collect();
+        let each = fits.into_par_iter().map(|(before, fit)| self.compared(fit, before));
         let mut list: Vec<Explanation> = each.collect();
-        self.solve_best(&mut list, before);
+        self.solve_best(&mut list, &before);
         sorted(list)
     }
 
     /// What was found out about a fit with one candidate more than another.
-    fn compared(&self, fit: Fit, before: &Fit) -> Explanation {
+    fn compared(&self, fit: Fit, before: &Before) -> Explanation {
         let signatures: Vec<DMatrix<f64>> =
-            fit.candidates.last().map(|last| signature(&self.problem, before, last)).into_iter().collect();
-        let space = Spaces::new(&signatures, &before.jacobian, &self.twins);
+            fit.candidates.last().map(|last| signature(&self.problem, &before.fit, last)).into_iter().collect();
+        let space = Spaces::new(&signatures, &before.fit.jacobian, &self.twins);
         self.judged(fit, before, (&space, 0))
     }
 }

@@ -2,12 +2,12 @@
 
 use lut_gen::effect::{
     Quantity, adhesion, compliance, contact_offset, friction, nameless, numerics, poisson, radius, relaxation,
-    second_term, sensor_gain, sensor_nonlinearity, thickness,
+    second_term, sensor_gain, sensor_nonlinearity, softening, thickness,
 };
 use nalgebra::DMatrix;
 
 use super::super::fit::{Candidate, Fit, Problem};
-use super::{Explanation, RATIO_100, Search, changes, plain, score};
+use super::{Explanation, RATIO_100, Search, changes, form_error, plain, score};
 
 /// An elastic departure without a name.
 const NAMELESS: Candidate = Candidate { effect: &nameless::EFFECT, owner: 0 };
@@ -24,6 +24,9 @@ pub(super) fn departure(problem: &Problem<'_>, at: &Fit) -> DMatrix<f64> {
     };
     changes(problem, at, &NAMELESS, (0..quantities.len()).map(alone).collect())
 }
+
+/// Part of the sum of squares that two times of relaxation explain which may be what they leave of a spectrum.
+const SPECTRAL: f64 = 0.02;
 
 /// Effects that claim a form of the foam's elastic law.
 const LAWS: [&str; 2] = [poisson::EFFECT.code, second_term::EFFECT.code];
@@ -45,9 +48,34 @@ pub(super) fn claims_a_law(explanation: &Explanation) -> bool {
     is_elastic(explanation) && codes(explanation).any(|code| LAWS.contains(&code))
 }
 
-/// True where an explanation has a relaxation, which a departure in time and no elastic one is the rival of.
-pub fn relaxes(explanation: &Explanation) -> bool {
+fn relaxes(explanation: &Explanation) -> bool {
     codes(explanation).any(|code| code == relaxation::ONE.code)
+}
+
+fn softens(explanation: &Explanation) -> bool {
+    codes(explanation).any(|code| code == softening::EFFECT.code)
+}
+
+/// What an explanation is not clearly better than, where [`Search::beyond_nameless`] says so.
+pub fn rival(explanation: &Explanation) -> &'static str {
+    match () {
+        () if relaxes(explanation) => {
+            "relaxation in a spectrum of times does that it could be named: a power law of time would look like this"
+        }
+        () if softens(explanation) => {
+            "softening does alone that it could be named: finite elements know softening to two percent, and there is no more left than that"
+        }
+        () => {
+            "an elastic departure without a name does that it could be named: another law, a skin or a gradient would look like this"
+        }
+    }
+}
+
+/// What is named beside softening must be more than what is missed of softening.
+fn beyond_softening(best: &Explanation, singles: &[Explanation]) -> Option<f64> {
+    let softening = best.fit.candidates.iter().find(|c| c.effect.code == softening::EFFECT.code)?;
+    let alone = singles.iter().find(|e| e.fit.candidates == [*softening]).filter(|_| best.fit.candidates.len() > 1)?;
+    Some(alone.score() - best.score() - form_error::coherent(&alone.fit) * alone.gain)
 }
 
 /// The relaxation of two times that an explanation has something else beside, if it is one of those.
@@ -72,14 +100,16 @@ impl Search<'_> {
         if is_elastic(best) {
             return Some(self.beyond_elastic(best));
         }
-        [self.beyond_spectrum(best), self.beyond_more_times(best, singles)].into_iter().flatten().reduce(f64::min)
+        let each = [self.beyond_spectrum(best), self.beyond_more_times(best, singles), beyond_softening(best, singles)];
+        each.into_iter().flatten().reduce(f64::min)
     }
 
-    /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any, and so must two elastic effects that imitate one together. A
-    /// wrong radius, or a machine that gives way, has one form: it must be no less likely. What that form may be wrong by is allowed for or not, whichever is better for it: a
+    /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any, and so must two elastic effects that imitate one together, and a
+    /// wrong radius, which with two balls is little more than that they differ. A machine that gives way has one form: it must be no less likely. What that form may be wrong by is allowed for or not, whichever is better for it: a
     /// departure without a name has none to be wrong by.
     fn beyond_elastic(&self, best: &Explanation) -> f64 {
-        let needed = if claims_a_law(best) || best.fit.candidates.len() > 1 { RATIO_100 } else { 0.0 };
+        let many = claims_a_law(best) || best.fit.candidates.len() > 1 || codes(best).any(|c| c == radius::EFFECT.code);
+        let needed = if many { RATIO_100 } else { 0.0 };
         let nameless = self.extended(&self.base, &NAMELESS);
         f64::max(score(&nameless) - best.score(), plain(&nameless) - plain(&best.fit)) - needed
     }
@@ -93,12 +123,14 @@ impl Search<'_> {
         Some(score(&spectrum) - best.score() - needed)
     }
 
-    /// What is named beside a relaxation that needs two times may be all that a third one leaves: it must be a hundred times likelier than that.
+    /// What is named beside a relaxation that needs two times may be all that a third one leaves: it must be a hundred times likelier than that. Two times stand for a spectrum
+    /// often enough: what they leave of it is no evidence for something else, however little it is.
     fn beyond_more_times(&self, best: &Explanation, singles: &[Explanation]) -> Option<f64> {
         let two = beside_two_times(best)?;
         let alone = singles.iter().find(|e| e.fit.candidates == [*two])?;
         let three = self.extended(&alone.fit, &Candidate { effect: &relaxation::ONE, owner: two.owner });
         let three = self.solved(&three).unwrap_or(three);
-        Some(score(&three) - best.score() - RATIO_100)
+        let left = alone.score() - best.score() - SPECTRAL * alone.gain;
+        Some(left.min(score(&three) - best.score() - RATIO_100))
     }
 }

@@ -5,6 +5,7 @@ use lut_gen::effect::{friction, second_term, softening};
 use nalgebra::DVector;
 
 use super::super::fit::{Candidate, Fit, Problem, coordinates};
+use super::before::Before;
 use super::begin::{measured, suit};
 use super::{Explanation, Search, allowed, score};
 
@@ -84,9 +85,9 @@ impl Search<'_> {
 
     /// A fit with one more candidate, and what was found out about it, solved where the chain has it roughly only and it may be better than the best score so far.
     #[must_use]
-    pub fn with(&self, before: &Fit, candidate: &Candidate, best: f64) -> Explanation {
-        let seen = self.compared(self.extended(before, candidate), before);
-        let worth = seen.score() < best + NEAR || may_be_best(&seen, before, best) || seen.adequacy.passes();
+    pub fn with(&self, before: &Before, candidate: &Candidate, best: f64) -> Explanation {
+        let seen = self.compared(self.extended(&before.fit, candidate), before);
+        let worth = seen.score() < best + NEAR || may_be_best(&seen, &before.fit, best) || seen.adequacy.passes();
         match worth.then(|| self.solved(&seen.fit)).flatten() {
             Some(fit) => self.compared(fit, before),
             None => seen,
@@ -152,16 +153,16 @@ impl Search<'_> {
 
     /// Finite elements of the whole paths for the best of a list, each of which is compared with what it extends: the chain is not let
     /// alone with a name.
-    pub(super) fn solve_best(&self, list: &mut [Explanation], before: Vec<Fit>) {
+    pub(super) fn solve_best(&self, list: &mut [Explanation], before: &[&Before]) {
         let Some(best) = list.iter().map(Explanation::score).min_by(f64::total_cmp) else { return };
         let near = |e: &Explanation| e.score() < best + NEAR;
         // of forms of one effect the chain may prefer the wrong one by as much as it is itself wrong by
         let codes = |e: &Explanation| e.fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect::<Vec<_>>();
         let solved: Vec<_> = list.iter().filter(|e| e.beats_noise && near(e)).take(SOLVED).map(codes).collect();
         let mut left = SOLVED;
-        for (explanation, before) in list.iter_mut().zip(&before) {
+        for (explanation, before) in list.iter_mut().zip(before) {
             let wanted = explanation.beats_noise && near(explanation) && left > 0;
-            let own = wanted || may_be_best(explanation, before, best) || solved.contains(&codes(explanation));
+            let own = wanted || may_be_best(explanation, &before.fit, best) || solved.contains(&codes(explanation));
             if own && let Some(fit) = self.solved(&explanation.fit) {
                 *explanation = self.compared(fit, before);
                 left -= usize::from(wanted);

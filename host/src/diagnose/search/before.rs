@@ -1,0 +1,53 @@
+//! What every extension of a fit is compared with, found once for all of them.
+
+use std::sync::OnceLock;
+
+use super::super::fit::{Allowed, Fit, Problem};
+use super::super::placebo;
+use super::{CHARGE, allowed, left_out};
+
+/// Numbers of parameters that a candidate may have.
+const PARAMETERS: usize = 6;
+
+/// A fit that others extend.
+#[derive(Debug)]
+pub struct Before {
+    /// The fit.
+    pub fit: Fit,
+    /// What its effects may be wrong by.
+    allowed: Allowed,
+    /// How badly it predicts conditions that were left out.
+    pub left_out: f64,
+    /// What a gain of its own for every ball, rate, specimen or cycle would leave.
+    pub nameless: f64,
+    /// What the best placebo of as many parameters gains.
+    placebos: [OnceLock<f64>; PARAMETERS],
+}
+
+impl Before {
+    /// Of a fit.
+    #[must_use]
+    pub fn new(problem: &Problem<'_>, fit: Fit) -> Self {
+        Self {
+            allowed: allowed(problem, &fit),
+            left_out: left_out(problem.design, &fit, problem),
+            nameless: placebo::gains(problem, &fit, CHARGE),
+            placebos: [const { OnceLock::new() }; PARAMETERS],
+            fit,
+        }
+    }
+
+    /// By how much another fit lowers the sum of squares: what the effects of this one may be wrong by is no evidence for one more.
+    #[must_use]
+    pub fn gain_of(&self, other: &Fit) -> f64 {
+        let left = |fit: &Fit| self.allowed.discounted(&fit.residual).norm_squared();
+        left(&self.fit) - left(other)
+    }
+
+    /// The same of the best placebo with a number of parameters.
+    #[must_use]
+    pub fn placebo(&self, problem: &Problem<'_>, parameters: usize) -> f64 {
+        let find = || placebo::largest_gain(problem, &self.fit, &self.allowed, parameters);
+        self.placebos.get(parameters).map_or_else(find, |known| *known.get_or_init(find))
+    }
+}
