@@ -119,7 +119,7 @@ pub struct Fit {
     pub jacobian: DMatrix<f64>,
     /// Standard errors on either side of every parameter that hold the truth in 95 cases of 100: more than [`Z95`] where the noise was itself estimated from little.
     pub reach: Vec<f64>,
-    /// True when a quantity of an effect, other than a second exponent, lies at a bound that is not its null value, or the exponent or the contact at one.
+    /// True when a quantity of an effect, other than a second exponent, lies at a bound that is not its null value, or the modulus, the exponent or the contact at one.
     pub at_bound: bool,
 }
 
@@ -346,8 +346,7 @@ impl Problem<'_> {
                 let null = c.of(q.null);
                 (near(*low) && (low - null).abs() > 1e-9) || (near(*high) && (high - null).abs() > 1e-9)
             }
-            Coordinate::LnAlpha | Coordinate::Zero => (x - low).min(high - x) < 1e-3 * (high - low),
-            _ => false,
+            Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => (x - low).min(high - x) < 1e-3 * (high - low),
         });
         let model = self.model(&coordinates, candidates, &x);
         let information = jacobian.tr_mul(&jacobian);

@@ -81,7 +81,11 @@ impl<'a> Prepared<'a> {
             .collect();
         let noise = noise::estimate(design, &at_zero, stated_n)?;
         let problem = placed((design, chain), &noise, &curves, contacts_mm)?;
-        let base = problem.fit(&[], &self.base.x);
+        // what the noise is told about may lie in another valley of the base than the base before did
+        let mut there = self.base.x.clone();
+        (there[0], there[1]) = (model.mu_mpa.ln(), model.alpha.ln());
+        let each = [&self.base.x, &there].map(|start| problem.fit(&[], start));
+        let base = each.into_iter().min_by(|a, b| a.square.total_cmp(&b.square))?;
         Some(Self { problem, base, noise })
     }
 }

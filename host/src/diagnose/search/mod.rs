@@ -143,11 +143,14 @@ impl<'a> Search<'a> {
         Self { problem, noise, base, curves, margins, panel, twins, adequacy, candidates, signatures, spaces }
     }
 
-    /// The same with noise and contact points as a fit sees them; none where that finds no noise.
+    /// The same with noise and contact points as a fit sees them; none where that finds no noise, or one in which no foam at all is the likeliest base: where spots
+    /// differ by a tenth as a gain, each may well have none.
     #[must_use]
     pub fn about(&self, fit: &Fit, stated_n: Option<f64>) -> Option<Self> {
         let own = Prepared { problem: self.problem.clone(), base: self.base.clone(), noise: self.noise.clone() };
-        Some(Self::new(own.about(&fit.model, stated_n)?, self.candidates.clone()))
+        let (softest, _) = Coordinate::LnMu.bounds();
+        let told = own.about(&fit.model, stated_n).filter(|told| told.base.x[0] > softest + 1e-2)?;
+        Some(Self::new(told, self.candidates.clone()))
     }
 
     /// Largest reading of any candidate, or of an elastic departure without a name, at the base.

@@ -2,12 +2,12 @@
 
 use lut_gen::effect::{
     Quantity, adhesion, compliance, contact_offset, friction, nameless, numerics, poisson, radius, relaxation,
-    second_term, sensor_gain, sensor_nonlinearity, softening, thickness,
+    second_term, sensor_gain, sensor_nonlinearity, thickness,
 };
 use nalgebra::DMatrix;
 
 use super::super::fit::{Candidate, Fit, Problem};
-use super::{Explanation, RATIO_100, Search, changes, form_error, plain, score};
+use super::{Explanation, RATIO_100, Search, changes, plain, score};
 
 /// An elastic departure without a name.
 const NAMELESS: Candidate = Candidate { effect: &nameless::EFFECT, owner: 0 };
@@ -52,30 +52,13 @@ fn relaxes(explanation: &Explanation) -> bool {
     codes(explanation).any(|code| code == relaxation::ONE.code)
 }
 
-fn softens(explanation: &Explanation) -> bool {
-    codes(explanation).any(|code| code == softening::EFFECT.code)
-}
-
 /// What an explanation is not clearly better than, where [`Search::beyond_nameless`] says so.
 pub fn rival(explanation: &Explanation) -> &'static str {
-    match () {
-        () if relaxes(explanation) => {
-            "relaxation in a spectrum of times does that it could be named: a power law of time would look like this"
-        }
-        () if softens(explanation) => {
-            "softening does alone that it could be named: finite elements know softening to two percent, and there is no more left than that"
-        }
-        () => {
-            "an elastic departure without a name does that it could be named: another law, a skin or a gradient would look like this"
-        }
+    if relaxes(explanation) {
+        "relaxation in a spectrum of times does that it could be named: a power law of time would look like this"
+    } else {
+        "an elastic departure without a name does that it could be named: another law, a skin or a gradient would look like this"
     }
-}
-
-/// What is named beside softening must be more than what is missed of softening.
-fn beyond_softening(best: &Explanation, singles: &[Explanation]) -> Option<f64> {
-    let softening = best.fit.candidates.iter().find(|c| c.effect.code == softening::EFFECT.code)?;
-    let alone = singles.iter().find(|e| e.fit.candidates == [*softening]).filter(|_| best.fit.candidates.len() > 1)?;
-    Some(alone.score() - best.score() - form_error::coherent(&alone.fit) * alone.gain)
 }
 
 /// The relaxation of two times that an explanation has something else beside, if it is one of those.
@@ -100,8 +83,7 @@ impl Search<'_> {
         if is_elastic(best) {
             return Some(self.beyond_elastic(best));
         }
-        let each = [self.beyond_spectrum(best), self.beyond_more_times(best, singles), beyond_softening(best, singles)];
-        each.into_iter().flatten().reduce(f64::min)
+        [self.beyond_spectrum(best), self.beyond_more_times(best, singles)].into_iter().flatten().reduce(f64::min)
     }
 
     /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any, and so must two elastic effects that imitate one together, and a
