@@ -117,7 +117,7 @@ pub struct Fit {
     pub residual: DVector<f64>,
     /// Derivative of the whitened prediction by every parameter.
     pub jacobian: DMatrix<f64>,
-    /// Standard errors on either side of every parameter that hold the truth in 95 cases of 100: more than [`Z95`] where the noise was itself estimated from little.
+    /// Standard errors on either side of every parameter that hold the truth in 95 cases of 100: more than 1.96 where the noise was itself estimated from little.
     pub reach: Vec<f64>,
     /// True when a quantity of an effect, other than a second exponent, lies at a bound that is not its null value, or the modulus, the exponent or the contact at one.
     pub at_bound: bool,

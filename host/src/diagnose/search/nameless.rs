@@ -77,13 +77,16 @@ fn codes(explanation: &Explanation) -> impl Iterator<Item = &'static str> + '_ {
 
 impl Search<'_> {
     /// By how much (sum of squares, parameters charged) an explanation is likelier than it must be against a departure without a name in its place; none where no such
-    /// departure is known for it. `singles` are the explanations by one effect.
+    /// departure is known for it. `singles` are the explanations by one effect, `pairs` those by two.
     #[must_use]
-    pub fn beyond_nameless(&self, best: &Explanation, singles: &[Explanation]) -> Option<f64> {
+    pub fn beyond_nameless(&self, best: &Explanation, singles: &[Explanation], pairs: &[Explanation]) -> Option<f64> {
         if is_elastic(best) {
             return Some(self.beyond_elastic(best));
         }
-        [self.beyond_spectrum(best), self.beyond_more_times(best, singles)].into_iter().flatten().reduce(f64::min)
+        [self.beyond_spectrum(best), self.beyond_more_times(best, singles, pairs)]
+            .into_iter()
+            .flatten()
+            .reduce(f64::min)
     }
 
     /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any, and so must two elastic effects that imitate one together, and a
@@ -106,9 +109,15 @@ impl Search<'_> {
     }
 
     /// What is named beside a relaxation that needs two times may be all that a third one leaves: it must be a hundred times likelier than that. Two times stand for a spectrum
-    /// often enough: what they leave of it is no evidence for something else, however little it is.
-    fn beyond_more_times(&self, best: &Explanation, singles: &[Explanation]) -> Option<f64> {
+    /// often enough: what they leave of it is no evidence for something else, however little it is. Where one time and the same beside it leave no more than noise either, it is
+    /// not the times that it stands for.
+    fn beyond_more_times(&self, best: &Explanation, singles: &[Explanation], pairs: &[Explanation]) -> Option<f64> {
         let two = beside_two_times(best)?;
+        let beside = |e: &Explanation| e.fit.candidates.iter().find(|c| c.effect.code != two.effect.code).copied();
+        let one = |e: &Explanation| e.fit.candidates.iter().any(|c| *c.effect == relaxation::ONE);
+        if pairs.iter().any(|e| one(e) && beside(e) == beside(best) && e.holds()) {
+            return None;
+        }
         let alone = singles.iter().find(|e| e.fit.candidates == [*two])?;
         let three = self.extended(&alone.fit, &Candidate { effect: &relaxation::ONE, owner: two.owner });
         let three = self.solved(&three).unwrap_or(three);
