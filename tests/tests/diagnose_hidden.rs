@@ -142,12 +142,12 @@ fn a_planned_run_decides() {
     assert!(followed.resolved && followed.runs.len() <= 2, "{}", ambiguous.line());
 }
 
-/// What is in no catalogue gets no name, or that of its cause.
+/// What is in no catalogue gets no name.
 #[test]
 fn what_is_outside_is_unknown() {
     all_are(Outcome::OutsideUnknown, &[outside(31_030, "outside-stiff-skin"), outside(31_034, "outside-hum")]);
     all_are(Outcome::OutsideUnknown, &[outside(31_035, "outside-stick-slip"), outside(31_033, "outside-anisotropic")]);
-    all_are(Outcome::OtherForm, &[outside(31_032, "outside-power-law")]);
+    all_are(Outcome::OutsideUnknown, &[outside(31_032, "outside-power-law")]);
     not_all_are(Outcome::OutsideUnknown, &[outside(31_031, "outside-tilt")]);
 }
 

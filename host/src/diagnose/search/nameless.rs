@@ -89,12 +89,11 @@ impl Search<'_> {
             .reduce(f64::min)
     }
 
-    /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any, and so must two elastic effects that imitate one together, and a
-    /// wrong radius, which with two balls is little more than that they differ. A machine that gives way has one form: it must be no less likely. What that form may be wrong by is allowed for or not, whichever is better for it: a
+    /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any, and so must two elastic effects that imitate one together. A
+    /// wrong radius, or a machine that gives way, has one form: it must be no less likely. What that form may be wrong by is allowed for or not, whichever is better for it: a
     /// departure without a name has none to be wrong by.
     fn beyond_elastic(&self, best: &Explanation) -> f64 {
-        let many = claims_a_law(best) || best.fit.candidates.len() > 1 || codes(best).any(|c| c == radius::EFFECT.code);
-        let needed = if many { RATIO_100 } else { 0.0 };
+        let needed = if claims_a_law(best) || best.fit.candidates.len() > 1 { RATIO_100 } else { 0.0 };
         let nameless = self.extended(&self.base, &NAMELESS);
         f64::max(score(&nameless) - best.score(), plain(&nameless) - plain(&best.fit)) - needed
     }
