@@ -13,8 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let name = arguments.next().unwrap_or_else(|| "D36".to_owned());
     let count = arguments.next().unwrap_or_else(|| "10".to_owned());
     let folder = arguments.next().map(PathBuf::from);
-    let known = Design::ALL.into_iter().find(|design| design.name() == name);
-    let design = known.ok_or("the first argument is a design: D6, D18, D36 or D60")?;
+    let design = Design::named(&name).ok_or("the first argument is a design: D6, D18, D36, D60 or own")?;
     let solver = Solver::new();
     println!("| case | hidden | noise | runs | peak N | solves | s |\n|---|---|---|---|---|---|---|");
     let cases: Vec<Case> = if count == "all" {

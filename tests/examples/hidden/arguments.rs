@@ -78,6 +78,5 @@ fn number<T: std::str::FromStr>(word: &str, value: &str) -> Result<T, String> {
 }
 
 fn design(name: &str) -> Result<Design, String> {
-    let found = Design::ALL.into_iter().find(|d| d.name() == name);
-    found.ok_or_else(|| format!("--design {name}: expected D6, D18, D36 or D60"))
+    Design::named(name).ok_or_else(|| format!("--design {name}: expected D6, D18, D36, D60 or own"))
 }

@@ -5,7 +5,7 @@ use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::design::PEAK_MM;
+use super::layout::Layout;
 use super::strength::{self, Scales};
 use super::{CATALOGUE, Case, Design, LEVELS, NoiseKind, OUTSIDE, PAIRS, Truth, What};
 
@@ -46,10 +46,19 @@ pub(super) fn scaled(chance: &mut Pcg64, low: f64, high: f64) -> f64 {
     low * (high / low).powf(chance.random::<f64>())
 }
 
+fn layout(case: &Case) -> Layout {
+    Layout::of(case.design, &mut chance(case, 6))
+}
+
 fn foam(case: &Case) -> Foam {
     let mut chance = chance(case, 1);
     let mu_mpa = scaled(&mut chance, MU_MPA.0, MU_MPA.1);
-    Foam { mu_mpa, alpha: ALPHAS.choose(&mut chance).copied().unwrap_or(8.6) }
+    // experiments of their own designs have no curve in common
+    let alpha = match case.design {
+        Design::Own => scaled(&mut chance, 3.0, 20.0),
+        _ => ALPHAS.choose(&mut chance).copied().unwrap_or(8.6),
+    };
+    Foam { mu_mpa, alpha }
 }
 
 fn what(case: &Case) -> What {
@@ -82,14 +91,14 @@ fn noise_kind(case: &Case) -> NoiseKind {
 }
 
 /// Largest force of the design, N, estimated.
-fn peak_n(design: Design, foam: &Foam) -> f64 {
-    let radius = design.radii_mm().iter().copied().fold(0.0, f64::max);
-    BELOW_HERTZ * 8.0 / 3.0 * foam.mu_mpa * radius.sqrt() * PEAK_MM.powf(1.5)
+fn peak_n(layout: &Layout, foam: &Foam) -> f64 {
+    let radius = layout.radii_mm().iter().copied().fold(0.0, f64::max);
+    BELOW_HERTZ * 8.0 / 3.0 * foam.mu_mpa * radius.sqrt() * layout.peak_mm.powf(1.5)
 }
 
 pub(super) fn truth(case: &Case) -> Truth {
-    let (foam, what) = (foam(case), what(case));
-    let scales = Scales { peak_n: peak_n(case.design, &foam), foam, design: case.design };
+    let (foam, what, layout) = (foam(case), what(case), layout(case));
+    let scales = Scales { peak_n: peak_n(&layout, &foam), foam, design: case.design, layout };
     let mut chance = chance(case, 4);
     let effects = match &what {
         What::Clean => Vec::new(),
@@ -108,9 +117,9 @@ pub(super) fn truth(case: &Case) -> Truth {
 
 pub(super) fn spec(case: &Case, truth: &Truth) -> Spec {
     let name = format!("hidden {}-{}", case.design.name(), case.seed);
-    let spec = Spec::new(&name, case.seed);
-    let mut spec = case.design.fill(spec, truth.foam.mu_mpa, truth.foam.alpha);
-    let peak = peak_n(case.design, &truth.foam);
+    let layout = layout(case);
+    let mut spec = layout.fill(Spec::new(&name, case.seed), &truth.foam);
+    let peak = peak_n(&layout, &truth.foam);
     let mut chance = chance(case, 5);
     spec.noise = Noise {
         sensor_n: peak * chance.random_range(0.003..0.01),

@@ -3,6 +3,7 @@
 
 mod design;
 mod draw;
+mod layout;
 mod strength;
 
 pub use design::Design;
@@ -140,8 +141,28 @@ mod tests {
         for (design, runs) in [(Design::D6, 6), (Design::D18, 18), (Design::D36, 36), (Design::D60, 60)] {
             let spec = Case::new(design, 1).spec();
             let made: usize = spec.runs.iter().map(|run| run.replicates * run.cycles).sum();
-            assert_eq!((made, design.runs()), (runs, runs), "{design:?}");
+            assert_eq!((made, design.runs()), (runs, Some(runs)), "{design:?}");
         }
+    }
+
+    /// Of 300 drawn designs every one has repeats, at most 60 runs, and balls that do not sink in; they differ.
+    #[test]
+    fn own_designs_can_be_diagnosed() {
+        let mut counts = std::collections::BTreeSet::new();
+        for seed in 0..300 {
+            let spec = Case::new(Design::Own, seed).spec();
+            let made: usize = spec.runs.iter().map(|run| run.replicates * run.cycles).sum();
+            assert!((2..=60).contains(&made), "{seed}: {made}");
+            counts.insert((made, spec.indenters.len(), spec.specimens.len()));
+            for run in &spec.runs {
+                let ball = spec.indenter(run.indenter.as_deref().unwrap()).unwrap();
+                let slab = spec.specimen(run.specimen.as_deref().unwrap()).unwrap();
+                assert!(run.replicates >= 2 && run.depth_mm > 0.5, "{seed}: {run:?}");
+                assert!(run.depth_mm < 0.8 * ball.radius_mm && run.depth_mm < 0.3 * slab.height_mm, "{seed}: {run:?}");
+                assert!(slab.radius_mm >= 25.0 && spec.sample_hz >= 20.0);
+            }
+        }
+        assert!(counts.len() > 50, "{counts:?}");
     }
 
     #[test]

@@ -5,8 +5,8 @@ use rand::Rng;
 use rand_pcg::Pcg64;
 
 use super::Design;
-use super::design::ball;
 use super::draw::{Foam, scaled};
+use super::layout::{Layout, ball};
 
 /// Levels of strength.
 pub const LEVELS: usize = 5;
@@ -61,15 +61,17 @@ pub(super) struct Scales {
     pub peak_n: f64,
     pub foam: Foam,
     pub design: Design,
+    pub layout: Layout,
 }
 
 /// Hours from the first run of a design to its last, about.
-fn session_h(design: Design) -> f64 {
-    match design {
+fn session_h(scales: &Scales) -> f64 {
+    match scales.design {
         Design::D6 => 0.04,
         Design::D18 => 0.12,
         Design::D36 => 0.35,
         Design::D60 => 0.6,
+        Design::Own => scales.layout.session_h(),
     }
 }
 
@@ -101,13 +103,14 @@ pub(super) fn effect(code: &str, level: usize, scales: &Scales, chance: &mut Pcg
         "contact-offset" => Effect::ContactOffset { offset_mm: sign * at([0.005, 0.02, 0.05, 0.12, 0.25]) },
         "compliance" => Effect::Compliance { mm_per_n: at([0.01, 0.03, 0.1, 0.25, 0.6]) / peak_n },
         "radius" => {
-            let radii = scales.design.radii_mm();
+            let radii = scales.layout.radii_mm();
             let radius = radii[chance.random_range(0..radii.len())];
             Effect::Radius { indenter: ball(radius), error_mm: sign * radius * at([0.004, 0.012, 0.03, 0.07, 0.15]) }
         }
-        // a design of one rate of 2 mm/s meets no limit that one would set
-        "lag" if level >= 2 && scales.design != Design::D6 && chance.random::<f64>() < 0.3 => {
-            Effect::RateLimit { rate_mm_s: at([7.9, 7.8, 7.3, 6.0, 4.0]) }
+        // a design of one rate meets no limit that one would set
+        "lag" if level >= 2 && scales.layout.rates_mm_s().len() > 1 && chance.random::<f64>() < 0.3 => {
+            let fastest = scales.layout.rates_mm_s().iter().copied().fold(0.0, f64::max);
+            Effect::RateLimit { rate_mm_s: fastest / 8.0 * at([7.9, 7.8, 7.3, 6.0, 4.0]) }
         }
         "lag" => Effect::Lag { lag_s: at([0.001, 0.004, 0.012, 0.03, 0.08]) },
         "sensor-gain" => Effect::SensorGain { gain: 1.0 + sign * at([0.005, 0.015, 0.04, 0.1, 0.25]) },
@@ -118,7 +121,7 @@ pub(super) fn effect(code: &str, level: usize, scales: &Scales, chance: &mut Pcg
             Effect::SensorCreep { amplitude: at([0.003, 0.01, 0.03, 0.08, 0.2]), tau_s: scaled(chance, 0.5, 10.0) }
         }
         "drift" => Effect::Drift {
-            n_per_h: sign * at([0.002, 0.006, 0.02, 0.06, 0.2]) * peak_n / session_h(scales.design),
+            n_per_h: sign * at([0.002, 0.006, 0.02, 0.06, 0.2]) * peak_n / session_h(scales),
             thermal_n: 0.0,
             thermal_s: 600.0,
         },
