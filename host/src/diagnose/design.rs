@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use lut_gen::chain::{Geometry, Passage, RUBBER_NU, Window};
+use lut_gen::effect::{Effect, Owner, Sizes};
 use lut_gen::model::Specimen as Block;
 use lut_gen::solve;
 
@@ -145,6 +146,28 @@ impl Design {
     #[must_use]
     pub fn largest_n(&self) -> f64 {
         self.series.iter().flat_map(|s| &s.nodes).map(|n| n.force_n).fold(0.0, f64::max)
+    }
+
+    /// Sizes that the amounts of an effect are in proportion to, of the ball or specimen that it belongs to; without one, of the largest.
+    #[must_use]
+    pub fn sizes(&self, effect: &Effect, owner: Option<usize>) -> Sizes {
+        let own = |s: &Series| match effect.owner {
+            Owner::All => true,
+            Owner::Indenter => owner.is_none_or(|owner| s.indenter == owner),
+            Owner::Specimen => owner.is_none_or(|owner| s.specimen == owner),
+        };
+        // no ball is pressed into a coupon: it is as high as the specimens are
+        let has = self.series.iter().any(own);
+        let of = |size: &dyn Fn(&Geometry) -> f64| {
+            let each = self.series.iter().filter(|s| !has || own(s)).filter_map(|s| self.geometries.get(s.geometry));
+            each.map(size).fold(0.0, f64::max)
+        };
+        Sizes {
+            force_n: self.largest_n(),
+            radius_mm: of(&|g| g.ball_mm),
+            height_mm: of(&|g| g.specimen.height_mm),
+            rate_mm_per_s: self.rates_mm_per_s.last().copied().unwrap_or(1.0),
+        }
     }
 
     /// Reads the design of one material from its data.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lut_gen::chain::{Chain, Model, Setting, Whole};
-use lut_gen::effect::{Effect, Quantity, Spread, contact_offset, second_term};
+use lut_gen::effect::{Effect, Quantity, Sizes, Spread, contact_offset, second_term};
 use nalgebra::{DMatrix, DVector};
 
 use super::Z95;
@@ -20,6 +20,14 @@ pub struct Candidate {
     pub effect: &'static Effect,
     /// Index of the ball or specimen.
     pub owner: usize,
+}
+
+impl Candidate {
+    /// Sizes that its amounts are in proportion to.
+    #[must_use]
+    pub fn sizes(&self, design: &Design) -> Sizes {
+        design.sizes(self.effect, Some(self.owner))
+    }
 }
 
 /// One parameter of a fit.
@@ -186,13 +194,13 @@ impl Coordinate {
 /// Parameters of the base with candidates.
 #[must_use]
 pub fn coordinates(design: &Design, candidates: &[Candidate]) -> Vec<Coordinate> {
-    let largest_n = design.largest_n();
     let mut list = vec![Coordinate::LnMu, Coordinate::LnAlpha];
     if !design.zero_is_contact {
         list.push(Coordinate::Zero);
     }
     for (at, candidate) in candidates.iter().enumerate() {
-        list.extend(candidate.effect.quantities.iter().map(|q| Coordinate::Of(at, q.bounded_at(largest_n))));
+        let sizes = candidate.sizes(design);
+        list.extend(candidate.effect.quantities.iter().map(|q| Coordinate::Of(at, q.bounded_at(&sizes))));
     }
     list
 }

@@ -32,12 +32,27 @@ pub fn largest_gain(problem: &Problem<'_>, before: &Fit, allowed: &Allowed, para
     gains.fold(0.0, f64::max)
 }
 
-/// Least sum of squares that a gain brings which is another one for every ball, rate, specimen or cycle, with the charge for its parameters: what
-/// is no better than that shows in the variable and has no shape of its own.
+/// Least sum of squares that a departure without a cause brings, with the charge for its parameters: a gain which is another one for every ball, rate, specimen or
+/// cycle, one that changes smoothly over the session, or a smooth function of depth or time that is the same in all runs. What is no better than that shows in the
+/// variable and has no shape of its own.
 #[must_use]
-pub fn gains(problem: &Problem<'_>, before: &Fit, charge: f64) -> f64 {
+pub fn causeless(problem: &Problem<'_>, before: &Fit, charge: f64) -> f64 {
     let explained = basis(&before.jacobian);
     let base = predicted(problem.design, problem.chain, &before.model, &problem.contacts_mm);
+    let left = |columns: Vec<DVector<f64>>| {
+        if columns.is_empty() {
+            return f64::INFINITY;
+        }
+        let rest = rest_of(&DMatrix::from_columns(&columns), &explained);
+        let taken = basis(&rest).tr_mul(&before.residual).norm_squared();
+        before.square - taken + charge * (before.coordinates.len() + columns.len()) as f64
+    };
+    let gains = by_level(problem, &base).into_iter().map(&left);
+    gains.chain(smooth(problem, &base).into_iter().map(&left)).fold(f64::INFINITY, f64::min)
+}
+
+/// A gain for every ball, rate, specimen or cycle but the first: columns of each variable, whitened.
+fn by_level(problem: &Problem<'_>, base: &[Vec<f64>]) -> Vec<Vec<DVector<f64>>> {
     let cycle = |s: &Series| usize::try_from(s.cycle).unwrap_or(0);
     let variables: [&dyn Fn(&Series) -> usize; 4] = [&|s| s.rate, &|s| s.indenter, &|s| s.specimen, &cycle];
     let each = variables.into_iter().map(|of| {
@@ -45,26 +60,51 @@ pub fn gains(problem: &Problem<'_>, before: &Fit, charge: f64) -> f64 {
         levels.sort_unstable();
         levels.dedup();
         // a gain of all is mu
-        let columns: Vec<DVector<f64>> =
-            levels.iter().skip(1).map(|level| gain(problem, &base, &|s| of(s) == *level)).collect();
-        if columns.is_empty() {
-            return f64::INFINITY;
-        }
-        let rest = rest_of(&DMatrix::from_columns(&columns), &explained);
-        let taken = basis(&rest).tr_mul(&before.residual).norm_squared();
-        before.square - taken + charge * (before.coordinates.len() + columns.len()) as f64
+        let one = |level: &usize| {
+            column(problem, |s, k| if of(&problem.design.series[s]) == *level { base[s][k] } else { 0.0 })
+        };
+        levels.iter().skip(1).map(one).collect()
     });
-    each.fold(f64::INFINITY, f64::min)
+    each.collect()
 }
 
-/// What some runs' prediction is, whitened.
-fn gain(problem: &Problem<'_>, base: &[Vec<f64>], own: &dyn Fn(&Series) -> bool) -> DVector<f64> {
+/// Shapes of a smooth function: up to one and a half periods of a wave.
+const SHAPES: u32 = 6;
+/// Part of the depth over which what depends on depth or time alone comes in: nothing is read before contact.
+const COMES_IN: f64 = 0.1;
+
+/// Smooth functions (Chebyshev's polynomials) of the depth and of the time in a run (a part of its length), as parts of the run's largest force, and of the session clock, as
+/// parts of the force: columns of each variable, whitened.
+fn smooth(problem: &Problem<'_>, base: &[Vec<f64>]) -> Vec<Vec<DVector<f64>>> {
+    let series = &problem.design.series;
+    let deepest = series.iter().flat_map(|s| &s.nodes).map(|n| n.depth_mm).fold(f64::MIN_POSITIVE, f64::max);
+    let longest = |s: usize| series[s].nodes.last().map_or(f64::MIN_POSITIVE, |n| n.time_s).max(f64::MIN_POSITIVE);
+    let peak = |s: usize| base[s].iter().copied().fold(0.0, f64::max);
+    let wave = |share: f64, shape: u32| (f64::from(shape) * (2.0 * share - 1.0).clamp(-1.0, 1.0).acos()).cos();
+    let comes_in = |s: usize, k: usize| (series[s].nodes[k].depth_mm / (COMES_IN * deepest)).clamp(0.0, 1.0);
+    let of_depth =
+        |shape| column(problem, |s, k| peak(s) * comes_in(s, k) * wave(series[s].nodes[k].depth_mm / deepest, shape));
+    let of_time =
+        |shape| column(problem, |s, k| peak(s) * comes_in(s, k) * wave(series[s].nodes[k].time_s / longest(s), shape));
+    let mut all = vec![(0..SHAPES).map(of_depth).collect(), (0..SHAPES).map(of_time).collect()];
+    let clock: Option<Vec<f64>> = series.iter().map(|s| s.start_s).collect();
+    if let Some(clock) = clock {
+        let (first, last) = clock.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+        let share = |s: usize| (clock[s] - first) / (last - first).max(f64::MIN_POSITIVE);
+        // a gain of all is mu
+        all.push((1..SHAPES).map(|shape| column(problem, |s, k| base[s][k] * wave(share(s), shape))).collect());
+    }
+    all
+}
+
+/// A value at every node that is used, whitened; of series and node.
+fn column(problem: &Problem<'_>, value: impl Fn(usize, usize) -> f64) -> DVector<f64> {
     let mut column = DVector::zeros(problem.whitening.residuals());
-    for (s, _) in problem.design.series.iter().enumerate().filter(|(_, s)| own(s)) {
-        for (k, force_n) in base[s].iter().enumerate() {
+    for (s, series) in problem.design.series.iter().enumerate() {
+        for k in 0..series.nodes.len() {
             let at = problem.whitening.first(s) + k;
             if problem.used[at] {
-                column[at] = *force_n;
+                column[at] = value(s, k);
             }
         }
     }
@@ -85,17 +125,15 @@ fn placebo(problem: &Problem<'_>, base: &[Vec<f64>], chance: &mut Pcg64) -> DVec
         4 => s.run,
         _ => 0,
     };
-    let mut column = DVector::zeros(problem.whitening.residuals());
-    for (s, series) in problem.design.series.iter().enumerate() {
-        let deepest = series.nodes.iter().map(|n| n.depth_mm).fold(f64::MIN_POSITIVE, f64::max);
-        for (k, node) in series.nodes.iter().enumerate() {
-            let at = problem.whitening.first(s) + k;
-            if problem.used[at] {
-                let wave = (waves * node.depth_mm / deepest + phase).cos();
-                column[at] = base[s][k] * signs[level(series) % signs.len()] * wave;
-            }
-        }
-    }
-    problem.whitening.apply(&mut column);
-    column
+    let deepest: Vec<f64> = problem
+        .design
+        .series
+        .iter()
+        .map(|s| s.nodes.iter().map(|n| n.depth_mm).fold(f64::MIN_POSITIVE, f64::max))
+        .collect();
+    column(problem, |s, k| {
+        let series = &problem.design.series[s];
+        let wave = (waves * series.nodes[k].depth_mm / deepest[s] + phase).cos();
+        base[s][k] * signs[level(series) % signs.len()] * wave
+    })
 }

@@ -87,22 +87,25 @@ fn pressed(spec: &Spec, condition: &Condition, visit: &Visit, step_s: f64) -> Re
     let highest = driven.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let turn = driven.iter().rposition(|d| *d >= highest - 1e-9).unwrap_or(0);
     let mut forces = Vec::new();
+    let mut before_mm = 0.0_f64;
     for cycle in 1..=template.cycles {
-        let (before_mm, after_mm) = outside::set_mm(&spec.effects, cycle, highest);
+        let (set_mm, after_mm) = outside::set_mm(&spec.effects, cycle, highest);
         let mut peak_mm = 0.0_f64;
         let mut run = Vec::with_capacity(driven.len());
         for (k, &driven_mm) in driven.iter().enumerate() {
             let back = template.unload && k > turn;
             // the set of a cycle appears in proportion to the way back
             let way = if back { ((highest - driven_mm) / highest.max(1e-9)).clamp(0.0, 1.0) } else { 0.0 };
-            let depth_mm = driven_mm - before_mm - (after_mm - before_mm) * way;
+            let depth_mm = driven_mm - set_mm - (after_mm - set_mm) * way;
             let mut moment = condition.moment(step_s * k as f64, depth_mm, peak_mm, cycle);
             moment.back = back;
+            moment.before_mm = before_mm;
             moment.nominal_mm = condition.nominal_mm.get(k).copied().unwrap_or(depth_mm);
             let (depth_mm, force_n) = condition.pressed(&condition.history, &elastic, moment);
             peak_mm = peak_mm.max(depth_mm);
             run.push(force_n * visit.gain);
         }
+        before_mm = before_mm.max(peak_mm);
         forces.push(run);
     }
     outside::relaxed_by_power(&spec.effects, &mut forces, &visit.starts_s, step_s);

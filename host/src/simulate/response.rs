@@ -58,8 +58,8 @@ pub(super) enum History {
     /// Nothing.
     None,
     /// No time in it: functions of depth on the way down, and of the part of the largest depth that is behind on the way back,
-    /// by cycle.
-    Branches { down: Vec<Smooth>, back: Vec<Smooth>, added: bool },
+    /// by cycle. What the material remembers of `peak_mm` moves with the largest depth of a spot.
+    Branches { down: Vec<Smooth>, back: Vec<Smooth>, added: bool, peak_mm: f64 },
     /// Functions of the time in the run, by cycle.
     Timed { cycles: Vec<Smooth>, added: bool },
 }
@@ -99,6 +99,8 @@ pub(super) struct Moment {
     pub phase: Phase,
     /// Largest depth of the run so far, mm.
     pub peak_mm: f64,
+    /// Largest depth of earlier runs on the spot, mm; 0 on a fresh one.
+    pub before_mm: f64,
     /// On the way back.
     pub back: bool,
     /// From 1.
@@ -144,7 +146,7 @@ impl History {
                 back.push(Smooth::through(whole, top));
             }
         }
-        Self::Branches { down, back, added }
+        Self::Branches { down, back, added, peak_mm: peak }
     }
 
     /// From the record of several runs. The record removes the penalty's softness by a derivative along depth, which is not
@@ -180,8 +182,11 @@ impl History {
         };
         let (value, added) = match self {
             Self::None => return (force, slope),
-            Self::Branches { down, added, .. } if !at.back => {
-                (nth(down, at.depth_mm, f64::from(u8::from(!added))), *added)
+            Self::Branches { down, added, peak_mm, .. } if !at.back => {
+                // where an earlier run has turned the force is as on a fresh spot again, wherever that was
+                let remembered = at.cycle > 1 && down.len() > 1 && at.before_mm > 0.0;
+                let same_mm = if remembered { at.depth_mm * peak_mm / at.before_mm } else { at.depth_mm };
+                (nth(down, same_mm, f64::from(u8::from(!added))), *added)
             }
             Self::Branches { back, added, .. } => {
                 (nth(back, 1.0 - at.depth_mm / at.peak_mm.max(1e-9), f64::from(u8::from(!added))), *added)

@@ -24,7 +24,7 @@ pub const RATE_LIMIT: Effect = Effect {
     signature: "jumps where the motion starts and stops",
     twins: &["contact-offset", "relaxation"],
     separated_by: "a reversal; another rate",
-    quantities: &[Quantity::amplitude("limit_s_per_mm", 0.0, (0.0, 10.0), 0.2, &[0.15, 0.6])],
+    quantities: &[Quantity::amplitude("limit_s_per_mm", 0.0, (0.0, 40.0), 1.6, &[1.2, 4.8]).per_rate()],
     owner: Owner::All,
 };
 

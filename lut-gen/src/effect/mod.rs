@@ -65,6 +65,41 @@ pub enum Spread {
     Logarithmic,
 }
 
+/// Sizes of an experiment that amounts of effects are in proportion to: a ball of 2 mm is not wrong by as much as one of 12 mm may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sizes {
+    /// Largest force, N.
+    pub force_n: f64,
+    /// Radius of the ball that an effect belongs to, mm; of one that belongs to all, the largest.
+    pub radius_mm: f64,
+    /// Height of the specimen, likewise, mm.
+    pub height_mm: f64,
+    /// Fastest rate of loading, mm/s.
+    pub rate_mm_per_s: f64,
+}
+
+/// Powers of [`Sizes`] that an amount is in proportion to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Grows {
+    force: i32,
+    radius: i32,
+    height: i32,
+    rate: i32,
+}
+
+impl Grows {
+    /// The same whatever the experiment is.
+    pub(crate) const NOT: Self = Self { force: 0, radius: 0, height: 0, rate: 0 };
+
+    fn by(self, sizes: &Sizes) -> f64 {
+        let power = |size: f64, power: i32| size.max(1e-9).powi(power);
+        power(sizes.force_n, self.force)
+            * power(sizes.radius_mm, self.radius)
+            * power(sizes.height_mm, self.height)
+            * power(sizes.rate_mm_per_s, self.rate)
+    }
+}
+
 /// One parameter of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
@@ -82,8 +117,8 @@ pub struct Quantity {
     pub starts: &'static [f64],
     /// How it is searched.
     pub spread: Spread,
-    /// Power of a force in its unit: bounds, `plausible` and `starts` are given for a largest force of 1 N, see [`Quantity::scaled`].
-    pub force_power: i32,
+    /// What it grows with: bounds, `plausible` and `starts` are given for sizes of 1, see [`Quantity::scaled`].
+    pub grows: Grows,
     /// By what part of itself the true amount may be larger than the one that fits, because the effect has a property that no force shows; intervals reach that far.
     pub understated: f64,
 }
@@ -169,14 +204,32 @@ impl Quantity {
             plausible,
             starts,
             spread: Spread::Even,
-            force_power: 0,
+            grows: Grows::NOT,
             understated: 0.0,
         }
     }
 
     /// The same with a unit that holds a power of a force.
     pub(crate) const fn per_force(mut self, power: i32) -> Self {
-        self.force_power = power;
+        self.grows.force = power;
+        self
+    }
+
+    /// The same as a part of the ball's radius.
+    pub(crate) const fn of_radius(mut self) -> Self {
+        self.grows.radius = 1;
+        self
+    }
+
+    /// The same as a part of the specimen's height.
+    pub(crate) const fn of_height(mut self) -> Self {
+        self.grows.height = 1;
+        self
+    }
+
+    /// The same as a multiple of the time that the fastest rate takes for a millimetre.
+    pub(crate) const fn per_rate(mut self) -> Self {
+        self.grows.rate = -1;
         self
     }
 
@@ -186,16 +239,17 @@ impl Quantity {
         self
     }
 
-    /// A plausible or start value at an experiment's largest force (N).
+    /// A plausible or start value in an experiment of some sizes.
     #[must_use]
-    pub fn scaled(&self, value: f64, largest_n: f64) -> f64 {
-        self.null + (value - self.null) * largest_n.max(1e-9).powi(self.force_power)
+    pub fn scaled(&self, value: f64, sizes: &Sizes) -> f64 {
+        self.null + (value - self.null) * self.grows.by(sizes)
     }
 
-    /// The same quantity with its bounds at an experiment's largest force (N).
+    /// The same quantity with its bounds and its plausible amount in an experiment of some sizes.
     #[must_use]
-    pub fn bounded_at(self, largest_n: f64) -> Self {
-        Self { low: self.scaled(self.low, largest_n), high: self.scaled(self.high, largest_n), ..self }
+    pub fn bounded_at(self, sizes: &Sizes) -> Self {
+        let own = |value: f64| self.scaled(value, sizes);
+        Self { low: own(self.low), high: own(self.high), plausible: own(self.plausible), ..self }
     }
 
     /// A shape parameter searched in its logarithm.
@@ -208,7 +262,7 @@ impl Quantity {
             plausible,
             starts,
             spread: Spread::Logarithmic,
-            force_power: 0,
+            grows: Grows::NOT,
             understated: 0.0,
         }
     }

@@ -11,6 +11,6 @@ pub const EFFECT: Effect = Effect {
     signature: "only between balls",
     twins: &["thickness"],
     separated_by: "gauge the ball; a third ball",
-    quantities: &[Quantity::amplitude("error_mm", 0.0, (-1.4, 1.6), 0.2, &[0.0])],
+    quantities: &[Quantity::amplitude("error_mm", 0.0, (-0.28, 0.32), 0.04, &[0.0]).of_radius()],
     owner: Owner::Indenter,
 };

@@ -11,7 +11,7 @@ pub const HEIGHT: Effect = Effect {
     signature: "grows with sqrt(R d) / h",
     twins: &["compliance", "radius", "second-term"],
     separated_by: "a specimen of twice the height; a third ball",
-    quantities: &[Quantity::amplitude("height_error_mm", 0.0, (-4.0, 5.0), 1.5, &[-1.5, 2.0])],
+    quantities: &[Quantity::amplitude("height_error_mm", 0.0, (-0.32, 0.4), 0.12, &[-0.12, 0.16]).of_height()],
     owner: Owner::Specimen,
 };
 

@@ -1,8 +1,8 @@
 //! What a design's runs are made of: balls, heights, rates, motion.
 
 use palpate::simulate::{RunTemplate, SAMPLE_HZ, Spec};
-use rand::seq::{IndexedRandom, SliceRandom};
 use rand::Rng;
+use rand::seq::{IndexedRandom, SliceRandom};
 use rand_pcg::Pcg64;
 
 use super::Design;
@@ -131,6 +131,11 @@ impl Layout {
         radii.sort_by(f64::total_cmp);
         radii.dedup();
         radii
+    }
+
+    /// Height of the thinnest slab, mm.
+    pub(super) fn thinnest_mm(&self) -> f64 {
+        self.blocks.iter().map(|b| b.height_mm).fold(f64::INFINITY, f64::min)
     }
 
     /// Rates, mm/s.

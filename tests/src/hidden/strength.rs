@@ -56,7 +56,7 @@ pub const PAIRS: [[&str; 2]; 10] = [
     ["friction", "drift"],
 ];
 
-/// What strengths are measured by.
+/// What strengths are measured by; amounts in mm are stated for slabs of 12.7 mm and depths of 3 mm.
 pub(super) struct Scales {
     pub peak_n: f64,
     pub foam: Foam,
@@ -93,14 +93,18 @@ pub(super) fn effect(code: &str, level: usize, scales: &Scales, chance: &mut Pcg
             beta: 0.1,
         },
         "thickness" if level + 1 >= LEVELS && chance.random::<f64>() < 0.3 => Effect::SlidingBase,
-        "thickness" => Effect::Thickness { height_error_mm: sign * at([0.1, 0.3, 0.8, 1.8, 3.5]) },
+        "thickness" => Effect::Thickness {
+            height_error_mm: sign * at([0.1, 0.3, 0.8, 1.8, 3.5]) * (scales.layout.thinnest_mm() / 12.7),
+        },
         "friction" => Effect::Friction { coefficient: at([0.03, 0.08, 0.2, 0.4, 0.8]) },
         // the pull of a ball of 5 mm is 3/2 pi w R (Johnson, Kendall and Roberts 1971)
         "adhesion" => Effect::Adhesion {
             work_n_per_mm: at([0.001, 0.003, 0.008, 0.02, 0.05]) * peak_n / (1.5 * std::f64::consts::PI * 5.0),
             range_mm: 0.1,
         },
-        "contact-offset" => Effect::ContactOffset { offset_mm: sign * at([0.005, 0.02, 0.05, 0.12, 0.25]) },
+        "contact-offset" => Effect::ContactOffset {
+            offset_mm: sign * at([0.005, 0.02, 0.05, 0.12, 0.25]) * (scales.layout.peak_mm / 3.0),
+        },
         "compliance" => Effect::Compliance { mm_per_n: at([0.01, 0.03, 0.1, 0.25, 0.6]) / peak_n },
         "radius" => {
             let radii = scales.layout.radii_mm();

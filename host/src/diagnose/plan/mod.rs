@@ -4,7 +4,7 @@ mod bench;
 mod coupon;
 
 use lut_gen::chain::{Model, Setting};
-use lut_gen::effect::Spread;
+use lut_gen::effect::{Quantity, Spread};
 use rayon::prelude::*;
 
 use crate::experiment::Experiment;
@@ -366,7 +366,6 @@ fn shown(bench: &Bench, search: &Search<'_>, blind: &[&'static str]) -> (f64, Ve
     /// A direction needs 2.8 to pass alone at one in two hundred; 1.3 more to do so in nine cases of ten.
     const SEEN: f64 = 4.1;
     let base = bench.forecast(&search.base);
-    let largest_n = search.problem.largest_n();
     let mut best = 0.0;
     let mut codes = Vec::new();
     for (candidate, old) in search.candidates.iter().zip(&search.signatures) {
@@ -374,19 +373,12 @@ fn shown(bench: &Bench, search: &Search<'_>, blind: &[&'static str]) -> (f64, Ve
         if !blind.contains(&code) || codes.contains(&code) {
             continue;
         }
-        let values =
-            candidate
-                .effect
-                .quantities
-                .iter()
-                .map(|q| {
-                    if q.spread == Spread::Even {
-                        q.scaled(q.plausible, largest_n)
-                    } else {
-                        q.starts[q.starts.len() / 2]
-                    }
-                })
-                .collect();
+        let sizes = candidate.sizes(search.problem.design);
+        let value = |q: &Quantity| match q.spread {
+            Spread::Even => q.scaled(q.plausible, &sizes),
+            Spread::Logarithmic => q.starts[q.starts.len() / 2],
+        };
+        let values = candidate.effect.quantities.iter().map(value).collect();
         let mut model = search.base.model.clone();
         model.settings.push(Setting { effect: candidate.effect, owner: candidate.owner, values });
         let new = bench.forces(&model) - &base.force;

@@ -18,7 +18,7 @@ pub struct Before {
     allowed: Allowed,
     /// How badly it predicts conditions that were left out.
     pub left_out: f64,
-    /// What a gain of its own for every ball, rate, specimen or cycle would leave.
+    /// What a departure without a cause would leave: a gain of its own for every ball, rate, specimen or cycle, or a smooth function of depth, time or clock.
     pub nameless: f64,
     /// What the best placebo of as many parameters gains.
     placebos: [OnceLock<f64>; PARAMETERS],
@@ -31,7 +31,7 @@ impl Before {
         Self {
             allowed: allowed(problem, &fit),
             left_out: left_out(problem.design, &fit, problem),
-            nameless: placebo::gains(problem, &fit, CHARGE),
+            nameless: placebo::causeless(problem, &fit, CHARGE),
             placebos: [const { OnceLock::new() }; PARAMETERS],
             fit,
         }

@@ -1,7 +1,7 @@
 //! Where fits begin: no start that is too far off, and none that what is missing has bent.
 
 use lut_gen::chain::Model;
-use lut_gen::effect::{Quantity, Spread, Stage};
+use lut_gen::effect::{Quantity, Sizes, Spread, Stage};
 use nalgebra::DVector;
 
 use super::super::fit::{Candidate, Coordinate, Fit, Problem, coordinates};
@@ -29,9 +29,9 @@ pub(super) fn starts(candidate: &Candidate, of: impl Fn(&Quantity) -> Vec<f64>) 
 }
 
 /// Where the search for a quantity begins: of an amplitude also close to nothing, since a start that is too large drives the base away; one that begins at nothing is there.
-fn beginnings(q: &Quantity, largest_n: f64) -> Vec<f64> {
+fn beginnings(q: &Quantity, sizes: &Sizes) -> Vec<f64> {
     const LITTLE: f64 = 0.05;
-    let own = q.starts.iter().map(|v| q.scaled(*v, largest_n));
+    let own = q.starts.iter().map(|v| q.scaled(*v, sizes));
     let far = own.clone().filter(|v| q.spread == Spread::Even && *v != q.null);
     let close = far.map(|v| q.null + LITTLE * (v - q.null));
     own.clone().chain(close).collect()
@@ -43,7 +43,7 @@ impl Search<'_> {
     pub fn extended(&self, from: &Fit, candidate: &Candidate) -> Fit {
         let candidates: Vec<Candidate> = from.candidates.iter().copied().chain([*candidate]).collect();
         let list = coordinates(self.problem.design, &candidates);
-        let largest_n = self.problem.largest_n();
+        let sizes = candidate.sizes(self.problem.design);
         let known = from.x.len();
         let problem = Problem { whole: from.model.whole.clone(), ..self.problem.clone() };
         let measured = measured(&problem);
@@ -56,7 +56,7 @@ impl Search<'_> {
                 i if i < known => from.x[i],
                 i => list[i].of(values[i - known]),
             };
-            let mut points: Vec<(f64, DVector<f64>)> = starts(candidate, |q| beginnings(q, largest_n))
+            let mut points: Vec<(f64, DVector<f64>)> = starts(candidate, |q| beginnings(q, &sizes))
                 .into_iter()
                 .map(|values| {
                     let mut x = DVector::from_fn(list.len(), |i, _| place(i, &values));

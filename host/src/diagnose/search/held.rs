@@ -15,9 +15,6 @@ const SECOND: f64 = 2.0 * RATIO_100;
 /// How far what holds may be behind what is likelier and does not, as a difference of sums of squares: what is solved at another place is not the same to the last few.
 const NEARLY: f64 = 6.0 * RATIO_100;
 
-/// Largest margin, in thresholds, that is hardly more than noise.
-const HARDLY: f64 = 1.25;
-
 /// What a search came to.
 #[derive(Debug)]
 pub struct Found<'a> {
@@ -53,9 +50,6 @@ impl<'a> Found<'a> {
             let together = found.alike(&found.pairs);
             let needed = together.first().is_some_and(|two| found.needs(two));
             found.held = if needed { together } else { found.alike(&found.singles) };
-        }
-        if let Some(alone) = found.softening_alone() {
-            found.held = vec![alone];
         }
         if let Some(best) = found.held.first_mut() {
             found.search.polish(best);
@@ -137,18 +131,6 @@ impl<'a> Found<'a> {
             self.singles = sorted(std::mem::take(&mut self.singles));
         }
         better
-    }
-
-    /// Softening alone, where it leaves hardly more than noise and nothing beside it explains more than what finite elements miss of softening: a residual that is no noise, but has
-    /// no other cause.
-    fn softening_alone(&self) -> Option<Explanation> {
-        let alone = likeliest(&self.singles).map(|best| &self.singles[best])?;
-        let missed = form_error::coherent(&alone.fit) * alone.gain;
-        let sound = self.pairs.iter().filter(|e| e.beats_noise && !e.fit.at_bound);
-        let rival = sound.chain(self.held.first()).map(Explanation::score).fold(f64::INFINITY, f64::min);
-        let single = self.held.first().is_some_and(|best| best.fit.candidates.len() == 1);
-        let enough = alone.qualifies() && alone.adequacy.worst() < HARDLY && alone.score() - rival < missed;
-        (missed > 0.0 && !single && enough).then(|| alone.clone())
     }
 
     /// True where two effects are clearly likelier than any one that leaves no more than noise, be that one not to be named because it ends at a bound.

@@ -8,7 +8,7 @@ mod nameless;
 mod solve;
 
 use lut_gen::chain::Setting;
-use lut_gen::effect::{CATALOGUE, Owner, Spread, relaxation, sensor_creep, thickness};
+use lut_gen::effect::{CATALOGUE, Owner, Sizes, Spread, relaxation, sensor_creep, thickness};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -211,7 +211,7 @@ pub fn candidates(design: &Design) -> Vec<Candidate> {
 /// What a plausible amount of a candidate changes, whitened: a column for every start of its shape.
 #[must_use]
 pub fn signature(problem: &Problem<'_>, at: &Fit, candidate: &Candidate) -> DMatrix<f64> {
-    changes(problem, at, candidate, shapes(problem.largest_n(), candidate))
+    changes(problem, at, candidate, shapes(&candidate.sizes(problem.design), candidate))
 }
 
 /// What a candidate changes at each of some values of its quantities, whitened, a column each.
@@ -226,9 +226,9 @@ fn changes(problem: &Problem<'_>, at: &Fit, candidate: &Candidate, each: Vec<Vec
 }
 
 /// Plausible amplitudes with every start of the shape parameters.
-fn shapes(largest_n: f64, candidate: &Candidate) -> Vec<Vec<f64>> {
+fn shapes(sizes: &Sizes, candidate: &Candidate) -> Vec<Vec<f64>> {
     starts(candidate, |q| match q.spread {
-        Spread::Even => vec![q.scaled(q.plausible, largest_n)],
+        Spread::Even => vec![q.scaled(q.plausible, sizes)],
         Spread::Logarithmic => q.starts.to_vec(),
     })
 }
@@ -245,7 +245,7 @@ impl Search<'_> {
         Explanation {
             beats_noise: space.0.of_gain(space.1, gain) > self.spaces.threshold,
             predicts: left_out(design, &fit, &self.problem) < before.left_out,
-            // gains have no form to be wrong by: what a form may be wrong by is allowed for or not, whichever is better for it
+            // what has no cause has no form to be wrong by: what a form may be wrong by is allowed for or not, whichever is better for it
             beats_placebo: gain > placebo && score(&fit).min(plain(&fit)) < before.nameless,
             adequacy,
             gain,

@@ -2,6 +2,7 @@
 
 use lut_gen::effect;
 
+use crate::diagnose::design::Design;
 use crate::diagnose::{Diagnosis, Verdict};
 use crate::report::{Page, number};
 
@@ -67,7 +68,7 @@ pub(super) fn blind(page: &mut Page, found: &Diagnosis) {
             Some(vec![
                 (*code).to_owned(),
                 effect.assumption.to_owned(),
-                amounts(code),
+                amounts(code, found.evidence.as_deref().map(|e| &e.design)),
                 effect.signature.to_owned(),
                 effect.separated_by.to_owned(),
             ])
@@ -99,14 +100,14 @@ pub(super) fn next(page: &mut Page, found: &Diagnosis) {
     page.table(&["run", "would decide, or show", "distance"], &rows);
 }
 
-/// Plausible amounts of all forms of an effect.
-fn amounts(code: &str) -> String {
+/// Plausible amounts of all forms of an effect in a design; of its largest ball or specimen.
+fn amounts(code: &str, design: Option<&Design>) -> String {
     let forms = effect::CATALOGUE.iter().filter(|effect| effect.code == code);
     let each: Vec<String> = forms
-        .filter_map(|effect| effect.quantities.first())
-        .map(|q| {
+        .filter_map(|effect| Some((effect.quantities.first()?, design?.sizes(effect, None))))
+        .map(|(q, sizes)| {
             let (word, unit) = words::quantity(q.name);
-            format!("{word} {} {unit}", number(q.plausible)).trim_end().to_owned()
+            format!("{word} {} {unit}", number(q.scaled(q.plausible, &sizes))).trim_end().to_owned()
         })
         .collect();
     each.join("; ")

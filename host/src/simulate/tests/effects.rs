@@ -62,6 +62,27 @@ fn relaxation_decays_in_the_hold_by_its_own_law() {
     assert!(force[PEAK] < clean[PEAK] && force[BACK] < 0.7 * clean[BACK] + 1e-3);
 }
 
+/// A softened foam is as stiff as a fresh one again where it has never been deeper, on every spot: spots whose surface lies 0.05 mm higher or lower turn
+/// elsewhere, and their second peaks are as high as their first ones. Half way down all are softer, by the same part within a percent of the force.
+#[test]
+fn every_spot_remembers_its_own_largest_depth() {
+    let mut spec = press().with(Effect::Softening { r: 2.5, m_mpa: 0.001, beta: 0.1 });
+    spec.noise.contact_jitter_mm = 0.05;
+    (spec.runs[0].replicates, spec.runs[0].cycles) = (4, 2);
+    let runs = made(&spec).runs;
+    let softer: Vec<f64> = runs
+        .chunks(2)
+        .map(|spot| {
+            let (first, second) = (&spot[0].exact_n, &spot[1].exact_n);
+            assert!((second[PEAK] / first[PEAK] - 1.0).abs() < 1e-3, "{} {}", second[PEAK], first[PEAK]);
+            second[DOWN] / first[DOWN]
+        })
+        .collect();
+    assert!(softer.iter().all(|s| *s < 0.9 && (s - softer[0]).abs() < 0.01), "{softer:?}");
+    let peaks: Vec<f64> = runs.iter().map(|run| run.exact_n[PEAK]).collect();
+    assert!(peaks.iter().any(|p| (p / peaks[0] - 1.0).abs() > 0.02), "{peaks:?}");
+}
+
 #[test]
 fn material_and_specimen_effects_have_their_signs() {
     let [_, nu, ..] = changes(Effect::Poisson { nu: 0.2 });

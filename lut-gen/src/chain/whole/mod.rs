@@ -18,7 +18,7 @@ use crate::effect::{
 use crate::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
 use crate::model::{Record, Resolution, Simulation, Specimen};
 use crate::solve::{Motion, SolveError};
-use path::{alike, along, between, divided, motion, straight_pieces, turns};
+use path::{alike, along, between, divided, later, motion, smooth, straight_pieces, turns};
 
 /// How finely a path is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -141,6 +141,8 @@ struct Job {
     run: usize,
     path: Curve,
     before_mm: f64,
+    /// Where along its turns it turns.
+    corners: Vec<f64>,
     /// Where on the path (time, or the place along the turns) finite elements add how much, N.
     added: Curve,
 }
@@ -211,10 +213,32 @@ impl Twin {
 /// Pieces of an elastic ramp: straight between their ends, its force is met to 0.12/40^2, less than one in ten thousand.
 const RAMP: usize = 40;
 
-/// What was solved for a run, and the run's own turns.
-type Added<'a> = (&'a Job, &'a [(f64, f64)]);
-/// Which runs are alike, and whether their spot was pressed before.
-type Kind = (usize, bool);
+/// What was solved for the first run of a kind, and what another one of it is told from that by.
+struct Added<'a> {
+    job: &'a Job,
+    /// The path of the first run.
+    turns: &'a [(f64, f64)],
+    /// Its own.
+    own: Curve,
+}
+
+impl Added<'_> {
+    /// What finite elements add at a point (s, mm) of the run's own motion, N.
+    fn at(&self, history: History, (time_s, depth_mm): (f64, f64)) -> f64 {
+        // the same number of turns is the same motion, a little earlier or later, deeper or less deep
+        let same = history == History::Turns && self.own.len() == self.turns.len();
+        let place = if same {
+            history.place(&self.own, (time_s, depth_mm))
+        } else {
+            history.place(self.turns, (time_s - later(self.turns, &self.own), depth_mm))
+        };
+        match history {
+            // in time the solver's own steps are as far off, the other way: straight connections are nearer (tests/whole_paths.rs, 0.65 and 0.71 %)
+            History::Time => between(&self.job.added, place),
+            History::Turns | History::None => smooth(&self.job.added, &self.job.corners, place),
+        }
+    }
+}
 
 impl Chain {
     /// Solves the runs with finite elements at a model. `windows` are what the readings at the places of every run are means of. `kinds` tells
@@ -234,10 +258,14 @@ impl Chain {
         let remembers = has(&bare, &softening::EFFECT);
         let kind = |run: usize| (kinds[run], remembers && self.passages[run].pressed_before_mm > 0.0);
         let first: Vec<usize> = (0..kinds.len()).filter(|i| (0..*i).all(|j| kind(j) != kind(*i))).collect();
-        let fine: Vec<Fine> =
-            first.par_iter().map(|&run| self.fine(model, (run, &windows[run]), contact_mm[run], remembers)).collect();
+        // what is solved once for a kind is told at each run's own places: runs of a kind begin a few readings apart, and where a ramp turns that matters
+        let fine: Vec<Fine> = (0..kinds.len())
+            .into_par_iter()
+            .map(|run| self.fine(model, (run, &windows[run]), contact_mm[run], remembers))
+            .collect();
         let history = History::of(&bare);
-        let (mut jobs, of) = if needs_solve(&bare) { self.jobs(&fine, history) } else { (Vec::new(), Vec::new()) };
+        let (mut jobs, of) =
+            if needs_solve(&bare) { self.jobs(&fine, &first, history) } else { (Vec::new(), Vec::new()) };
         let twins = self.twins((&bare, detail), &jobs)?;
         jobs.par_iter_mut().try_for_each(|job| {
             if let Some(twin) = twins.iter().find(|twin| twin.block == self.block(job.run)) {
@@ -245,22 +273,14 @@ impl Chain {
             }
             Ok::<(), SolveError>(())
         })?;
-        let solved: Vec<(Kind, (Curve, Curve))> = fine
-            .par_iter()
-            .enumerate()
-            .map(|(at, fine)| {
-                let added = of.get(at).map(|(job, turns)| (&jobs[*job], turns.as_slice()));
-                let missed = self.missed((model, &bare), fine, &windows[fine.run], contact_mm[fine.run], added);
-                let (solved, places): (Vec<f64>, Vec<f64>) = missed.into_iter().unzip();
-                let curve = |values: Vec<f64>| self.passages[fine.run].time_s.iter().copied().zip(values).collect();
-                (kind(fine.run), (curve(solved), curve(places)))
-            })
-            .collect();
-        let nothing = (Vec::new(), Vec::new());
-        let of = |kind| solved.iter().find(|(k, _)| *k == kind).map_or(&nothing, |(_, curves)| curves);
-        let missed_n = self.passages.iter().enumerate().map(|(run, p)| {
-            let (solved, places) = of(kind(run));
-            p.time_s.iter().map(|t| (between(solved, *t), between(places, *t))).collect()
+        let solved = |one: &Fine| first.iter().position(|run| kind(*run) == kind(one.run)).and_then(|at| of.get(at));
+        let missed_n = fine.par_iter().map(|one| {
+            let added = solved(one).map(|(job, turns)| Added {
+                job: &jobs[*job],
+                turns,
+                own: history.path(straight_pieces(&one.path)),
+            });
+            self.missed((model, &bare), one, &windows[one.run], contact_mm[one.run], added.as_ref())
         });
         let missed_n = missed_n.collect();
         let codes = bare.settings.iter().map(|s| s.effect.code).collect();
@@ -277,11 +297,11 @@ impl Chain {
         Fine { run, recorded, path, before_mm }
     }
 
-    /// Paths to be solved, and for every run which of them is its own, with its own turns.
-    fn jobs(&self, fine: &[Fine], history: History) -> (Vec<Job>, Vec<(usize, Curve)>) {
+    /// Paths to be solved, and for every first run of a kind which of them is its own, with its own turns.
+    fn jobs(&self, fine: &[Fine], first: &[usize], history: History) -> (Vec<Job>, Vec<(usize, Curve)>) {
         let mut jobs: Vec<Job> = Vec::new();
         let mut of = Vec::new();
-        for one in fine {
+        for one in first.iter().filter_map(|run| fine.get(*run)) {
             let pieces = straight_pieces(&one.path);
             let own = history.path(pieces);
             let same = |job: &Job| {
@@ -290,7 +310,8 @@ impl Chain {
             };
             let at = jobs.iter().position(same).unwrap_or_else(|| {
                 let path = if history == History::Time { own.clone() } else { a_second_a_millimetre(&own) };
-                jobs.push(Job { run: one.run, path, before_mm: one.before_mm, added: Vec::new() });
+                let corners = (0..path.len()).map(|k| k as f64).collect();
+                jobs.push(Job { run: one.run, path, before_mm: one.before_mm, corners, added: Vec::new() });
                 jobs.len() - 1
             });
             of.push((at, own));
@@ -306,13 +327,12 @@ impl Chain {
         fine: &Fine,
         windows: &[Window],
         contact_mm: f64,
-        added: Option<Added<'_>>,
+        added: Option<&Added<'_>>,
     ) -> Vec<(f64, f64)> {
         let passage = &self.passages[fine.run];
         let depth_mm: Vec<f64> = fine.path.iter().map(|p| p.1).collect();
         let history = History::of(bare);
-        let added_n =
-            |point: (f64, f64)| added.map_or(0.0, |(job, own)| between(&job.added, history.place(own, point)));
+        let added_n = |point: (f64, f64)| added.map_or(0.0, |added| added.at(history, point));
         let added: Curve = fine.path.iter().map(|point| (point.0, added_n(*point))).collect();
         let at_fine = self.on_ball(bare, &Passage { depth_mm, ..fine.recorded.clone() });
         let chain: Curve = fine.path.iter().zip(at_fine).map(|(point, force_n)| (point.0, force_n)).collect();

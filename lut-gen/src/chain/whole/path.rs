@@ -5,6 +5,9 @@ use crate::solve::Motion;
 /// Largest distance (part of the deepest point) between a recorded path and the straight pieces it is solved on.
 const STRAIGHT: f64 = 0.002;
 
+/// A point this far (part of the distance between two) beyond a corner is at it.
+const NEAR: f64 = 1e-6;
+
 /// The motion along a path of times and depths, and the path's time at which it begins; none where nothing is touched.
 pub(super) fn motion(path: &[(f64, f64)]) -> Option<(Motion, f64)> {
     let (first, second) = (path.first()?, path.get(1)?);
@@ -73,6 +76,38 @@ pub(super) fn between(curve: &[(f64, f64)], time_s: f64) -> f64 {
     }
 }
 
+/// Value at a place of a curve that is smooth but for corners: cubics whose slopes are those of parabolas through neighbours between the same corners (of
+/// third order in their distance, where straight connections are of second); the ends beyond them.
+pub(super) fn smooth(curve: &[(f64, f64)], corners: &[f64], place: f64) -> f64 {
+    let next = curve.partition_point(|p| p.0 < place);
+    let (Some(a), Some(b)) = (next.checked_sub(1).and_then(|i| curve.get(i)), curve.get(next)) else {
+        return between(curve, place);
+    };
+    let width = b.0 - a.0;
+    if width <= 0.0 {
+        return b.1;
+    }
+    let middle = 0.5 * (a.0 + b.0);
+    let after = corners.partition_point(|c| *c < middle);
+    let from = after.checked_sub(1).and_then(|i| corners.get(i)).copied().unwrap_or(f64::NEG_INFINITY);
+    let to = corners.get(after).copied().unwrap_or(f64::INFINITY);
+    let near = NEAR * width;
+    let neighbour = |i: Option<usize>| {
+        let p = i.and_then(|i| curve.get(i))?;
+        (p.0 >= from - near && p.0 <= to + near && (p.0 < a.0 || p.0 > b.0)).then_some(p)
+    };
+    let (left, right) = (neighbour(next.checked_sub(2)), neighbour(Some(next + 1)));
+    let secant = (b.1 - a.1) / width;
+    // slope of the parabola through both ends and a third point, at one of the ends; next to a corner one parabola serves both
+    let slope = |third: Option<&(f64, f64)>, at: f64| {
+        third.map_or(secant, |p| secant + ((p.1 - b.1) / (p.0 - b.0) - secant) / (p.0 - a.0) * (2.0 * at - a.0 - b.0))
+    };
+    let slopes = (slope(left.or(right), a.0), slope(right.or(left), b.0));
+    let t = (place - a.0) / width;
+    let (far, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
+    a.1 + far * (b.1 - a.1) + width * t * u * (u * slopes.0 - t * slopes.1)
+}
+
 /// The points at which a path of straight pieces turns, with both ends; a hold is one point.
 pub(super) fn turns(pieces: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let reach = STRAIGHT * pieces.iter().map(|p| p.1).fold(0.0, f64::max);
@@ -95,6 +130,15 @@ pub(super) fn turns(pieces: &[(f64, f64)]) -> Vec<(f64, f64)> {
 pub(super) fn alike(a: &[(f64, f64)], b: &[(f64, f64)]) -> bool {
     let reach = STRAIGHT * a.iter().map(|p| p.1).fold(0.0, f64::max);
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a.1 - b.1).abs() <= reach)
+}
+
+/// By how much later (s) the second of two paths of one motion is deepest than the first.
+pub(super) fn later(first: &[(f64, f64)], second: &[(f64, f64)]) -> f64 {
+    let deepest = |path: &[(f64, f64)]| {
+        let reach = (1.0 - STRAIGHT) * path.iter().map(|p| p.1).fold(0.0, f64::max);
+        path.iter().find(|p| p.1 >= reach).map_or(0.0, |p| p.0)
+    };
+    deepest(second) - deepest(first)
 }
 
 /// How far along its turns a path has come at a time and depth: pieces passed, and the part of the next one.
