@@ -28,15 +28,21 @@ static BENCH: LazyLock<Bench> = LazyLock::new(|| {
 /// Root mean square of what chain and chain with whole paths miss on the way down, in the hold and on the way back, as a part of what the
 /// effect adds there.
 fn misses(hidden: simulate::Effect, effect: &'static Effect, values: &[f64]) -> [[f64; 3]; 2] {
-    misses_of(vec![hidden], &[Setting { effect, owner: 0, values: values.to_vec() }])
+    misses_of(vec![hidden], &[Setting { effect, owner: 0, values: values.to_vec() }], 0)
 }
 
-/// The same of several effects together.
-fn misses_of(hidden: Vec<simulate::Effect>, settings: &[Setting]) -> [[f64; 3]; 2] {
+/// The same of several effects together, where every second run lacks its first readings.
+fn misses_of(hidden: Vec<simulate::Effect>, settings: &[Setting], late: usize) -> [[f64; 3]; 2] {
     let Bench { case, solver, models } = &*BENCH;
     let spec = Spec { noise: Noise::default(), effects: hidden, ..case.spec() };
     let truth = case.truth().foam;
-    let experiment = simulate(&spec, solver, &|_, _, _| {}).unwrap().experiment();
+    let mut experiment = simulate(&spec, solver, &|_, _, _| {}).unwrap().experiment();
+    for run in experiment.runs.iter_mut().step_by(2) {
+        let recording = &mut run.recording;
+        recording.time_s.drain(..late);
+        recording.depth_mm.drain(..late);
+        recording.force_n.drain(..late);
+    }
     let design = Design::of(&experiment, &experiment.specimens[0].material).unwrap();
     let chain = Chain { library: models.of(&design.geometries, &|_, _| {}).unwrap(), passages: design.passages() };
     let base = Model::base(truth.mu_mpa, truth.alpha);
@@ -95,7 +101,19 @@ fn softening_is_that_of_material_points() {
         misses(simulate::Effect::Softening { r, m_mpa, beta }, &effect::softening::EFFECT, &[0.25, 0.7]);
     assert!(chain[2] > 0.1, "{chain:?}");
     // a hold softens nothing
-    assert!(whole[0] < 0.02 && whole[2] < 0.022, "{whole:?}");
+    assert!(whole[0] < 0.013 && whole[2] < 0.013, "{whole:?}");
+}
+
+/// Runs of one kind are solved once. Some begin a few readings after the others, and turn as much earlier on their own clocks: told by those they would miss
+/// 2.6 % of the effect.
+#[test]
+fn a_run_that_begins_late_turns_at_its_own_time() {
+    let (r, m, beta) = effect::softening::of_points(0.25, 0.7);
+    let m_mpa = m * BENCH.case.truth().foam.mu_mpa;
+    let values = vec![0.25, 0.7];
+    let setting = Setting { effect: &effect::softening::EFFECT, owner: 0, values };
+    let [_, whole] = misses_of(vec![simulate::Effect::Softening { r, m_mpa, beta }], &[setting], 2);
+    assert!(whole[0] < 0.013 && whole[2] < 0.013, "{whole:?}");
 }
 
 /// A machine that yields turns a hold of its own into a creep of the ball.
@@ -107,6 +125,7 @@ fn a_machine_that_yields_lets_the_ball_creep() {
     let [chain, whole] = misses_of(
         vec![relaxes, yields],
         &[setting(&effect::relaxation::ONE, &[0.2, 0.7]), setting(&effect::compliance::EFFECT, &[0.1])],
+        0,
     );
     assert!(chain[2] > 0.02, "{chain:?}");
     assert!(whole.iter().all(|miss| *miss < 0.008), "{whole:?}");

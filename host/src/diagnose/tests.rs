@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use lut_gen::chain::{Chain, Library, Need};
 use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -330,6 +331,29 @@ fn slow_ripples_are_found_with_what_they_are_regular_over() {
         // amplitudes are tried in steps of 1.6, and eight phases of a sine scatter
         assert!((0.5..2.0).contains(&(slip.amplitude_n / (3.0 * SIGMA_N))), "{slip:?}");
     }
+}
+
+/// A wave over the depth, one period of it and a twentieth of the peak high, is no elastic law that the base has, and no cause either: a smooth function of depth leaves
+/// noise only, within four standard deviations. Six periods are no smooth function.
+#[test]
+fn a_smooth_departure_needs_no_cause() {
+    let left = |periods: f64| {
+        let mut experiment = experiment(5);
+        for Recording { depth_mm, force_n, .. } in experiment.runs.iter_mut().map(|run| &mut run.recording) {
+            let wave = |d: f64| 0.05 * hertz_n(DEPTH_MM) * (std::f64::consts::TAU * periods * d / DEPTH_MM).sin();
+            force_n.iter_mut().zip(depth_mm).for_each(|(f, d)| *f += wave(*d));
+        }
+        let design = Design::of(&experiment, "foam").unwrap();
+        let library = Library::build(&design.geometries, Need::default(), &|_, _| {}).unwrap();
+        let chain = Chain { library, passages: design.passages() };
+        let Prepared { problem, base, .. } = Prepared::new(&design, &chain, None).unwrap();
+        (base.square, placebo::causeless(&problem, &base, 0.0), base.residual.len() as f64)
+    };
+    let (base, causeless, count) = left(1.0);
+    let noise = count + 4.0 * (2.0 * count).sqrt();
+    assert!(base > 1.5 * noise && causeless < noise, "{base} {causeless} {count}");
+    let (_, causeless, _) = left(6.0);
+    assert!(causeless > 2.0 * noise, "{causeless}");
 }
 
 #[test]

@@ -25,3 +25,20 @@ fn quantities_lie_within_their_bounds_and_twins_exist() {
         }
     }
 }
+
+/// What a ball of 2 mm may be wrong by a ball of 12 mm may be six times; a limit of rates is looked for around the fastest.
+#[test]
+fn amounts_follow_the_sizes_of_an_experiment() {
+    let sizes = |radius_mm, height_mm, rate_mm_per_s| Sizes { force_n: 0.5, radius_mm, height_mm, rate_mm_per_s };
+    let of = |effect: &Effect, sizes: &Sizes| effect.quantities[0].bounded_at(sizes);
+    let (small, large) = (sizes(2.0, 10.0, 8.0), sizes(12.0, 50.0, 0.1));
+    let (a, b) = (of(&radius::EFFECT, &small), of(&radius::EFFECT, &large));
+    assert!((b.low / a.low - 6.0).abs() < 1e-12 && a.low > -2.0 && (b.plausible / a.plausible - 6.0).abs() < 1e-12);
+    let (a, b) = (of(&thickness::HEIGHT, &small), of(&thickness::HEIGHT, &large));
+    assert!((b.high / a.high - 5.0).abs() < 1e-12 && a.low > -10.0);
+    let start = |sizes: &Sizes| lag::RATE_LIMIT.quantities[0].scaled(lag::RATE_LIMIT.quantities[0].starts[0], sizes);
+    // a little slower than the fastest
+    assert!(start(&small) > 1.0 / 8.0 && start(&large) > 1.0 / 0.1 && start(&large) < 2.0 / 0.1);
+    assert!((of(&compliance::EFFECT, &small).high - 4.0).abs() < 1e-12);
+    assert!(of(&poisson::EFFECT, &small) == of(&poisson::EFFECT, &large));
+}

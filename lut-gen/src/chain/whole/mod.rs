@@ -141,7 +141,7 @@ struct Job {
     run: usize,
     path: Curve,
     before_mm: f64,
-    /// Where along its turns it turns.
+    /// Places on the path at which it turns.
     corners: Vec<f64>,
     /// Where on the path (time, or the place along the turns) finite elements add how much, N.
     added: Curve,
@@ -213,12 +213,12 @@ impl Twin {
 /// Pieces of an elastic ramp: straight between their ends, its force is met to 0.12/40^2, less than one in ten thousand.
 const RAMP: usize = 40;
 
-/// What was solved for the first run of a kind, and what another one of it is told from that by.
+/// What was solved for the first run of a kind, as another run of it sees it.
 struct Added<'a> {
     job: &'a Job,
     /// The path of the first run.
     turns: &'a [(f64, f64)],
-    /// Its own.
+    /// That of the other one.
     own: Curve,
 }
 

@@ -148,3 +148,34 @@ pub(super) fn along(turns: &[(f64, f64)], (time_s, depth_mm): (f64, f64)) -> f64
     let part = if to.1 == from.1 { 1.0 } else { ((depth_mm - from.1) / (to.1 - from.1)).clamp(0.0, 1.0) };
     (next - 1) as f64 + part
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Parabolas on either side of a corner are met exactly, unevenly spaced as they are; a sine at spacings of h and h/2 to h^3.
+    #[test]
+    fn smooth_curves_are_met_but_for_their_corners() {
+        let bent = |x: f64| if x < 1.0 { x * x } else { 1.0 - 3.0 * (x - 1.0) + 2.0 * (x - 1.0).powi(2) };
+        let places = [0.0, 0.2, 0.5, 0.6, 1.0, 1.3, 1.4, 1.8, 2.0];
+        let curve: Vec<(f64, f64)> = places.iter().map(|x| (*x, bent(*x))).collect();
+        for x in (0..=200).map(|k| 0.01 * f64::from(k)) {
+            let found = smooth(&curve, &[0.0, 1.0, 2.0], x);
+            assert!((found - bent(x)).abs() < 1e-12, "{x}: {found} {}", bent(x));
+        }
+        assert_eq!((smooth(&curve, &[], -1.0), smooth(&curve, &[], 3.0)), (0.0, bent(2.0)));
+        let worst = |n: u32| {
+            let curve: Vec<(f64, f64)> = (0..=n).map(|k| f64::from(k) / f64::from(n)).map(|x| (x, x.sin())).collect();
+            let miss = |x: f64| (smooth(&curve, &[], x) - x.sin()).abs();
+            (0..=1000).map(|k| miss(0.001 * f64::from(k))).fold(0.0, f64::max)
+        };
+        assert!(worst(10) > 6.0 * worst(20) && worst(20) < 1e-5, "{} {}", worst(10), worst(20));
+    }
+
+    #[test]
+    fn motions_are_as_late_as_their_turns() {
+        let path = [(0.0, 0.0), (1.5, 3.0), (6.5, 3.0), (8.0, 0.0)];
+        let late: Vec<(f64, f64)> = path.iter().map(|(t, d)| (t - 0.04, *d)).collect();
+        assert!((later(&path, &late) + 0.04).abs() < 1e-12 && later(&path, &path) == 0.0);
+    }
+}
