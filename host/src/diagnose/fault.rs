@@ -40,6 +40,14 @@ impl Fault {
         }
     }
 
+    /// File of the run that it is in.
+    #[must_use]
+    pub fn run(&self) -> &str {
+        match self {
+            Fault::DeadSensor { run } | Fault::Restarted { run, .. } | Fault::ForceDrop { run, .. } => run,
+        }
+    }
+
     /// True when nothing can be said of the experiment.
     #[must_use]
     pub fn stops(&self) -> bool {
@@ -59,6 +67,20 @@ impl fmt::Display for Fault {
             Fault::Restarted { run, event } | Fault::ForceDrop { run, event } => write!(f, "{run}: {event}"),
         }
     }
+}
+
+/// Runs in which the force drops at once that are no accident: so many, and this part of all.
+const SLIPPING: (usize, f64) = (3, 1.0 / 3.0);
+
+/// Number of runs of a material in which the force drops while the indenter goes on, where those are too many for accidents: something slips or breaks, which no effect of the
+/// catalogue does, and what is left of the runs is not what it was.
+#[must_use]
+pub fn slipping(faults: &[Fault], runs: usize) -> Option<usize> {
+    let dropping = |fault: &Fault| matches!(fault, Fault::ForceDrop { .. });
+    let mut files: Vec<String> = faults.iter().filter(|f| dropping(f)).map(|f| f.run().to_owned()).collect();
+    files.sort_unstable();
+    files.dedup();
+    (files.len() >= SLIPPING.0 && files.len() as f64 > SLIPPING.1 * runs as f64).then_some(files.len())
 }
 
 /// A force whose range is below this many times its noise shows nothing.

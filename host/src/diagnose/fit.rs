@@ -459,6 +459,22 @@ fn damped_step(
 }
 
 impl Fit {
+    /// True when an effect of it is none: all its amplitudes lie where it is absent.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        const NOTHING: f64 = 1e-3;
+        let absent = |at: usize| {
+            let own = self.coordinates.iter().zip(self.x.iter()).filter_map(|(c, x)| match c {
+                Coordinate::Of(of, q) if *of == at && q.spread == Spread::Even => Some((q, *x)),
+                _ => None,
+            });
+            let mut amplitudes = own.peekable();
+            let has = amplitudes.peek().is_some();
+            has && amplitudes.all(|(q, x)| (x - q.null).abs() < NOTHING * (q.plausible - q.null).abs())
+        };
+        (0..self.candidates.len()).any(absent)
+    }
+
     /// Covariance of the parameters.
     #[must_use]
     pub fn covariance(&self) -> Option<DMatrix<f64>> {

@@ -320,6 +320,7 @@ impl Diagnosis {
             visible,
             ripple: ripple.as_ref(),
             uneven: verdict::unevenness(&search.noise),
+            slipping: fault::slipping(&self.faults, design.series.len()),
             nameless: is_nameless(beyond_nameless),
         };
         verdict::conclude(self, experiment, seen, &held, held_out.as_ref());

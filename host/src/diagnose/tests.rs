@@ -333,15 +333,15 @@ fn slow_ripples_are_found_with_what_they_are_regular_over() {
     }
 }
 
-/// A wave over the depth, one period of it and a twentieth of the peak high, is no elastic law that the base has, and no cause either: a smooth function of depth leaves
+/// A wave over the depth, one period of it and a twentieth of the peak high, that comes in with the contact, is no elastic law that the base has, and no cause either: a smooth function of depth leaves
 /// noise only, within four standard deviations. Six periods are no smooth function.
 #[test]
 fn a_smooth_departure_needs_no_cause() {
     let left = |periods: f64| {
         let mut experiment = experiment(5);
         for Recording { depth_mm, force_n, .. } in experiment.runs.iter_mut().map(|run| &mut run.recording) {
-            let wave = |d: f64| 0.05 * hertz_n(DEPTH_MM) * (std::f64::consts::TAU * periods * d / DEPTH_MM).sin();
-            force_n.iter_mut().zip(depth_mm).for_each(|(f, d)| *f += wave(*d));
+            let wave = |u: f64| 0.05 * (10.0 * u).clamp(0.0, 1.0) * (std::f64::consts::TAU * periods * u).cos();
+            force_n.iter_mut().zip(depth_mm).for_each(|(f, d)| *f += hertz_n(DEPTH_MM) * wave(*d / DEPTH_MM));
         }
         let design = Design::of(&experiment, "foam").unwrap();
         let library = Library::build(&design.geometries, Need::default(), &|_, _| {}).unwrap();
@@ -365,6 +365,17 @@ fn without_replicates_and_stated_noise_it_is_refused_with_the_reason() {
     let reason = found.refusal.unwrap().to_string();
     assert!(reason.contains("no two runs repeat a condition") && reason.contains("[sensor] noise_N"), "{reason}");
     assert!(found.findings.is_empty());
+}
+
+/// One run in three may have an accident, two in five are something that slips; two drops of one run are one accident.
+#[test]
+fn many_drops_of_the_force_are_no_accident() {
+    let drop = |run: usize| fault::Fault::ForceDrop { run: format!("{run}.csv"), event: "falls".to_owned() };
+    let faults: Vec<fault::Fault> = (0..4).map(drop).collect();
+    assert_eq!((fault::slipping(&faults, 10), fault::slipping(&faults, 12)), (Some(4), None));
+    assert_eq!(fault::slipping(&[drop(0), drop(0), drop(1)], 2), None);
+    let restarted = fault::Fault::Restarted { run: "0.csv".to_owned(), event: "stands".to_owned() };
+    assert_eq!(fault::slipping(&vec![restarted; 6], 6), None);
 }
 
 #[test]

@@ -124,6 +124,8 @@ pub(super) struct Seen<'a> {
     pub ripple: Option<&'a Ripple>,
     /// Spots differ in gain by this, which is too much.
     pub uneven: Option<f64>,
+    /// Runs in which the force drops at once, where that is no accident.
+    pub slipping: Option<usize>,
     /// A departure without a name is too likely beside the best that holds.
     pub nameless: bool,
 }
@@ -132,7 +134,7 @@ pub(super) struct Seen<'a> {
 pub(super) fn conclude(
     diagnosis: &mut Diagnosis,
     experiment: &Experiment,
-    Seen { visible, ripple, uneven, nameless }: Seen<'_>,
+    Seen { visible, ripple, uneven, slipping, nameless }: Seen<'_>,
     held: &[Explanation],
     held_out: Option<&HeldOut>,
 ) {
@@ -161,8 +163,15 @@ pub(super) fn conclude(
             100.0 * gain
         ));
     }
-    // a large ripple makes the noise another one than was assumed, and names with it
-    let spoilt = ripple.is_some_and(|r| r.share > SPOILS);
+    if let Some(runs) = slipping {
+        diagnosis.shows_in.push("slip");
+        diagnosis.messages.push(format!(
+            "in {runs} runs the force drops at once while the indenter goes on: something slips or breaks, which no effect of the catalogue does, and what was read before says little; \
+             look at the surface and the fixture"
+        ));
+    }
+    // a large ripple makes the noise another one than was assumed, and names with it; so do slips
+    let spoilt = ripple.is_some_and(|r| r.share > SPOILS) || slipping.is_some();
     if let Some(best) = held.first().filter(|_| nameless) {
         let codes: Vec<&str> = best.fit.candidates.iter().map(|c| c.effect.code).collect();
         let other = search::rival(best);
@@ -178,8 +187,11 @@ pub(super) fn conclude(
                 "no variable shows it by itself: the residual lies along what an effect of the catalogue, or a smooth elastic departure, would change, farther than noise goes".to_owned(),
             );
         }
-        diagnosis.verdict =
-            if visible || ripple.is_some() || uneven.is_some() { Verdict::Unknown } else { Verdict::Clean };
+        diagnosis.verdict = if visible || ripple.is_some() || uneven.is_some() || slipping.is_some() {
+            Verdict::Unknown
+        } else {
+            Verdict::Clean
+        };
         return;
     };
     for (at, candidate) in best.fit.candidates.iter().enumerate() {

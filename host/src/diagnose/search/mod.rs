@@ -79,7 +79,7 @@ impl Explanation {
     /// Every demand but that of an adequate residual.
     #[must_use]
     pub fn qualifies(&self) -> bool {
-        self.beats_noise && self.predicts && self.beats_placebo && !self.fit.at_bound
+        self.beats_noise && self.predicts && self.beats_placebo && !self.fit.at_bound && !self.fit.is_idle()
     }
 }
 
