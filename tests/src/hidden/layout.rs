@@ -110,8 +110,11 @@ impl Layout {
                 blocks[at].rates_mm_s = vec![rates[rates.len() / 2]];
             }
         }
-        while runs(&blocks) > MOST_RUNS && blocks.len() > 1 {
-            blocks.pop();
+        while runs(&blocks) > MOST_RUNS {
+            match blocks.as_mut_slice() {
+                [only] => drop(only.rates_mm_s.pop()),
+                _ => drop(blocks.pop()),
+            }
         }
         blocks.shuffle(chance);
         Self {
