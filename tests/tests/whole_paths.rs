@@ -79,7 +79,7 @@ fn relaxation_is_met_on_the_way_back_too() {
         let hidden = simulate::Effect::Relaxation(vec![(g, tau_s)]);
         let [chain, whole] = misses(hidden, &effect::relaxation::ONE, &[g, tau_s]);
         assert!(chain[2] > 0.012, "the chain alone was not that good: {chain:?}");
-        assert!(whole.iter().all(|miss| *miss < 0.008), "{whole:?}");
+        assert!(whole[0] < 0.008 && whole[1] < 0.002 && whole[2] < 0.005, "{whole:?}");
     }
 }
 
@@ -101,7 +101,7 @@ fn softening_is_that_of_material_points() {
         misses(simulate::Effect::Softening { r, m_mpa, beta }, &effect::softening::EFFECT, &[0.25, 0.7]);
     assert!(chain[2] > 0.1, "{chain:?}");
     // a hold softens nothing
-    assert!(whole[0] < 0.013 && whole[2] < 0.013, "{whole:?}");
+    assert!(whole[0] < 0.011 && whole[2] < 0.015, "{whole:?}");
 }
 
 /// Runs of one kind are solved once. Some begin a few readings after the others, and turn as much earlier on their own clocks: told by those they would miss
@@ -113,7 +113,7 @@ fn a_run_that_begins_late_turns_at_its_own_time() {
     let values = vec![0.25, 0.7];
     let setting = Setting { effect: &effect::softening::EFFECT, owner: 0, values };
     let [_, whole] = misses_of(vec![simulate::Effect::Softening { r, m_mpa, beta }], &[setting], 2);
-    assert!(whole[0] < 0.013 && whole[2] < 0.013, "{whole:?}");
+    assert!(whole[0] < 0.011 && whole[2] < 0.015, "{whole:?}");
 }
 
 /// A machine that yields turns a hold of its own into a creep of the ball.
@@ -128,14 +128,14 @@ fn a_machine_that_yields_lets_the_ball_creep() {
         0,
     );
     assert!(chain[2] > 0.02, "{chain:?}");
-    assert!(whole.iter().all(|miss| *miss < 0.008), "{whole:?}");
+    assert!(whole[0] < 0.008 && whole[1] < 0.004 && whole[2] < 0.005, "{whole:?}");
 }
 
 /// Friction is 1 to 5 % of the force, and of that the chain's, known at a few coefficients and exponents, misses a third to a half; what is
 /// left is the two meshes, 0.1 % of the force.
 #[test]
 fn friction_is_met_on_both_ways() {
-    for (coefficient, floor) in [(0.2, 0.12), (0.8, 0.08)] {
+    for (coefficient, floor) in [(0.2, 0.09), (0.8, 0.07)] {
         let [chain, whole] =
             misses(simulate::Effect::Friction { coefficient }, &effect::friction::EFFECT, &[coefficient]);
         assert!(chain[0] > 0.25, "{chain:?}");

@@ -103,6 +103,16 @@ impl Body {
         }
     }
 
+    /// The elastic press on the mesh of the motions, in steps so small that the marks which the lines of the mesh leave in a force are followed: what
+    /// history makes of the force is told from it.
+    pub fn twin(&self, depth_mm: f64) -> Simulation {
+        const STEPS: usize = 60;
+        let place = |k: usize| depth_mm * (k as f64 / STEPS as f64).powi(2);
+        let motion = (1..=STEPS).fold(Motion::from_touch(), |motion, k| motion.to_depth(place(k), 1.0));
+        let material = Material { prony: Vec::new(), softening: None, ..self.material.clone() };
+        Simulation { material, interface: Interface::default(), ..self.along(motion) }
+    }
+
     /// The force of the whole case is not that of the elastic press.
     pub fn has_history(&self) -> bool {
         self.rigid_mpa.is_none() && !(self.material.is_elastic() && self.interface == Interface::default())

@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use lut_gen::model::Simulation;
+use lut_gen::model::{Record, Simulation};
+use lut_gen::solve::Station;
 
 use super::coupon::{self, TrueCoupon};
 use super::effect::Effect;
 use super::effect::machine::Machine;
 use super::motion::Programme;
 use super::plan::{Path, Plan, Weighted, failed, hertz, path, plans, told};
-use super::response::{Elastic, History, Moment, Phase};
+use super::response::{Elastic, History, Moment, Phase, Twin};
 use super::session::programme;
 use super::solver::Curve;
 use super::spec::{RunTemplate, Spec};
@@ -63,31 +64,63 @@ pub(super) fn conditions(
         conditions[plan.template] = condition;
         paths.extend(path.map(|path| (plan, path)));
     }
-    let jobs: Vec<(&str, &Simulation)> =
-        paths.iter().map(|(plan, path)| (plan.body.place.as_str(), &path.case)).collect();
-    told(&jobs, "motions", progress, &|case| solver.path(case).map(|_| ()))?;
+    solve_motions(&paths, solver, progress)?;
     for (plan, path) in &paths {
-        let record = solver.path(&path.case).map_err(|cause| failed(plan, cause))?;
-        let condition = &mut conditions[plan.template];
-        if path.timing.is_some() {
-            condition.nominal_mm = condition.trajectory(1.0 / (spec.sample_hz * FINE as f64));
-        }
-        let unit = Elastic {
-            parts: condition.heights[0].1.clone(),
-            scale: 1.0,
-            hertz: 0.0,
-            cosine: 1.0,
-            radius_mm: plan.body.ball.radius_mm,
-            effects: Arc::new(Vec::new()),
-        };
-        let elastic = |depth: f64| unit.at(depth).0;
-        let added = plan.body.interface.adhesion.is_some();
-        condition.history = match (path.timing, unit.parts.first()) {
-            (Some(timing), Some((_, curve))) => History::timed(&record, curve, &elastic, added, timing),
-            _ => History::branches(&record, &elastic, added),
-        };
+        remember(spec, &mut conditions[plan.template], (plan, path), solver)?;
+    }
+    // where the machine gives way the ball goes another way as the material relaxes
+    let yields = |(plan, path): &(&Plan, Path)| {
+        path.timing.is_some() && conditions[plan.template].machine.compliance_mm_per_n != 0.0
+    };
+    let again = paths.iter().filter(|one| yields(one)).map(|(plan, _)| {
+        let condition = &conditions[plan.template];
+        (*plan, path(spec, plan, &spec.runs[plan.template], condition))
+    });
+    let again: Vec<(&Plan, Path)> = again.collect();
+    solve_motions(&again, solver, progress)?;
+    for (plan, path) in &again {
+        remember(spec, &mut conditions[plan.template], (plan, path), solver)?;
     }
     Ok(conditions)
+}
+
+fn solve_motions(paths: &[(&Plan, Path)], solver: &Solver, progress: Progress<'_>) -> Result<(), SimulateError> {
+    let both = |(plan, path): &'_ (&'_ Plan, Path)| {
+        let place = plan.body.place.clone();
+        [(place.clone(), path.case.clone()), (place, path.twin.clone())]
+    };
+    let each: Vec<(String, Simulation)> = paths.iter().flat_map(both).collect();
+    let jobs: Vec<(&str, &Simulation)> = each.iter().map(|(place, case)| (place.as_str(), case)).collect();
+    told(&jobs, "motions", progress, &|case| solver.path(case).map(|_| ()))
+}
+
+/// Tells a condition what history makes of the force along its motion.
+fn remember(
+    spec: &Spec,
+    condition: &mut Condition,
+    (plan, path): (&Plan, &Path),
+    solver: &Solver,
+) -> Result<(), SimulateError> {
+    let solved = |case: &Simulation| solver.path(case).map_err(|cause| failed(plan, cause));
+    let (record, press) = (solved(&path.case)?, solved(&path.twin)?);
+    let added = plan.body.interface.adhesion.is_some();
+    let curve = condition.heights.first().and_then(|(_, parts)| parts.first()).map(|(_, curve)| curve.clone());
+    // a record removes the penalty's softness by a derivative along depth, which says little where the ball turns, and nothing where it creeps while the
+    // material relaxes: that of the smooth curve serves for both
+    let hard = |of: &Record| -> Vec<f64> {
+        let force_n = |s: &Station| curve.as_ref().map_or(s.force_n, |curve| curve.hard_n(s.depth_mm, s.force_n));
+        of.stations.iter().map(force_n).collect()
+    };
+    let twin = Twin::of(&press, &hard(&press));
+    let elastic = |depth_mm: f64| twin.at(depth_mm);
+    if path.timing.is_some() {
+        condition.nominal_mm = condition.trajectory(1.0 / (spec.sample_hz * FINE as f64));
+    }
+    condition.history = match path.timing {
+        Some(timing) => History::timed(&record, &hard(&record), &elastic, added, timing),
+        None => History::branches(&record, &hard(&record), &elastic, added),
+    };
+    Ok(())
 }
 
 /// A run that no ball has a part in, or the beginning of one that will have one.
@@ -187,15 +220,16 @@ impl Condition {
         (0..count).map(|k| self.programme.depth_at(step_s * k as f64)).collect()
     }
 
-    /// True depth (mm) every `step_s` of a nominal spot, with the elastic force in the machine's compliance.
+    /// True depth (mm) every `step_s` of a nominal spot, with the force in the machine's compliance that history is known to make.
     pub fn trajectory(&self, step_s: f64) -> Vec<f64> {
         let driven = self.machine.driven(&self.recorded(step_s), step_s);
         if self.machine.compliance_mm_per_n == 0.0 {
             return driven;
         }
         let one = |(k, z): (usize, &f64)| {
-            let moment = self.moment(step_s * k as f64, *z, *z, 1);
-            self.pressed(&History::None, &self.elastic, moment).0
+            let mut moment = self.moment(step_s * k as f64, *z, *z, 1);
+            moment.nominal_mm = self.nominal_mm.get(k).copied().unwrap_or(*z);
+            self.pressed(&self.history, &self.elastic, moment).0
         };
         driven.iter().enumerate().map(one).collect()
     }

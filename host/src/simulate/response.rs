@@ -1,7 +1,7 @@
 //! The force of a true specimen at a true depth: a smooth elastic curve, and what history makes of it.
 //!
 //! The elastic curve `E(d)` is one solve. With relaxation, softening, friction or adhesion the whole motion is solved, and the
-//! force `F` at its equilibria is kept as the ratio `F / E` (with adhesion, whose force changes sign, as the difference `F - E`):
+//! force `F` at its equilibria is kept as the ratio `F / E` (with adhesion, whose force changes sign, as the difference `F - E`), both on one mesh:
 //! that is smooth, and it carries the history over to the slightly different depths of another spot.
 
 use std::sync::Arc;
@@ -49,6 +49,32 @@ impl Elastic {
         let (factor, addend) = outside::reshaped(&self.effects, normal, self.radius_mm);
         let along = self.cosine * self.cosine;
         (self.cosine * (factor * force + addend), along * (factor * slope + 3.0 * addend / normal))
+    }
+}
+
+/// The elastic press on the mesh of a motion: the marks that the lines of the mesh leave in both forces are the same at the same depth.
+pub(super) struct Twin {
+    /// Depth (mm) and force over its power of 3/2 (N/mm^1.5).
+    points: Vec<(f64, f64)>,
+}
+
+impl Twin {
+    /// From equilibria at rising depths and their forces (N).
+    pub fn of(press: &Record, force_n: &[f64]) -> Self {
+        let each = press.stations.iter().zip(force_n).filter(|(s, _)| s.depth_mm > 0.0);
+        Self { points: each.map(|(s, f)| (s.depth_mm, f / (s.depth_mm * s.depth_mm.sqrt()))).collect() }
+    }
+
+    /// Force (N) at a depth (mm).
+    pub fn at(&self, depth_mm: f64) -> f64 {
+        let next = self.points.partition_point(|p| p.0 < depth_mm);
+        let factor = match (next.checked_sub(1).and_then(|i| self.points.get(i)), self.points.get(next)) {
+            (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (depth_mm - a.0) / (b.0 - a.0),
+            (Some(end), None) | (None, Some(end)) => end.1,
+            (None, None) => 0.0,
+        };
+        let depth = depth_mm.max(0.0);
+        factor * depth * depth.sqrt()
     }
 }
 
@@ -124,14 +150,14 @@ impl Moment {
 }
 
 impl History {
-    /// From the record of two (or four) ways: down, back, and once more. `elastic` in the record's units.
-    pub fn branches(record: &Record, elastic: &dyn Fn(f64) -> f64, added: bool) -> Self {
+    /// From the record of two (or four) ways: down, back, and once more, with its forces (N). `elastic` in the record's units.
+    pub fn branches(record: &Record, force_n: &[f64], elastic: &dyn Fn(f64) -> f64, added: bool) -> Self {
         let peak = record.depth_mm.iter().copied().fold(0.0, f64::max);
         let ways = record.stations.iter().map(|s| s.segment).max().map_or(0, |last| last + 1);
         let (mut down, mut back) = (Vec::new(), Vec::new());
         let mut top = if added { 0.0 } else { 1.0 };
         for way in 0..ways {
-            let mut points: Vec<(f64, f64)> = share(record, &record.force_n, elastic, added, peak)
+            let mut points: Vec<(f64, f64)> = share(record, force_n, elastic, added, peak)
                 .filter(|(i, _)| record.stations[*i].segment == way)
                 .map(|(i, value)| (record.depth_mm[i], value))
                 .collect();
@@ -149,17 +175,15 @@ impl History {
         Self::Branches { down, back, added, peak_mm: peak }
     }
 
-    /// From the record of several runs. The record removes the penalty's softness by a derivative along depth, which is not
-    /// possible where the ball creeps while the material relaxes: here that of the elastic `curve` serves.
-    pub fn timed(record: &Record, curve: &Curve, elastic: &dyn Fn(f64) -> f64, added: bool, timing: Timing) -> Self {
+    /// From the record of several runs, with its forces (N).
+    pub fn timed(record: &Record, force_n: &[f64], elastic: &dyn Fn(f64) -> f64, added: bool, timing: Timing) -> Self {
         let Timing { start_s, period_s, cycles } = timing;
         let peak = record.depth_mm.iter().copied().fold(0.0, f64::max);
-        let hard: Vec<f64> = record.stations.iter().map(|s| curve.hard_n(s.depth_mm, s.force_n)).collect();
         // where the ball begins to stand, or turns, what is left of the elastic force has a corner
         let depth = |i: usize| record.stations.get(i).map(|s| s.depth_mm);
         let way = |i: usize| depth(i + 1).zip(depth(i)).map(|(to, from)| (to - from).partial_cmp(&0.0));
         let corner = |i: usize| i > 0 && way(i) != way(i - 1);
-        let all: Vec<(f64, f64, bool)> = share(record, &hard, elastic, added, peak)
+        let all: Vec<(f64, f64, bool)> = share(record, force_n, elastic, added, peak)
             .map(|(i, value)| (record.stations[i].time_s - start_s, value, corner(i)))
             .collect();
         // touch itself: nothing has relaxed yet
