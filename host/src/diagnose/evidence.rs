@@ -178,7 +178,22 @@ impl Adequacy {
     pub fn of(fit: &Fit, margins: &[Margin], panel: &Panel, form_error: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
         let mut gauge = Gauge::new(panel, &fit.jacobian, twins);
         gauge.widen(form_error);
-        Self::told(gauge.read(&fit.residual), gauge.threshold, margins.iter().map(|m| m.variable))
+        Self::told(gauge.read(&without_spikes(&fit.residual)), gauge.threshold, margins.iter().map(|m| m.variable))
+    }
+}
+
+/// Standard deviations that hardly any node of ten thousand is off by, were its noise normal.
+const SPIKE: f64 = 4.5;
+/// Part of the nodes that may be spikes of a noise with long tails: what moves more of them is no noise.
+const SPIKES: f64 = 0.005;
+
+/// A whitened residual of which single spikes are cut off: a sensor's noise has them now and then, and one of ten standard deviations is a margin's mean by itself.
+fn without_spikes(residual: &DVector<f64>) -> DVector<f64> {
+    let spikes = residual.iter().filter(|r| r.abs() > SPIKE).count();
+    if spikes as f64 > SPIKES * residual.len() as f64 {
+        residual.clone()
+    } else {
+        residual.map(|r| r.clamp(-SPIKE, SPIKE))
     }
 }
 

@@ -13,10 +13,10 @@ use super::fit::{Allowed, Fit, Problem, predicted};
 const PLACEBOS: usize = 40;
 const SEED: u64 = 0x706c_6163;
 
-/// Largest improvement of the sum of squares that any of the placebo effects with that many parameters brings, errors of the effects before it
-/// allowed for.
+/// What placebo effects with that many parameters improve the sum of squares by, errors of the effects before them allowed for: twice the logarithm of their mean likelihood,
+/// each being as good as any other. The luckiest alone, of forty, would beat a true cause of five standard deviations every fourth time.
 #[must_use]
-pub fn largest_gain(problem: &Problem<'_>, before: &Fit, allowed: &Allowed, parameters: usize) -> f64 {
+pub fn gain_of_any(problem: &Problem<'_>, before: &Fit, allowed: &Allowed, parameters: usize) -> f64 {
     let discounted = |columns: &DMatrix<f64>| {
         let each: Vec<DVector<f64>> = columns.column_iter().map(|c| allowed.discounted(&c.into_owned())).collect();
         if each.is_empty() { columns.clone() } else { DMatrix::from_columns(&each) }
@@ -25,13 +25,20 @@ pub fn largest_gain(problem: &Problem<'_>, before: &Fit, allowed: &Allowed, para
     let explained = basis(&discounted(&before.jacobian));
     let residual = allowed.discounted(&before.residual);
     let base = predicted(problem.design, problem.chain, &before.model, &problem.contacts_mm);
-    let gains = (0..PLACEBOS).map(|_| {
+    let each = (0..PLACEBOS).map(|_| {
         let columns: Vec<DVector<f64>> = (0..parameters.max(1)).map(|_| placebo(problem, &base, &mut chance)).collect();
         let rest = rest_of(&discounted(&DMatrix::from_columns(&columns)), &explained);
         basis(&rest).tr_mul(&residual).norm_squared()
     });
-    gains.fold(0.0, f64::max)
+    let gains: Vec<f64> = each.collect();
+    let largest = gains.iter().copied().fold(0.0, f64::max);
+    let mean = gains.iter().map(|gain| (0.5 * (gain - largest)).exp()).sum::<f64>() / gains.len() as f64;
+    largest + 2.0 * mean.ln()
 }
+
+/// Charge for a shape of a smooth function. They are many and fit a part of anything: departures that are nothing else lose by 30 and more against a cause, true causes by up to 10
+/// where shapes are no dearer than parameters.
+const SHAPE: f64 = 5.0;
 
 /// Least sum of squares that a departure without a cause brings, with the charge for its parameters: a gain which is another one for every ball, rate, specimen or
 /// cycle, one that changes smoothly over the session, or a smooth function of depth or time that is the same in all runs. What is no better than that shows in the
@@ -40,13 +47,14 @@ pub fn largest_gain(problem: &Problem<'_>, before: &Fit, allowed: &Allowed, para
 pub fn causeless(problem: &Problem<'_>, before: &Fit, charge: f64) -> f64 {
     let explained = basis(&before.jacobian);
     let base = predicted(problem.design, problem.chain, &before.model, &problem.contacts_mm);
-    let charged = |columns: &[DVector<f64>]| charge * (before.coordinates.len() + columns.len()) as f64;
+    let own = charge * before.coordinates.len() as f64;
     let gains = by_level(problem, &base).into_iter().filter(|columns| !columns.is_empty()).map(|columns| {
         let rest = rest_of(&DMatrix::from_columns(&columns), &explained);
-        before.square - basis(&rest).tr_mul(&before.residual).norm_squared() + charged(&columns)
+        before.square - basis(&rest).tr_mul(&before.residual).norm_squared() + own + charge * columns.len() as f64
     });
     let smooth = smooth(problem, &base);
-    let smooth = smooth.par_iter().map(|columns| left_beside(problem, before, columns) + charged(columns));
+    let smooth =
+        smooth.par_iter().map(|columns| left_beside(problem, before, columns) + own + SHAPE * columns.len() as f64);
     gains.chain(smooth.collect::<Vec<f64>>()).fold(f64::INFINITY, f64::min)
 }
 

@@ -106,8 +106,11 @@ fn remember(
     let added = plan.body.interface.adhesion.is_some();
     let curve = condition.heights.first().and_then(|(_, parts)| parts.first()).map(|(_, curve)| curve.clone());
     // a record removes the penalty's softness by a derivative along depth, which says little where the ball turns, and nothing where it creeps while the
-    // material relaxes: that of the smooth curve serves for both
+    // material relaxes: that of the smooth curve serves for both, but not for a pull before the surface
     let hard = |of: &Record| -> Vec<f64> {
+        if added && path.timing.is_none() {
+            return of.force_n.clone();
+        }
         let force_n = |s: &Station| curve.as_ref().map_or(s.force_n, |curve| curve.hard_n(s.depth_mm, s.force_n));
         of.stations.iter().map(force_n).collect()
     };

@@ -20,7 +20,7 @@ pub struct Before {
     pub left_out: f64,
     /// What a departure without a cause would leave: a gain of its own for every ball, rate, specimen or cycle, or a smooth function of depth, time or clock.
     pub nameless: f64,
-    /// What the best placebo of as many parameters gains.
+    /// What placebos of as many parameters gain.
     placebos: [OnceLock<f64>; PARAMETERS],
 }
 
@@ -44,10 +44,10 @@ impl Before {
         left(&self.fit) - left(other)
     }
 
-    /// The same of the best placebo with a number of parameters.
+    /// The same of placebos with a number of parameters.
     #[must_use]
     pub fn placebo(&self, problem: &Problem<'_>, parameters: usize) -> f64 {
-        let find = || placebo::largest_gain(problem, &self.fit, &self.allowed, parameters);
+        let find = || placebo::gain_of_any(problem, &self.fit, &self.allowed, parameters);
         self.placebos.get(parameters).map_or_else(find, |known| *known.get_or_init(find))
     }
 }

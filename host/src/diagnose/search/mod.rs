@@ -35,7 +35,9 @@ pub(super) const CHARGE: f64 = 3.0;
 const TOLERANT: f64 = 1.5;
 /// Singles and pairs that are extended when one, or two, effects are not enough.
 const EXTENDED: usize = 5;
-/// Partners that each is tried with, by how much of its residual they could explain.
+/// Part of what the best of them explains that another one must explain to be extended: what is far behind is found as the best's partner.
+const RIVAL: f64 = 0.25;
+/// Partners that each is tried with, by how much of its residual they could explain; more where fewer are extended.
 const PARTNERS: usize = 6;
 /// Fits of several effects that are looked at closely, the best first.
 const JUDGED: usize = 12;
@@ -324,16 +326,19 @@ impl Search<'_> {
     #[must_use]
     pub fn one_more(&self, than: &[Explanation]) -> Vec<Explanation> {
         let few = self.twins.columns(0, self.twins.ncols().min(200)).into_owned();
+        let least = than.first().map_or(0.0, |best| RIVAL * best.gain);
+        let worth: Vec<usize> = (0..than.len()).filter(|at| than[*at].gain >= least).take(EXTENDED).collect();
+        let partners = EXTENDED * PARTNERS / worth.len().max(1);
         let mut tasks: Vec<(usize, Candidate)> = Vec::new();
-        for (at, explanation) in than.iter().enumerate().take(EXTENDED) {
-            let fit = &explanation.fit;
+        for at in worth {
+            let fit = &than[at].fit;
             let others: Vec<Candidate> = self.candidates.iter().filter(|c| other(c, fit)).copied().collect();
             let signatures: Vec<DMatrix<f64>> = others.par_iter().map(|c| signature(&self.problem, fit, c)).collect();
             let spaces = Spaces::new(&signatures, &fit.jacobian, &few);
             let mut promise: Vec<(f64, Candidate)> =
                 others.iter().enumerate().map(|(i, c)| (spaces.read(i, &fit.residual), *c)).collect();
             promise.sort_by(|a, b| b.0.total_cmp(&a.0));
-            tasks.extend(promise.into_iter().take(PARTNERS).map(|(_, c)| (at, c)));
+            tasks.extend(promise.into_iter().take(partners).map(|(_, c)| (at, c)));
         }
         let mut fits: Vec<(usize, Fit)> =
             tasks.into_par_iter().map(|(at, c)| (at, self.extended(&than[at].fit, &c))).collect();
