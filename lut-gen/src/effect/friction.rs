@@ -11,7 +11,7 @@ pub const EFFECT: Effect = Effect {
     signature: "changes sign with the direction of motion",
     twins: &["relaxation", "poisson", "second-term"],
     separated_by: "a slow against a fast loop; a lubricant",
-    quantities: &[Quantity::amplitude("coefficient", 0.0, (0.0, 1.0), 0.3, &[0.3])],
+    quantities: &[Quantity::amplitude("coefficient", 0.0, (0.0, 1.0), 0.3, &[0.3, 0.8])],
     owner: Owner::All,
 };
 

@@ -9,6 +9,10 @@ use super::{CHARGE, allowed, left_out};
 /// Numbers of parameters that a candidate may have.
 const PARAMETERS: usize = 6;
 
+/// By how much a departure without a cause may be likelier than an effect beside another one, as a difference of sums of squares: with two balls a gain of one is a wrong radius
+/// but for its shape, and as likely.
+const ALIKE: f64 = 2.2;
+
 /// A fit that others extend.
 #[derive(Debug)]
 pub struct Before {
@@ -18,7 +22,7 @@ pub struct Before {
     allowed: Allowed,
     /// How badly it predicts conditions that were left out.
     pub left_out: f64,
-    /// What a departure without a cause would leave: a gain of its own for every ball, rate, specimen or cycle, or a smooth function of depth, time or clock.
+    /// What must be beaten of a departure without a cause: a gain of its own for every ball, rate, specimen or cycle, or a smooth function of depth, time or clock.
     pub nameless: f64,
     /// What placebos of as many parameters gain.
     placebos: [OnceLock<f64>; PARAMETERS],
@@ -31,7 +35,7 @@ impl Before {
         Self {
             allowed: allowed(problem, &fit),
             left_out: left_out(problem.design, &fit, problem),
-            nameless: placebo::causeless(problem, &fit, CHARGE),
+            nameless: placebo::causeless(problem, &fit, CHARGE) + if fit.candidates.is_empty() { 0.0 } else { ALIKE },
             placebos: [const { OnceLock::new() }; PARAMETERS],
             fit,
         }

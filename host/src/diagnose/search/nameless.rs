@@ -25,9 +25,9 @@ pub(super) fn departure(problem: &Problem<'_>, at: &Fit) -> DMatrix<f64> {
     changes(problem, at, &NAMELESS, (0..quantities.len()).map(alone).collect())
 }
 
-/// Likelihood ratios of 3 and 10 as differences of sums of squares.
+/// Likelihood ratios of 3 and 20 as differences of sums of squares.
 const RATIO_3: f64 = 2.2;
-const RATIO_10: f64 = 4.61;
+const RATIO_20: f64 = 5.99;
 
 /// Part of the sum of squares that two times of relaxation explain which may be what they leave of a spectrum.
 const SPECTRAL: f64 = 0.02;
@@ -93,12 +93,12 @@ impl Search<'_> {
             .reduce(f64::min)
     }
 
-    /// Of elastic laws there is no end, so that one of those with a name must be ten times likelier than any: what has none is to be answered "unknown" nine times of ten. A wrong
+    /// Of elastic laws there is no end, so that one of those with a name must be twenty times likelier than any. A wrong
     /// radius, or a machine that gives way, has one form, and must be three times likelier; two elastic effects together imitate many, and must be a hundred times. What their form
     /// may be wrong by is allowed for or not, whichever is better for them: a departure without a name has none to be wrong by.
     fn beyond_elastic(&self, best: &Explanation) -> f64 {
         let needed = match best.fit.candidates.len() {
-            0 | 1 if claims_a_law(best) => RATIO_10,
+            0 | 1 if claims_a_law(best) => RATIO_20,
             0 | 1 => RATIO_3,
             _ => RATIO_100,
         };
