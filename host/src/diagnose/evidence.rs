@@ -8,6 +8,7 @@ use rand_pcg::Pcg64;
 use super::fit::Fit;
 use super::margin::{Margin, Variable};
 use super::noise::{Jitter, Noise};
+use super::spike::{self, SPIKE};
 use super::whiten::Whitening;
 
 /// Clean twins that thresholds are taken from.
@@ -182,19 +183,9 @@ impl Adequacy {
     }
 }
 
-/// Standard deviations that hardly any node of ten thousand is off by, were its noise normal.
-const SPIKE: f64 = 4.5;
-/// Part of the nodes that may be spikes of a noise with long tails: what moves more of them is no noise.
-const SPIKES: f64 = 0.005;
-
 /// A whitened residual of which single spikes are cut off: a sensor's noise has them now and then, and one of ten standard deviations is a margin's mean by itself.
 fn without_spikes(residual: &DVector<f64>) -> DVector<f64> {
-    let spikes = residual.iter().filter(|r| r.abs() > SPIKE).count();
-    if spikes as f64 > SPIKES * residual.len() as f64 {
-        residual.clone()
-    } else {
-        residual.map(|r| r.clamp(-SPIKE, SPIKE))
-    }
+    if spike::are_many(residual) { residual.clone() } else { residual.map(|r| r.clamp(-SPIKE, SPIKE)) }
 }
 
 impl<V: PartialEq> Adequacy<V> {

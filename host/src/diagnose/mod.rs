@@ -20,6 +20,7 @@ pub mod plan;
 mod prepared;
 pub mod ripple;
 pub mod search;
+mod spike;
 #[cfg(test)]
 mod tests;
 mod verdict;
@@ -311,7 +312,8 @@ impl Diagnosis {
         let contacts_mm = search.problem.contacts_mm.clone();
         let extended_curves = best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &contacts_mm));
         let shown = extended_curves.as_ref().unwrap_or(&search.curves);
-        let ripple = ripple::of(experiment, &design, shown, &search.noise.sensor);
+        let adequate = best.map_or(!visible, |e| e.adequacy.passes());
+        let ripple = ripple::of(experiment, &design, shown, &search.noise.sensor, adequate);
         self.messages.extend(ripple.map(|r| r.to_string()));
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(&design);

@@ -8,6 +8,7 @@ use super::fit::{Fit, Problem};
 use super::jitter::Posterior;
 use super::noise::{self, Curve, Jitter, Noise, SensorNoise, Source};
 use super::search;
+use super::spike;
 use super::whiten::Whitening;
 
 /// A problem whose noise is known and whose base is fitted.
@@ -80,7 +81,11 @@ impl<'a> Prepared<'a> {
             })
             .collect();
         let noise = noise::estimate(design, &at_zero, stated_n)?;
-        let problem = placed((design, chain), &noise, &curves, contacts_mm)?;
+        let mut problem = placed((design, chain), &noise, &curves, contacts_mm)?;
+        let spikes = spike::of(design, &problem.whitening, &problem.residual(model));
+        if !spikes.is_empty() {
+            problem.whitening = Whitening::but_for(&spikes, design, &curves, &noise)?;
+        }
         // what the noise is told about may lie in another valley of the base than the base before did
         let mut there = self.base.x.clone();
         (there[0], there[1]) = (model.mu_mpa.ln(), model.alpha.ln());

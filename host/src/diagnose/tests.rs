@@ -243,6 +243,46 @@ fn the_threshold_is_exceeded_as_often_as_it_says() {
     assert!(above < 4000 / 200 + 45, "{above}");
 }
 
+/// What comes new to a sensor's noise with one sample, ten times as large as usual, is a spike of its run; the rest of that run, which it shifts, is as good as ever.
+/// What every repeat has at the same place is none, nor is anything where a hundredth of all is that far off.
+#[test]
+fn a_spike_is_a_single_accident() {
+    const AT: usize = 12;
+    let design = Design::of(&experiment(8), "foam").unwrap();
+    let curves = curves(&design);
+    let noise = noise::estimate(&design, &curves, None).unwrap();
+    let whitening = Whitening::new(&design, &curves, &noise).unwrap();
+    let knocked = |knocks: &[(usize, usize)]| {
+        let mut values = DVector::zeros(whitening.residuals());
+        for &(series, node) in knocks {
+            let lower = noise.sensor.factor(&design.series[series].nodes, &curves[series].force_n).unwrap().unpack();
+            let mut own = values.rows_mut(whitening.first(series), lower.nrows());
+            own.axpy(10.0, &lower.column(node), 1.0);
+        }
+        values
+    };
+    let white = |whitening: &Whitening, values: &DVector<f64>| {
+        let mut values = values.clone();
+        whitening.apply(&mut values);
+        values
+    };
+    let once = knocked(&[(0, AT)]);
+    let spikes = spike::of(&design, &whitening, &white(&whitening, &once));
+    let [spike] = spikes[..] else { panic!("{spikes:?}") };
+    assert!((spike.series, spike.node) == (0, AT) && (8.0..=10.0).contains(&spike.size), "{spike:?}");
+    let spared = Whitening::but_for(&spikes, &design, &curves, &noise).unwrap();
+    let left = white(&spared, &once);
+    assert!((0.8..1.3).contains(&left[whitening.first(0) + AT]), "{left}");
+    assert!(left.norm_squared() < 2.0, "{}", left.norm_squared());
+    let repeats = |k: &usize| design.series[*k].condition == design.series[0].condition;
+    let everywhere: Vec<(usize, usize)> = (0..design.series.len()).filter(repeats).map(|k| (k, AT)).collect();
+    assert!(everywhere.len() > 2);
+    let many: Vec<(usize, usize)> = (0..4).map(|k| (0, 4 + 8 * k)).collect();
+    for none in [everywhere, many] {
+        assert_eq!(spike::of(&design, &whitening, &white(&whitening, &knocked(&none))), [], "{none:?}");
+    }
+}
+
 /// Eight short ramps know the correlation of the noise to some ten percent: the weights are spread over several, the largest on what it is near, and twins of a longer
 /// correlation have neighbours that are alike.
 #[test]
@@ -291,11 +331,16 @@ fn spots_that_differ_too_much_are_told() {
 
 /// The same experiment with a wave in every run whose phase is another one each time; of time (s) and depth (mm).
 fn with_wave(seed: u64, wave: fn(f64, f64) -> f64) -> Experiment {
+    let mut chance = Pcg64::seed_from_u64(1000 + seed);
+    with_waves(seed, wave, || 3.0 * normal(&mut chance))
+}
+
+/// The same with phases of one's own.
+fn with_waves(seed: u64, wave: fn(f64, f64) -> f64, mut phase: impl FnMut() -> f64) -> Experiment {
     const AMPLITUDE_N: f64 = 3.0 * SIGMA_N;
     let mut experiment = experiment(seed);
-    let mut chance = Pcg64::seed_from_u64(1000 + seed);
     for run in &mut experiment.runs {
-        let phase = 3.0 * normal(&mut chance);
+        let phase = phase();
         let Recording { time_s, depth_mm, force_n, .. } = &mut run.recording;
         for ((f, t), d) in force_n.iter_mut().zip(time_s).zip(depth_mm) {
             *f += AMPLITUDE_N * (std::f64::consts::TAU * wave(*t, *d) + phase).sin();
@@ -305,10 +350,14 @@ fn with_wave(seed: u64, wave: fn(f64, f64) -> f64) -> Experiment {
 }
 
 fn ripple(experiment: &Experiment) -> Option<ripple::Ripple> {
+    ripple_if(true, experiment)
+}
+
+fn ripple_if(adequate: bool, experiment: &Experiment) -> Option<ripple::Ripple> {
     let design = Design::of(experiment, "foam").unwrap();
     let curves = curves(&design);
     let noise = noise::estimate(&design, &curves, None).unwrap();
-    ripple::of(experiment, &design, &curves, &noise.sensor)
+    ripple::of(experiment, &design, &curves, &noise.sensor, adequate)
 }
 
 /// One in a thousand clean experiments would show one by chance.
@@ -330,6 +379,17 @@ fn slow_ripples_are_found_with_what_they_are_regular_over() {
         assert!(slip.over == ripple::Over::Depth && (slip.frequency - 1.35).abs() < 0.12, "{slip:?}");
         // amplitudes are tried in steps of 1.6, and eight phases of a sine scatter
         assert!((0.5..2.0).contains(&(slip.amplitude_n / (3.0 * SIGMA_N))), "{slip:?}");
+    }
+}
+
+/// A screw that turns as the ball goes down ripples alike in all repeats: what they differ by knows nothing of it, what they share does.
+#[test]
+fn a_ripple_that_all_repeats_share_shows_where_the_model_is_adequate() {
+    for seed in 0..4 {
+        let screw = with_waves(seed, |_, d| 1.35 * d, || 0.4);
+        let shared = ripple_if(true, &screw).unwrap();
+        assert!(shared.over == ripple::Over::Depth && (shared.frequency - 1.35).abs() < 0.12, "{shared:?}");
+        assert!(ripple_if(false, &screw).is_none(), "{seed}");
     }
 }
 

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::design::{Design, Series};
 use super::noise::{Curve, Noise, SensorNoise};
+use super::spike::Spike;
 
 /// A linear map of residuals (N, all runs one after the other) that makes their noise white.
 #[derive(Debug, Clone)]
@@ -64,6 +65,12 @@ impl Whitening {
     /// For a noise, at the forces of a fit of the base; `None` when a covariance is not positive definite.
     #[must_use]
     pub fn new(design: &Design, curves: &[Curve], noise: &Noise) -> Option<Self> {
+        Self::but_for(&[], design, curves, noise)
+    }
+
+    /// The same but for spikes, whose own noise is as large as they are: the rest of their run is as it was, and they say next to nothing.
+    #[must_use]
+    pub(super) fn but_for(spikes: &[Spike], design: &Design, curves: &[Curve], noise: &Noise) -> Option<Self> {
         let mut first = Vec::new();
         let mut len = 0;
         let mut runs = Vec::new();
@@ -72,6 +79,9 @@ impl Whitening {
             len += series.nodes.len();
             let lower = noise.sensor.factor(&series.nodes, &curve.force_n)?.unpack();
             runs.push(Factor { lower });
+        }
+        for spike in spikes {
+            runs[spike.series].lower.column_mut(spike.node).scale_mut(spike.size);
         }
         for check in &design.checks {
             first.push(len);
