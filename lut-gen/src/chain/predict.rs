@@ -46,6 +46,13 @@ impl Elastic {
         }
         sum
     }
+
+    /// The force alone.
+    fn force(&self, depth_mm: f64) -> f64 {
+        let of =
+            |(mu_mpa, slice): &(f64, ForceSlice)| mu_mpa * self.scale * self.scale * slice.force(depth_mm / self.scale);
+        self.slices.iter().map(of).sum()
+    }
 }
 
 impl Elastic {
@@ -53,7 +60,7 @@ impl Elastic {
     fn store(&mut self, depth_mm: f64) {
         let end = depth_mm.sqrt();
         let step = end / ENERGIES as f64;
-        let rate = |x: f64| self.at(x * x).0 * 2.0 * x;
+        let rate = |x: f64| self.force(x * x) * 2.0 * x;
         let mut table = vec![0.0];
         let (mut sum, mut from) = (0.0, 0.0);
         for k in 1..=ENERGIES {
@@ -172,7 +179,7 @@ impl Chain {
     /// Force of the specimen on the ball over depths (mm) of the ball.
     fn specimen_force(&self, model: &Model, passage: &Passage, depth_mm: &[f64], elastic: &Elastic) -> Vec<f64> {
         let family = &self.library.families[passage.geometry];
-        let mut force: Vec<f64> = depth_mm.iter().map(|d| elastic.at(*d).0).collect();
+        let mut force: Vec<f64> = depth_mm.iter().map(|d| elastic.force(*d)).collect();
         let share = model.first(&numerics::EFFECT, 0);
         let deepest = depth_mm.iter().copied().fold(0.0, f64::max);
         if share != 0.0 {

@@ -11,7 +11,7 @@ pub const EFFECT: Effect = Effect {
     signature: "a function of the force alone",
     twins: &["second-term"],
     separated_by: "materials of several stiffnesses at one force; masses",
-    // at the largest force a sensor may be off by half of its reading: what is farther off is none
-    quantities: &[Quantity::amplitude("quadratic_per_N", 0.0, (-0.5, 0.5), 0.02, &[-0.05, 0.05]).per_force(-1)],
+    // at the largest reading `F + q F^2` a sensor may tell a third too little, or five eighths too much: what is farther off is none
+    quantities: &[Quantity::amplitude("quadratic_per_N", 0.0, (-0.5, 1.0), 0.02, &[-0.05, 0.05]).per_force(-1)],
     owner: Owner::All,
 };

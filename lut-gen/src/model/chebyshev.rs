@@ -106,6 +106,16 @@ impl Axis {
     }
 }
 
+/// The sum of `c_k T_k(x)`, by Clenshaw's recurrence.
+#[must_use]
+pub fn clenshaw(coefficients: &[f64], x: f64) -> f64 {
+    let (mut one, mut two) = (0.0, 0.0);
+    for c in coefficients.iter().skip(1).rev() {
+        (one, two) = (2.0 * x * one - two + c, one);
+    }
+    x * one - two + coefficients.first().copied().unwrap_or(0.0)
+}
+
 /// `T_0 .. T_{n-1}` and their derivatives at `x`, into the given slices.
 pub fn polynomials(x: f64, value: &mut [f64], slope: &mut [f64]) {
     for k in 0..value.len() {

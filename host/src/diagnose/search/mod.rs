@@ -41,6 +41,8 @@ const RIVAL: f64 = 0.25;
 const PARTNERS: usize = 6;
 /// Fits of several effects that are looked at closely, the best first.
 const JUDGED: usize = 12;
+/// Sum of squares that a richer form of an effect must leave less than a simpler one to be looked at beside it.
+const NOTHING: f64 = 1.0;
 
 /// A fit with what was found out about it.
 #[derive(Debug, Clone)]
@@ -351,6 +353,14 @@ impl Search<'_> {
             seen.push(key);
             new
         });
+        // what a richer form has beyond a simpler one may be nothing
+        let simpler: Vec<_> = fits.iter().map(|(_, fit)| (names(fit), fit.x.len(), fit.square)).collect();
+        fits.retain(|(_, fit)| {
+            let own = names(fit);
+            !simpler
+                .iter()
+                .any(|(name, len, square)| *name == own && *len < fit.x.len() && *square < fit.square + NOTHING)
+        });
         fits.truncate(JUDGED);
         let extended: Vec<Option<Before>> = (0..than.len())
             .into_par_iter()
@@ -375,6 +385,13 @@ impl Search<'_> {
         let space = Spaces::new(&signatures, &before.fit.jacobian, &self.twins);
         self.judged(fit, before, (&space, 0))
     }
+}
+
+/// What a fit's effects are, whatever their form.
+fn names(fit: &Fit) -> Vec<(&'static str, usize)> {
+    let mut names: Vec<_> = fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect();
+    names.sort_unstable();
+    names
 }
 
 /// A candidate that is not yet among a fit's, nor another form of one of them.

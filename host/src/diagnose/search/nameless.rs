@@ -106,10 +106,10 @@ impl Search<'_> {
         f64::max(score(&nameless) - best.score(), plain(&nameless) - plain(&best.fit)) - needed
     }
 
-    /// A relaxation of one or two times must be no less likely than that of a power law, and what is named beside it a hundred times likelier than that alone.
+    /// A relaxation of one or two times must be three times likelier than that of a power law, and what is named beside it a hundred times likelier than that alone.
     fn beyond_spectrum(&self, best: &Explanation) -> Option<f64> {
         relaxes(best).then_some(())?;
-        let needed = if best.fit.candidates.len() > 1 { RATIO_100 } else { 0.0 };
+        let needed = if best.fit.candidates.len() > 1 { RATIO_100 } else { RATIO_3 };
         let spectrum = self.extended(&self.base, &SPECTRUM);
         let spectrum = self.solved(&spectrum).unwrap_or(spectrum);
         Some(score(&spectrum) - best.score() - needed)

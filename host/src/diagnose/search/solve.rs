@@ -9,8 +9,8 @@ use super::before::Before;
 use super::begin::{measured, suit};
 use super::{Explanation, Search, allowed, score};
 
-/// Fits of a list that are solved with finite elements, and how far (sum of squares) behind the best they may lie: what the chain allows
-/// for costs an effect that it has nearly right less than that.
+/// Names, of one effect or of two, that are solved with finite elements, and how far (sum of squares) behind the best they may lie: what the chain allows
+/// for costs an effect that it has nearly right less than that. Which ball it is, or in which form, does not count: two balls in two forms had left no place for what it was.
 const SOLVED: usize = 3;
 const NEAR: f64 = 60.0;
 /// Effects that the chain has only roughly are also solved where they explain this part less than the best does: a second term as a second
@@ -155,17 +155,25 @@ impl Search<'_> {
     /// alone with a name.
     pub(super) fn solve_best(&self, list: &mut [Explanation], before: &[&Before]) {
         let Some(best) = list.iter().map(Explanation::score).min_by(f64::total_cmp) else { return };
-        let near = |e: &Explanation| e.score() < best + NEAR;
         // of forms of one effect the chain may prefer the wrong one by as much as it is itself wrong by
         let codes = |e: &Explanation| e.fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect::<Vec<_>>();
-        let solved: Vec<_> = list.iter().filter(|e| e.beats_noise && near(e)).take(SOLVED).map(codes).collect();
-        let mut left = SOLVED;
-        for (explanation, before) in list.iter_mut().zip(before) {
-            let wanted = explanation.beats_noise && near(explanation) && left > 0;
-            let own = wanted || may_be_best(explanation, &before.fit, best) || solved.contains(&codes(explanation));
-            if own && let Some(fit) = self.solved(&explanation.fit) {
+        let names = |e: &Explanation| e.fit.candidates.iter().map(|c| c.effect.code).collect::<Vec<_>>();
+        let near: Vec<&Explanation> = list.iter().filter(|e| e.beats_noise && e.score() < best + NEAR).collect();
+        let mut worth: Vec<Vec<&str>> = Vec::new();
+        for name in near.iter().map(|e| names(e)) {
+            if !worth.contains(&name) && worth.len() < SOLVED {
+                worth.push(name);
+            }
+        }
+        let solved: Vec<_> = near.iter().filter(|e| worth.contains(&names(e))).map(|e| codes(e)).collect();
+        let own: Vec<bool> = list
+            .iter()
+            .zip(before)
+            .map(|(e, before)| solved.contains(&codes(e)) || may_be_best(e, &before.fit, best))
+            .collect();
+        for ((explanation, before), _) in list.iter_mut().zip(before).zip(own).filter(|(_, own)| *own) {
+            if let Some(fit) = self.solved(&explanation.fit) {
                 *explanation = self.compared(fit, before);
-                left -= usize::from(wanted);
             }
         }
     }
