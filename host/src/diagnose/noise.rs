@@ -201,6 +201,36 @@ pub(super) fn contrasts(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
     list
 }
 
+/// What the repeats of each condition have in common beyond the model: their sums, scaled to the noise of one run, so that with their contrasts they hold all that was measured. Only where the
+/// model leaves no more than noise is it noise; what it may still miss smoothly over the depth is free, as jitter is, and so is what has lifted.
+pub(super) fn means(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
+    let of = |condition: usize| {
+        let runs: Vec<usize> = (0..design.series.len()).filter(|s| design.series[*s].condition == condition).collect();
+        let series = *runs.first()?;
+        let (own, curve) = (&design.series[series], &curves[series]);
+        if runs.iter().any(|s| design.series[*s].nodes.len() != own.nodes.len()) {
+            return None;
+        }
+        let sum =
+            |k: usize| runs.iter().map(|s| design.series[*s].nodes[k].force_n - curves[*s].force_n[k]).sum::<f64>();
+        let deepest_mm = own.nodes.iter().map(|n| n.depth_mm).fold(f64::MIN_POSITIVE, f64::max);
+        let jitter = curve.shapes();
+        let smooth = |k: usize, power: i32| curve.force_n[k] * (own.nodes[k].depth_mm / deepest_mm).powi(power);
+        let lifted: Vec<usize> = (0..own.nodes.len()).filter(|k| own.nodes[*k].lifted).collect();
+        let shapes = DMatrix::from_fn(own.nodes.len(), jitter.ncols() + 2 + lifted.len(), |k, j| {
+            match j.checked_sub(jitter.ncols()) {
+                None => jitter[(k, j)],
+                Some(power @ 0..2) => smooth(k, power as i32 + 1),
+                Some(other) => f64::from(u8::from(lifted[other - 2] == k)),
+            }
+        });
+        let scale = (runs.len() as f64).sqrt();
+        let values = DVector::from_fn(own.nodes.len(), |k, _| sum(k) / scale);
+        Some(Contrast { series, values, shapes })
+    };
+    (0..design.conditions).filter_map(of).collect()
+}
+
 /// Sensor noise of the largest likelihood over a grid, its level found in closed form, jitter removed as free parameters.
 fn most_likely(design: &Design, curves: &[Curve], contrasts: &[Contrast]) -> SensorNoise {
     // a dozen runs say enough about the shape of a noise

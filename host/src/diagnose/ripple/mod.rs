@@ -37,10 +37,16 @@ pub struct Ripple {
 pub const SPOILS: f64 = 0.3;
 
 /// The ripple that shows, if any does. `curves` is what a model predicts: repeats differ by a gain and by a shift, whose kinks are no
-/// ripple.
+/// ripple. Where it is `adequate`, what it leaves of all repeats together is looked at as well.
 #[must_use]
-pub fn of(experiment: &Experiment, design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Option<Ripple> {
-    spectrum::of(experiment, design, curves).or_else(|| slow::of(design, curves, sensor))
+pub fn of(
+    experiment: &Experiment,
+    design: &Design,
+    curves: &[Curve],
+    sensor: &SensorNoise,
+    adequate: bool,
+) -> Option<Ripple> {
+    spectrum::of(experiment, design, curves).or_else(|| slow::of(design, curves, sensor, adequate))
 }
 
 impl std::fmt::Display for Ripple {

@@ -1,13 +1,13 @@
 //! Slow ripples: a wave of a few periods in a branch, which a spectrum cannot tell from a trend.
 //!
 //! What repeats of a condition differ by is noise as the diagnosis assumes it, or that noise and a wave of one frequency whose phase is another
-//! in every run. Both likelihoods are exact: shifts of the contact, gain and zero are free, and the wave is a covariance of rank two.
+//! in every run; so is what they share beyond a model that leaves no more than noise. Both likelihoods are exact: shifts of the contact, gain and zero are free, and the wave is a covariance of rank two.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::super::design::{Branch, Design, Series};
-use super::super::noise::{Contrast, Curve, SensorNoise, contrasts};
+use super::super::noise::{Contrast, Curve, SensorNoise, contrasts, means};
 use super::{Over, Ripple};
 
 /// Contrasts that are looked at, at most.
@@ -48,15 +48,18 @@ struct Sums {
 }
 
 /// The likeliest wave, if noise alone is not as likely.
-pub(super) fn of(design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Option<Ripple> {
-    let all = contrasts(design, curves);
+pub(super) fn of(design: &Design, curves: &[Curve], sensor: &SensorNoise, adequate: bool) -> Option<Ripple> {
+    let mut all = contrasts(design, curves);
+    if adequate {
+        all.extend(means(design, curves));
+    }
     let few: Vec<&Contrast> = all.iter().step_by(all.len().div_ceil(CONTRASTS).max(1)).collect();
     let waves = waves(design);
     if few.is_empty() || waves.is_empty() {
         return None;
     }
     let columns: Vec<DMatrix<f64>> = few.iter().map(|c| shapes(&design.series[c.series], &waves)).collect();
-    let count: f64 = few.iter().map(|c| c.values.len() as f64 - 3.0).sum();
+    let count: f64 = few.iter().map(|c| (c.values.len() - c.shapes.ncols()) as f64).sum();
     let relative = if sensor.sigma_n > 0.0 { sensor.relative / sensor.sigma_n } else { 0.0 };
     // the likeliest noise without a wave lies between those of the grid: a wave must not stand for the difference
     let noises: Vec<SensorNoise> = TIMES_S
