@@ -1,5 +1,10 @@
 //! Host side of Palpate.
 
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
+#[macro_use]
+mod print;
+
 pub mod calibration;
 pub mod cli;
 pub mod demo;

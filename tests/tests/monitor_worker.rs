@@ -1,6 +1,7 @@
 //! The monitor's worker against the simulated board: commands carried out, records written, a lost link opened again, outputs off at the end.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -75,6 +76,7 @@ impl Link for Cable {
 
 struct Watched {
     worker: Worker,
+    stop: Arc<AtomicBool>,
 }
 
 impl Watched {
@@ -106,8 +108,10 @@ fn start(cable: &Cable, folder: &std::path::Path) -> Watched {
         upload_at_start: true,
         folder: folder.into(),
         retry: Duration::from_millis(20),
+        stop: Arc::default(),
     };
-    Watched { worker: Worker::start(cable.opener(), settings) }
+    let stop = Arc::clone(&settings.stop);
+    Watched { worker: Worker::start(cable.opener(), settings), stop }
 }
 
 fn state_of(update: &Update) -> Option<State> {
@@ -183,4 +187,34 @@ fn a_worker_that_is_dropped_without_a_board_ends_at_once() {
     let began = Instant::now();
     drop(watched);
     assert!(began.elapsed() < Duration::from_secs(5), "{:?}", began.elapsed());
+}
+
+#[test]
+fn a_signal_switches_the_outputs_off_though_nobody_takes_the_updates() {
+    let folder = tempfile::tempdir().unwrap();
+    let cable = Cable::new();
+    let watched = start(&cable, folder.path());
+    assert!(watched.done().starts_with("table of "));
+    watched.worker.command(Command::Mode(Mode::Display { material: 0 }));
+    watched.until(|update| (state_of(update) == Some(State::Display)).then_some(()));
+    watched.stop.store(true, Ordering::Relaxed);
+    let end = Instant::now() + Duration::from_secs(60);
+    while cable.state() != State::Idle {
+        assert!(Instant::now() < end, "the outputs stay on");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn a_signal_ends_the_attempts_to_reach_a_board() {
+    let folder = tempfile::tempdir().unwrap();
+    let cable = Cable::new();
+    cable.pull(true);
+    let watched = start(&cable, folder.path());
+    watched.until(|update| matches!(update, Update::Lost(_)).then_some(()));
+    watched.stop.store(true, Ordering::Relaxed);
+    let end = Instant::now() + Duration::from_secs(60);
+    while watched.worker.update(Duration::from_millis(100)).is_ok() {
+        assert!(Instant::now() < end, "it still tries");
+    }
 }

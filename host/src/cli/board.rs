@@ -135,9 +135,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         Action::Serve { .. } => return Ok(()),
     };
     if arguments.json {
-        println!("{}", answer.0);
+        outln!("{}", answer.0);
     } else {
-        println!("{}", answer.1);
+        outln!("{}", answer.1);
     }
     Ok(())
 }
@@ -232,7 +232,7 @@ fn run_server(listen: &str, seed: u64, foams: bool) -> miette::Result<()> {
     board.touch(Some(IDLE_TOUCH));
     let server = serve(listen, board).into_diagnostic().wrap_err_with(|| format!("cannot listen at {listen}"))?;
     let address = server.address().into_diagnostic()?;
-    println!("simulated board at tcp:{address}");
+    outln!("simulated board at tcp:{address}");
     let mut before = State::Approach;
     server.run(
         |board| {

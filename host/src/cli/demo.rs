@@ -74,9 +74,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let bar = Mutex::new(None);
     let summary = demo::run(&options, &|stage| show(&solves, &bar, &stage))?;
     if arguments.json {
-        println!("{}", summary.json());
+        outln!("{}", summary.json());
     } else {
-        println!("{summary}");
+        outln!("{summary}");
     }
     Ok(())
 }
@@ -91,7 +91,7 @@ fn show(solves: &Progress, bar: &Bar, stage: &Stage<'_>) {
         Stage::Palpated { done, total, verdict } => set(bar, "palpations", "", done, total, verdict),
         Stage::Note(text) => match bar.lock().as_deref() {
             Ok(Some((_, bar))) => bar.println(text),
-            _ => eprintln!("{text}"),
+            _ => errln!("{text}"),
         },
     }
 }

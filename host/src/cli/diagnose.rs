@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     if let (true, Some(display)) = (arguments.json, &display) {
         let told: Vec<_> = found.iter().zip(&models).map(told).collect();
-        println!(
+        outln!(
             "{}",
             serde_json::json!({ "materials": told, "display": diagnose::display::answer::json(display, None) })
         );
@@ -82,24 +82,24 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.json {
         let found: Vec<(&Diagnosis, &Option<String>)> = found.iter().zip(&models).collect();
         match found.as_slice() {
-            [only] => println!("{}", told(*only)),
+            [only] => outln!("{}", told(*only)),
             all => {
-                println!("{}", serde_json::json!({ "materials": all.iter().copied().map(told).collect::<Vec<_>>() }))
+                outln!("{}", serde_json::json!({ "materials": all.iter().copied().map(told).collect::<Vec<_>>() }))
             }
         }
         return Ok(());
     }
     if found.is_empty() {
-        println!("verdict          nothing to diagnose: the experiment holds no run that indents a soft specimen");
+        outln!("verdict          nothing to diagnose: the experiment holds no run that indents a soft specimen");
     }
     for (one, model) in found.iter().zip(&models) {
         print(one);
         if let Some(file) = model {
-            println!("model            {file}");
+            outln!("model            {file}");
         }
     }
     if let Some(file) = written {
-        println!("report           {file}");
+        outln!("report           {file}");
     }
     Ok(())
 }
@@ -143,44 +143,44 @@ fn report_display(
         written = Some(file.display().to_string());
     }
     if !arguments.json {
-        print!("{}", report::display::summary(found));
+        crate::print::out(format_args!("{}", report::display::summary(found)));
         if let Some(file) = written {
-            println!("report           {file}");
+            outln!("report           {file}");
         }
     } else if !others {
-        println!("{}", diagnose::display::answer::json(found, written.as_deref()));
+        outln!("{}", diagnose::display::answer::json(found, written.as_deref()));
     }
     Ok(())
 }
 
 fn print(found: &Diagnosis) {
-    println!("material         {}", found.material);
-    println!("verdict          {}", found.verdict.word());
-    println!("                 {}", report::diagnosis::sentence(found));
+    outln!("material         {}", found.material);
+    outln!("verdict          {}", found.verdict.word());
+    outln!("                 {}", report::diagnosis::sentence(found));
     if let Some(refusal) = &found.refusal {
-        println!("because          {refusal}");
+        outln!("because          {refusal}");
     }
     for fault in &found.faults {
-        println!("fault            {fault} ({})", fault.code());
+        outln!("fault            {fault} ({})", fault.code());
     }
     for finding in &found.findings {
         print_finding(finding);
     }
     if !found.shows_in.is_empty() {
-        println!("shows in         {}", found.shows_in.join(", "));
+        outln!("shows in         {}", found.shows_in.join(", "));
     }
     let Some(evidence) = &found.evidence else { return };
     if matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
         print_gain(evidence);
     }
     if !found.blind_to.is_empty() {
-        println!("blind to         {}", found.blind_to.join(", "));
+        outln!("blind to         {}", found.blind_to.join(", "));
     }
     if let Some(next) = found.proposals.first() {
-        println!("next run         {}", next.what);
-        println!("  would tell     {}", next.decides.join(", "));
+        outln!("next run         {}", next.what);
+        outln!("  would tell     {}", next.decides.join(", "));
     }
-    println!("solves           {} in {:.1} s", evidence.solves, found.seconds);
+    outln!("solves           {} in {:.1} s", evidence.solves, found.seconds);
 }
 
 fn print_finding(finding: &Finding) {
@@ -192,13 +192,13 @@ fn print_finding(finding: &Finding) {
         [] => String::new(),
         names => format!(" of {}", names.join(" or of ")),
     };
-    println!("effect           {} ({}){of}{twins}", finding.code, finding.form);
+    outln!("effect           {} ({}){of}{twins}", finding.code, finding.form);
     for (name, value, (low, high)) in &finding.parameters {
-        println!("  {name:14} {:>10}  95 %: {} to {}", number(*value), number(*low), number(*high));
+        outln!("  {name:14} {:>10}  95 %: {} to {}", number(*value), number(*low), number(*high));
     }
     let separating = lut_gen::effect::find(finding.code, Some(finding.form)).map(|effect| effect.separated_by);
     if let Some(run) = separating.filter(|_| !finding.ambiguous_with.is_empty()) {
-        println!("  decided by     {run}");
+        outln!("  decided by     {run}");
     }
 }
 
@@ -208,10 +208,10 @@ fn print_gain(evidence: &Evidence) {
     let before = evidence.base.base();
     for (name, (was, is)) in ["mu_MPa", "alpha"].iter().zip(before.iter().zip(&after)) {
         let (low, high) = is.1;
-        println!("{name:16} {:>10} -> {}  95 %: {} to {}", number(was.0), number(is.0), number(low), number(high));
+        outln!("{name:16} {:>10} -> {}  95 %: {} to {}", number(was.0), number(is.0), number(low), number(high));
     }
     if let Some(held_out) = &evidence.held_out {
         let (was, is) = (held_out.rmse_before_n, held_out.rmse_after_n);
-        println!("held out, N      {:>10} -> {}  rms", number(was), number(is));
+        outln!("held out, N      {:>10} -> {}  rms", number(was), number(is));
     }
 }

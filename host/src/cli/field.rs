@@ -88,11 +88,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             })
             .collect();
         let names = files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>();
-        println!("{}", json!({ "steps": steps, "files": names }));
+        outln!("{}", json!({ "steps": steps, "files": names }));
         return Ok(());
     }
     for f in &fields {
-        println!(
+        outln!(
             "depth {:6} mm  force {:8} N  largest Mises stress {:8} MPa  largest pressure {:8} MPa",
             number(f.step.depth_mm),
             number(f.step.force_n),
@@ -101,7 +101,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         );
     }
     for file in files.iter().rev().take(2) {
-        println!("written {}", file.display());
+        outln!("written {}", file.display());
     }
     Ok(())
 }

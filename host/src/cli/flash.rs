@@ -57,9 +57,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         bar.finish();
     }
     if !arguments.json {
-        println!(
+        outln!(
             "written and verified: {} bytes of firmware, {} bytes of table",
-            written.firmware_bytes, written.table_bytes
+            written.firmware_bytes,
+            written.table_bytes
         );
     }
     let greeted = match &arguments.board {
@@ -70,14 +71,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         None => None,
     };
     match &greeted {
-        _ if arguments.json => println!(
+        _ if arguments.json => outln!(
             "{}",
             json!({ "firmware_bytes": written.firmware_bytes, "table_bytes": written.table_bytes, "greeted": greeted })
         ),
         Some(Greeted { firmware_version: [major, minor, patch], protocol_version, .. }) => {
-            println!("started: firmware {major}.{minor}.{patch}, protocol {protocol_version}, as written");
+            outln!("started: firmware {major}.{minor}.{patch}, protocol {protocol_version}, as written");
         }
-        None => println!("not greeted: with --board LINK the version of the board that starts is compared"),
+        None => outln!("not greeted: with --board LINK the version of the board that starts is compared"),
     }
     Ok(())
 }
@@ -96,16 +97,16 @@ fn real_board(text: &str) -> Result<Address, String> {
 fn list(lister: &Lister, json: bool) -> miette::Result<()> {
     let found = flash::list(lister);
     if json {
-        println!("{}", json!({ "probes": found }));
+        outln!("{}", json!({ "probes": found }));
         return Ok(());
     }
     if found.is_empty() {
-        println!("no debug probe found");
+        outln!("no debug probe found");
     }
     for probe in found {
         let serial = probe.serial.as_deref().unwrap_or("unknown");
         let access = if probe.accessible { "" } else { "  (no permission to open it)" };
-        println!("{}  serial {serial}  USB {:04x}:{:04x}{access}", probe.name, probe.usb.0, probe.usb.1);
+        outln!("{}  serial {serial}  USB {:04x}:{:04x}{access}", probe.name, probe.usb.0, probe.usb.1);
     }
     Ok(())
 }

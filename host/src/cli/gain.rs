@@ -60,13 +60,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.json {
         let mut answer = found.json();
         answer["report"] = serde_json::json!(written);
-        println!("{answer}");
+        outln!("{answer}");
     } else {
         for line in found.lines() {
-            println!("{line}");
+            outln!("{line}");
         }
         if let Some(file) = written {
-            println!("{:24} {file}", "report");
+            outln!("{:24} {file}", "report");
         }
     }
     Ok(())

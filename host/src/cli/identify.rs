@@ -182,13 +182,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     progress.end();
     let found = found?;
     for message in found.iter().flat_map(|one| &one.messages) {
-        eprintln!("{message}");
+        errln!("{message}");
     }
     let mut written = None;
     // People get the figures without asking; scripts say where they want them.
     let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/identify")));
     if found.is_empty() && !arguments.json {
-        println!(
+        outln!(
             "outcome          nothing to identify: the experiment holds no run that indents, compresses or pulls a soft specimen"
         );
     }
@@ -201,13 +201,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         written = Some(file.display().to_string());
     }
     if arguments.json {
-        println!("{}", identify::json(&experiment, &found, written.as_deref()));
+        outln!("{}", identify::json(&experiment, &found, written.as_deref()));
     } else {
         for one in &found {
             print(one);
         }
         if let Some(file) = written {
-            println!("report           {file}");
+            outln!("report           {file}");
         }
     }
     Ok(())
@@ -223,25 +223,25 @@ fn with_model(arguments: &Arguments, file: &Path) -> miette::Result<()> {
     progress.end();
     let found = found.into_diagnostic()?;
     for message in &found.messages {
-        eprintln!("{message}");
+        errln!("{message}");
     }
     if arguments.json {
-        println!("{}", found.json(&experiment, &file.display().to_string()));
+        outln!("{}", found.json(&experiment, &file.display().to_string()));
         return Ok(());
     }
-    println!("material         {}", found.material);
-    println!("outcome          {}", found.outcome.word());
+    outln!("material         {}", found.material);
+    outln!("outcome          {}", found.outcome.word());
     print_parameters("", &found.parameters);
     for effect in &found.effects {
         let owner = effect.owner.as_ref().map_or(String::new(), |name| format!(" of {name}"));
-        println!("effect           {} ({}){owner}", effect.code, effect.form);
+        outln!("effect           {} ({}){owner}", effect.code, effect.form);
         print_parameters("  ", &effect.parameters);
     }
     if found.rmse_n.is_finite() {
         let (left, noise) = (number(found.rmse_n), number(found.noise_n));
-        println!("residual         {left} N rms, noise {noise} N a sample ({})", found.noise_from);
+        outln!("residual         {left} N rms, noise {noise} N a sample ({})", found.noise_from);
     }
-    println!("solves           {} in {:.1} s", found.fe_solves, found.seconds);
+    outln!("solves           {} in {:.1} s", found.fe_solves, found.seconds);
     Ok(())
 }
 
@@ -251,13 +251,13 @@ fn print_parameters(indent: &str, parameters: &[extended::identify::Parameter]) 
         let interval =
             p.interval.map_or(String::new(), |(low, high)| format!("  95 %: {} to {}", number(low), number(high)));
         let from = if p.fixed { "  from the file" } else { "" };
-        println!("{indent}{:width$} {:10}{interval}{from}", p.name, number(p.value));
+        outln!("{indent}{:width$} {:10}{interval}{from}", p.name, number(p.value));
     }
 }
 
 fn print(found: &Identification) {
-    println!("material         {}", found.material);
-    println!("outcome          {}", found.outcome.word());
+    outln!("material         {}", found.material);
+    outln!("outcome          {}", found.outcome.word());
     let Some(fit) = &found.fit else { return };
     for parameter in &fit.parameters {
         let standing = match (&parameter.verdict, parameter.at_bound, parameter.derived) {
@@ -270,7 +270,7 @@ fn print(found: &Identification) {
             },
             (None, ..) => "",
         };
-        println!(
+        outln!(
             "{:16} {:10}  95 %: {} to {}  {standing}",
             parameter.name,
             number(parameter.value),
@@ -278,9 +278,9 @@ fn print(found: &Identification) {
             number(parameter.interval95.high),
         );
     }
-    println!("residual         {} N rms, noise {} N", number(fit.rmse_n), number(fit.noise.sigma_n));
+    outln!("residual         {} N rms, noise {} N", number(fit.rmse_n), number(fit.noise.sigma_n));
     if let Some(check) = found.direct_check {
-        println!("last solve       within {} % of what was expected of it", number(100.0 * check));
+        outln!("last solve       within {} % of what was expected of it", number(100.0 * check));
     }
-    println!("solves           {} in {:.1} s", found.fe_solves, found.seconds);
+    outln!("solves           {} in {:.1} s", found.fe_solves, found.seconds);
 }

@@ -81,9 +81,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     recorder.finish().into_diagnostic()?;
     let traffic = session.traffic();
     if arguments.json {
-        println!("{}", json!({ "telemetry": traffic, "seconds": session.link().now_s() - started_s }));
+        outln!("{}", json!({ "telemetry": traffic, "seconds": session.link().now_s() - started_s }));
     } else {
-        eprintln!(
+        errln!(
             "telemetry  {} of {} records lost, {} of {} frames lost, {} damaged",
             traffic.telemetry_lost,
             traffic.telemetry_received + traffic.telemetry_lost,

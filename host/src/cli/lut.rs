@@ -130,7 +130,7 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     if let Some(model) = &model {
         let own = extended::board::library(model, &grids).into_diagnostic()?;
         if own.is_empty() {
-            eprintln!("the library has no entry of {}: none of its specimens' heights is asked for", model.material);
+            errln!("the library has no entry of {}: none of its specimens' heights is asked for", model.material);
         }
         library.retain(|one| own.iter().all(|other| one.name != other.name));
         library.extend(own);
@@ -149,13 +149,13 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
         answer["field_picture"] = json!(inside.display().to_string());
         answer["fe_solves"] = json!(grids.iter().map(|grid| grid.solves).sum::<usize>());
         answer["seconds"] = json!(start.elapsed().as_secs_f64());
-        println!("{answer}");
+        outln!("{answer}");
     } else {
         print(&table, bytes.len());
-        println!("table       {}", arguments.out.display());
-        println!("picture     {}", picture.display());
-        println!("inside      {}", inside.display());
-        println!("time        {:.1} s", start.elapsed().as_secs_f64());
+        outln!("table       {}", arguments.out.display());
+        outln!("picture     {}", picture.display());
+        outln!("inside      {}", inside.display());
+        outln!("time        {:.1} s", start.elapsed().as_secs_f64());
     }
     Ok(())
 }
@@ -190,7 +190,7 @@ fn specs(arguments: &Arguments, model: Option<&ExtendedModel>, heights: &[f64]) 
         said.push(sentence);
         let of: Vec<&str> = told.iter().filter(|t| t.0 == *sentence).map(|t| t.1.as_str()).collect();
         let where_to = if of.len() < heights.len() { format!(" [height {} mm]", of.join(", ")) } else { String::new() };
-        eprintln!("{sentence}{where_to}");
+        errln!("{sentence}{where_to}");
     }
     specs.sort_by(|a, b| a.specimen.height_mm.total_cmp(&b.specimen.height_mm));
     Ok(specs)
@@ -247,7 +247,7 @@ fn explain(file: &Path, as_json: bool) -> miette::Result<()> {
     }
     let table = parsed(file, &bytes)?;
     if as_json {
-        println!("{}", described(&table, bytes.len()));
+        outln!("{}", described(&table, bytes.len()));
     } else {
         print(&table, bytes.len());
     }
@@ -288,8 +288,8 @@ fn material(table: &Table<'_>, m: &Material<'_>) -> Value {
 }
 
 fn print(table: &Table<'_>, length: usize) {
-    println!("form        {} rows x {} stored columns, {length} bytes", table.rows(), table.columns());
-    println!("hash        {}", hash(table));
+    outln!("form        {} rows x {} stored columns, {length} bytes", table.rows(), table.columns());
+    outln!("hash        {}", hash(table));
     for axis in table.axes() {
         let values: Vec<f32> = axis.values().collect();
         let ends = match (values.first(), values.last()) {
@@ -297,10 +297,10 @@ fn print(table: &Table<'_>, length: usize) {
             _ => "empty".to_owned(),
         };
         let (role, scale) = (format!("{:?}", axis.role).to_lowercase(), format!("{:?}", axis.scale).to_lowercase());
-        println!("axis        {:8} {ends} {} in {} values, {scale}, {role}", axis.name, axis.unit, values.len());
+        outln!("axis        {:8} {ends} {} in {} values, {scale}, {role}", axis.name, axis.unit, values.len());
     }
     let error = table.error_bound();
-    println!(
+    outln!(
         "error       {} % of a curve's peak: finite elements {} %, between depths {} %, rounding {} %",
         percent(error.total()),
         percent(error.discretisation),
@@ -308,7 +308,7 @@ fn print(table: &Table<'_>, length: usize) {
         percent(error.quantisation)
     );
     for material in table.materials() {
-        println!(
+        outln!(
             "material    {:10} mu {} MPa, alpha {}, height {} mm; accepted within {} % of its force{}",
             material.name,
             number(f64::from(material.mu_mpa)),
@@ -321,7 +321,7 @@ fn print(table: &Table<'_>, length: usize) {
             ))
         );
     }
-    println!("provenance  {}", table.provenance());
+    outln!("provenance  {}", table.provenance());
 }
 
 fn percent(share: f32) -> String {

@@ -19,6 +19,7 @@ pub mod sweep;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use miette::{Context, IntoDiagnostic};
 
 /// Identify soft materials by touch, and display their softness to a finger.
 #[derive(Debug, Parser)]
@@ -81,10 +82,11 @@ pub fn main() -> ExitCode {
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };
-    match done {
+    let printed = crate::print::finish().into_diagnostic().wrap_err("standard output");
+    match done.and(printed) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{error:?}");
+            errln!("{error:?}");
             ExitCode::from(BAD_INPUT)
         }
     }

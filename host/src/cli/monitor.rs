@@ -1,6 +1,7 @@
 //! `palpate monitor`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
@@ -76,6 +77,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         Box::new(move || crate::link::open(&board))
     };
     progress.end();
-    let settings = Settings { table, upload_at_start: simulated, folder: arguments.record_to.clone(), retry: RETRY };
+    let settings = Settings {
+        table,
+        upload_at_start: simulated,
+        folder: arguments.record_to.clone(),
+        retry: RETRY,
+        stop: Arc::default(),
+    };
     monitor::run(&arguments.board.to_string(), opener, library, settings, arguments.depth).into_diagnostic()
 }

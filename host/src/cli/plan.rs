@@ -36,13 +36,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.json {
         let each: Vec<serde_json::Value> = found.iter().map(diagnose::answer::plan).collect();
         match each.as_slice() {
-            [only] => println!("{only}"),
-            all => println!("{}", serde_json::json!({ "materials": all })),
+            [only] => outln!("{only}"),
+            all => outln!("{}", serde_json::json!({ "materials": all })),
         }
         return Ok(());
     }
     if found.is_empty() {
-        println!("nothing to plan for: the experiment holds no run that indents a soft specimen");
+        outln!("nothing to plan for: the experiment holds no run that indents a soft specimen");
     }
     for one in &found {
         print(one);
@@ -51,27 +51,27 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 fn print(found: &Diagnosis) {
-    println!("material         {}", found.material);
-    println!("verdict          {}", found.verdict.word());
+    outln!("material         {}", found.material);
+    outln!("verdict          {}", found.verdict.word());
     if let Some(refusal) = &found.refusal {
-        println!("because          {refusal}");
+        outln!("because          {refusal}");
     }
     for finding in &found.findings {
         let rivals: String = finding.ambiguous_with.iter().map(|code| format!(" or {code}")).collect();
-        println!("effect           {}{rivals}", finding.code);
+        outln!("effect           {}{rivals}", finding.code);
     }
     if found.proposals.is_empty() {
-        println!("next run         none that this tool can compute would decide or show anything more");
+        outln!("next run         none that this tool can compute would decide or show anything more");
     }
     for (rank, proposal) in found.proposals.iter().enumerate() {
         print_proposal(rank + 1, proposal);
     }
     for text in &found.cancelling {
-        println!("cannot exclude   {text}");
+        outln!("cannot exclude   {text}");
     }
 }
 
 fn print_proposal(rank: usize, proposal: &Proposal) {
-    println!("{rank}. {}", proposal.what);
-    println!("   would tell    {} ({} standard deviations)", proposal.decides.join(", "), number(proposal.distance));
+    outln!("{rank}. {}", proposal.what);
+    outln!("   would tell    {} ({} standard deviations)", proposal.decides.join(", "), number(proposal.distance));
 }

@@ -97,7 +97,7 @@ impl Countdown {
             bar.set_position(self.done as u64);
         } else if self.told.elapsed() >= QUIET {
             self.told = Instant::now();
-            eprintln!("{}", line(self.done, self.total, failed, self.start.elapsed()));
+            errln!("{}", line(self.done, self.total, failed, self.start.elapsed()));
         }
     }
 

@@ -50,11 +50,11 @@ pub struct Arguments {
 /// Bad input, a failing solve, a folder that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.example {
-        print!("{}", simulate::EXAMPLE);
+        crate::print::out(format_args!("{}", simulate::EXAMPLE));
         return Ok(());
     }
     if arguments.example_display {
-        print!("{}", display::EXAMPLE);
+        crate::print::out(format_args!("{}", display::EXAMPLE));
         return Ok(());
     }
     let (Some(file), Some(folder)) = (&arguments.spec, &arguments.out) else {
@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(file) = &arguments.model {
         let model = ExtendedModel::read(file)?;
         for sentence in truth::apply(&model, &mut spec).into_diagnostic()? {
-            eprintln!("{sentence}");
+            errln!("{sentence}");
         }
     }
     spec.seed = arguments.seed.unwrap_or(spec.seed);
@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let seconds = started.elapsed().as_secs_f64();
     if arguments.json {
-        println!("{}", summary(&made, folder.display().to_string(), seconds));
+        outln!("{}", summary(&made, folder.display().to_string(), seconds));
     } else {
         print(&made, &folder.display().to_string(), seconds);
     }
@@ -114,15 +114,12 @@ fn run_display(arguments: &Arguments, text: &str, file: &Path, folder: &Path) ->
     let codes: Vec<&str> = spec.effects.iter().map(|effect| effect.code()).collect();
     let folder = folder.display().to_string();
     if arguments.json {
-        println!(
-            "{}",
-            json!({ "folder": folder, "name": spec.name, "seed": spec.seed, "runs": runs, "effects": codes })
-        );
+        outln!("{}", json!({ "folder": folder, "name": spec.name, "seed": spec.seed, "runs": runs, "effects": codes }));
     } else {
-        println!("experiment       {}, seed {}", spec.name, spec.seed);
-        println!("runs             {runs} of a display");
-        println!("effects          {}", if codes.is_empty() { "none".to_owned() } else { codes.join(", ") });
-        println!("folder           {folder}");
+        outln!("experiment       {}, seed {}", spec.name, spec.seed);
+        outln!("runs             {runs} of a display");
+        outln!("effects          {}", if codes.is_empty() { "none".to_owned() } else { codes.join(", ") });
+        outln!("folder           {folder}");
     }
     Ok(())
 }
@@ -159,19 +156,19 @@ fn peak_n(made: &SimulatedExperiment) -> f64 {
 
 fn print(made: &SimulatedExperiment, folder: &str, seconds: f64) {
     let samples: usize = made.runs.iter().map(|run| run.time_s.len()).sum();
-    println!("experiment       {}, seed {}", made.name, made.truth.seed);
-    println!("runs             {} with {samples} samples; largest force {} N", made.runs.len(), number(peak_n(made)));
+    outln!("experiment       {}, seed {}", made.name, made.truth.seed);
+    outln!("runs             {} with {samples} samples; largest force {} N", made.runs.len(), number(peak_n(made)));
     for effect in &made.truth.effects {
         let shown = |(key, setting): (String, Setting)| match setting {
             Setting::Number(value) => format!("{key} {}", number(value)),
             Setting::Word(word) => format!("{key} {word}"),
         };
         let parameters: Vec<String> = effect.parameters().into_iter().map(shown).collect();
-        println!("effect           {}: {}", effect.code(), parameters.join(", "));
+        outln!("effect           {}: {}", effect.code(), parameters.join(", "));
     }
     if made.truth.effects.is_empty() {
-        println!("effect           none: the truth is what the folder declares");
+        outln!("effect           none: the truth is what the folder declares");
     }
-    println!("solves           {} in {seconds:.1} s", made.solves);
-    println!("folder           {folder}");
+    outln!("solves           {} in {seconds:.1} s", made.solves);
+    outln!("folder           {folder}");
 }

@@ -154,18 +154,18 @@ fn tell(findings: &Findings, arguments: &Arguments) -> miette::Result<()> {
         None => None,
     };
     if arguments.json {
-        println!("{}", findings.answer(report.as_deref()));
+        outln!("{}", findings.answer(report.as_deref()));
         return Ok(());
     }
-    println!("{}\n{}\n", findings.title, findings.subject);
+    outln!("{}\n{}\n", findings.title, findings.subject);
     for table in &findings.tables {
-        println!("{}", table.text());
+        outln!("{}", table.text());
     }
     for sentence in &findings.answer {
-        println!("{sentence}");
+        outln!("{sentence}");
     }
     if let Some(page) = report {
-        println!("\nreport   {}", page.display());
+        outln!("\nreport   {}", page.display());
     }
     Ok(())
 }

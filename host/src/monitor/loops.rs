@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::RecvTimeoutError;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use ratatui::DefaultTerminal;
@@ -57,7 +57,7 @@ pub fn run(
     depth_mm: f32,
 ) -> Result<(), MonitorError> {
     check_terminal()?;
-    let stop = Arc::new(AtomicBool::new(false));
+    let stop = Arc::clone(&settings.stop);
     for signal in signal_hook::consts::TERM_SIGNALS {
         signal_hook::flag::register(*signal, Arc::clone(&stop))?;
     }
@@ -69,10 +69,11 @@ pub fn run(
     let worker = Worker::start(opener, settings);
     let mut monitor = Monitor::new(board, library, depth_mm);
     let ended = watch(&mut terminal, &worker, &mut monitor, &stop);
-    ratatui::restore();
-    // Waits until the outputs are off.
+    let restored = ratatui::try_restore();
+    // Waits until the outputs are off, also where the terminal is gone.
     drop(worker);
-    ended
+    ended?;
+    Ok(restored?)
 }
 
 fn watch(
@@ -82,18 +83,19 @@ fn watch(
     stop: &AtomicBool,
 ) -> Result<(), MonitorError> {
     let palette = Palette::of_environment();
+    let keys = keys();
     let mut drawn: Option<Instant> = None;
     loop {
         match worker.update(FRAME) {
             Ok(Some(update)) => monitor.update(update),
             Ok(None) => {}
+            // The worker sees the signal by itself, and may do so first.
+            Err(_) if stop.load(Ordering::Relaxed) => return Ok(()),
             Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return Err(MonitorError::Ended),
         }
-        while event::poll(Duration::ZERO)? {
-            if let Some(key) = key_of(&event::read()?) {
-                for command in monitor.key(key) {
-                    worker.command(command);
-                }
+        for key in keys.try_iter() {
+            for command in monitor.key(key?) {
+                worker.command(command);
             }
         }
         if monitor.is_done() || stop.load(Ordering::Relaxed) {
@@ -104,6 +106,23 @@ fn watch(
             terminal.draw(|frame| draw(frame, monitor, palette))?;
         }
     }
+}
+
+/// The keys, read in a thread of its own. A closed window has no end for its reader: crossterm 0.29 reads the terminal that is gone again and again and never returns, and who waits
+/// for it never switches the outputs off.
+fn keys() -> Receiver<std::io::Result<Key>> {
+    let (pressed, keys) = channel();
+    std::thread::spawn(move || {
+        loop {
+            let event = event::read();
+            let failed = event.is_err();
+            let Some(key) = event.map(|event| key_of(&event)).transpose() else { continue };
+            if pressed.send(key).is_err() || failed {
+                return;
+            }
+        }
+    });
+    keys
 }
 
 fn key_of(event: &event::Event) -> Option<Key> {

@@ -1,6 +1,8 @@
 //! The conversation with the board, in a thread of its own: the picture never waits for the link.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -66,6 +68,8 @@ pub struct Settings {
     pub folder: PathBuf,
     /// Between two attempts to open the link.
     pub retry: Duration,
+    /// Set from outside, by a signal, it ends the conversation as [`Command::Stop`] does: also where whoever shows the picture waits for a terminal that takes no more of it.
+    pub stop: Arc<AtomicBool>,
 }
 
 /// The thread, with its two ends. Dropping it switches the outputs off and waits for its end.
@@ -184,9 +188,13 @@ impl Conversation {
                 Ok(Command::Stop) | Err(RecvTimeoutError::Disconnected) => return true,
                 Ok(Command::Record(on)) => self.record(on),
                 Ok(_) => self.say(Update::Refused("no link to the board".into())),
-                Err(RecvTimeoutError::Timeout) => return false,
+                Err(RecvTimeoutError::Timeout) => return self.is_over(),
             }
         }
+    }
+
+    fn is_over(&self) -> bool {
+        self.settings.stop.load(Ordering::Relaxed)
     }
 
     fn talk(&mut self, mut board: SafeEnd) -> End {
@@ -206,6 +214,9 @@ impl Conversation {
         let mut heard_s = session.link().now_s();
         let mut looked_s = f64::NEG_INFINITY;
         loop {
+            if self.is_over() {
+                return End::Stopped;
+            }
             match self.orders.try_recv() {
                 Ok(Command::Stop) | Err(std::sync::mpsc::TryRecvError::Disconnected) => return End::Stopped,
                 Ok(command) => {

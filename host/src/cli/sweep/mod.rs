@@ -85,10 +85,10 @@ fn sweep(arguments: &SweepArguments) -> miette::Result<()> {
     let head = JournalHead { spec: spec.clone(), engine, shard: arguments.shard };
     let Folder { mut keeper, done, cut } = Folder::open(&arguments.out, &head).into_diagnostic()?;
     if cut > 0 {
-        eprintln!("{cut} bytes of a record that was not finished were cut off {}", keeper.path().display());
+        errln!("{cut} bytes of a record that was not finished were cut off {}", keeper.path().display());
     }
     if !keeper.locked {
-        eprintln!("{}: no locks on this file system; do not run one shard twice at a time", keeper.path().display());
+        errln!("{}: no locks on this file system; do not run one shard twice at a time", keeper.path().display());
     }
     let mine = (0..spec.jobs()).filter(|job| arguments.shard.holds(*job));
     let (before, jobs): (Vec<usize>, Vec<usize>) = mine.partition(|job| match done.get(job) {
@@ -124,7 +124,7 @@ fn sweep(arguments: &SweepArguments) -> miette::Result<()> {
         threads,
     };
     if arguments.json {
-        println!("{}", outcome.json())
+        outln!("{}", outcome.json())
     } else {
         outcome.print(arguments)
     }
@@ -156,21 +156,21 @@ impl Outcome<'_> {
 
     fn print(&self, arguments: &SweepArguments) {
         let spec = &self.head.spec;
-        println!("sweep       {}: {}", spec.name, extent(spec));
-        println!("shard       {}, {} points done before", self.head.shard, self.before);
-        println!("engine      {}", self.head.engine);
+        outln!("sweep       {}: {}", spec.name, extent(spec));
+        outln!("shard       {}, {} points done before", self.head.shard, self.before);
+        outln!("engine      {}", self.head.engine);
         let ended = self.solved + self.failed.len();
         let rate =
             if ended > 0 { format!(", {} a second", number(ended as f64 / self.seconds)) } else { String::new() };
-        println!("solved      {} in {:.1} s on {} threads{rate}", self.solved, self.seconds, self.threads);
+        outln!("solved      {} in {:.1} s on {} threads{rate}", self.solved, self.seconds, self.threads);
         for (job, text) in self.failed {
-            println!("failed      point {job} ({}): {text}", spec.label(*job));
+            outln!("failed      point {job} ({}): {text}", spec.label(*job));
         }
         if self.failed_before > 0 {
-            println!("failed      {} points of earlier runs; --retry-failed solves them again", self.failed_before);
+            outln!("failed      {} points of earlier runs; --retry-failed solves them again", self.failed_before);
         }
-        println!("journal     {}", self.journal.display());
-        println!("next        palpate lut merge {} {}", arguments.spec.display(), arguments.out.display());
+        outln!("journal     {}", self.journal.display());
+        outln!("next        palpate lut merge {} {}", arguments.spec.display(), arguments.out.display());
     }
 }
 
@@ -185,7 +185,7 @@ fn merge(arguments: &MergeArguments) -> miette::Result<()> {
         found.extend(here.into_iter().map(|f| (f.path.display().to_string(), f.journal)));
     }
     for (name, journal) in found.iter().filter(|(_, journal)| journal.torn > 0) {
-        eprintln!("{name}: {} bytes after its last whole record are left out", journal.torn);
+        errln!("{name}: {} bytes after its last whole record are left out", journal.torn);
     }
     let seconds: f64 = found.iter().map(|(_, journal)| journal.seconds).sum();
     let table = sweeps::merge(&spec, &found).map_err(SweepError::from).into_diagnostic()?;
@@ -195,11 +195,11 @@ fn merge(arguments: &MergeArguments) -> miette::Result<()> {
         let mut answer = described(&table, &bytes);
         answer["file"] = json!(arguments.out.display().to_string());
         answer["solve_seconds"] = json!(seconds);
-        println!("{answer}");
+        outln!("{answer}");
     } else {
         print(&table, &bytes);
-        println!("solves      {} s in all, of {} journals", number(seconds), found.len());
-        println!("table       {}", arguments.out.display());
+        outln!("solves      {} s in all, of {} journals", number(seconds), found.len());
+        outln!("table       {}", arguments.out.display());
     }
     Ok(())
 }

@@ -22,7 +22,7 @@ pub(in crate::cli) fn explain(file: &Path, bytes: &[u8], as_json: bool) -> miett
         .map_err(|cause| miette!("{cause}"))
         .wrap_err_with(|| format!("{} is not a usable table", file.display()))?;
     if as_json {
-        println!("{}", described(&table, bytes));
+        outln!("{}", described(&table, bytes));
     } else {
         print(&table, bytes);
     }
@@ -75,14 +75,14 @@ pub(super) fn described(table: &SweepTable, bytes: &[u8]) -> Value {
 
 pub(super) fn print(table: &SweepTable, bytes: &[u8]) {
     let spec = &table.spec;
-    println!("sweep       {}: {}", spec.name, extent(spec));
-    println!(
+    outln!("sweep       {}: {}", spec.name, extent(spec));
+    outln!(
         "form        {} curves of {} forces, {} bytes",
         spec.grid() * spec.motion.rates_mm_s.len(),
         spec.motion.samples(),
         bytes.len()
     );
-    println!("hash        {}", hash(bytes));
+    outln!("hash        {}", hash(bytes));
     for axis in &spec.axes {
         let values: Vec<String> = axis.values.iter().map(|v| number(*v)).collect();
         let shown = if values.len() > 6 {
@@ -92,13 +92,13 @@ pub(super) fn print(table: &SweepTable, bytes: &[u8]) {
         };
         let spacing = format!("{:?}", axis.spacing).to_lowercase();
         let role = if axis.factor { ", factor" } else { "" };
-        println!("axis        {:12} {shown}; {spacing}{role}", axis.parameter.name());
+        outln!("axis        {:12} {shown}; {spacing}{role}", axis.parameter.name());
     }
     let fixed: Vec<String> =
         spec.fixed.iter().map(|(p, v)| format!("{} {}", Parameter::name(*p), number(*v))).collect();
-    println!("fixed       {}", fixed.join(", "));
+    outln!("fixed       {}", fixed.join(", "));
     let rates: Vec<String> = spec.motion.rates_mm_s.iter().map(|v| number(*v)).collect();
-    println!(
+    outln!(
         "motion      {} mm at {} mm/s, {} depths, {} times of hold",
         number(spec.motion.depth_mm()),
         rates.join(", "),
@@ -110,13 +110,13 @@ pub(super) fn print(table: &SweepTable, bytes: &[u8]) {
         Some(bound) => format!("{} % ({checks} checks)", number(100.0 * bound)),
         None => "not checked".to_owned(),
     };
-    println!(
+    outln!(
         "error       of a curve's peak: finite elements {}, between points {}, rounding none",
         part(error.discretisation, error.finer),
         part(error.interpolation, error.between)
     );
     for (job, text) in &table.failed {
-        println!("failed      point {job} ({}): {text}", spec.label(*job));
+        outln!("failed      point {job} ({}): {text}", spec.label(*job));
     }
-    println!("provenance  {}", table.engine);
+    outln!("provenance  {}", table.engine);
 }

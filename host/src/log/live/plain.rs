@@ -26,7 +26,7 @@ impl LiveView for Plain {
                     return;
                 }
                 self.next_tick = t.tick + TICK_HZ;
-                eprintln!(
+                errln!(
                     "{:8.2} s  {:<8} probe {:7.3} mm  depth {:6.3} mm  load cell {:7.4} N  shaft {:6.3} mm  \
                      coil {:5.3} A  tick {} us  lost {} of {}",
                     f64::from(t.tick) / f64::from(TICK_HZ),
@@ -41,14 +41,14 @@ impl LiveView for Plain {
                     traffic.frames_received + traffic.frames_lost,
                 );
             }
-            Event::Estimate(e) => eprintln!("{}", estimate_text(e)),
-            Event::Verdict(v) => eprintln!("{}", verdict_text(v, &self.library)),
-            Event::Fault(f) => eprintln!("{}", fault_text(f)),
+            Event::Estimate(e) => errln!("{}", estimate_text(e)),
+            Event::Verdict(v) => errln!("{}", verdict_text(v, &self.library)),
+            Event::Fault(f) => errln!("{}", fault_text(f)),
         }
     }
 
     fn note(&mut self, text: &str) {
-        eprintln!("{text}");
+        errln!("{text}");
     }
 
     fn refresh(&mut self) -> bool {
