@@ -336,14 +336,23 @@ fn with_wave(seed: u64, wave: fn(f64, f64) -> f64) -> Experiment {
 }
 
 /// The same with phases of one's own.
-fn with_waves(seed: u64, wave: fn(f64, f64) -> f64, mut phase: impl FnMut() -> f64) -> Experiment {
-    const AMPLITUDE_N: f64 = 3.0 * SIGMA_N;
+fn with_waves(seed: u64, wave: fn(f64, f64) -> f64, phase: impl FnMut() -> f64) -> Experiment {
+    shaped(seed, |turns| 3.0 * SIGMA_N * (std::f64::consts::TAU * turns).sin(), wave, phase)
+}
+
+/// The same in a shape (N over the turns of the wave); phases in radians.
+fn shaped(
+    seed: u64,
+    shape: impl Fn(f64) -> f64,
+    wave: fn(f64, f64) -> f64,
+    mut phase: impl FnMut() -> f64,
+) -> Experiment {
     let mut experiment = experiment(seed);
     for run in &mut experiment.runs {
-        let phase = phase();
+        let phase = phase() / std::f64::consts::TAU;
         let Recording { time_s, depth_mm, force_n, .. } = &mut run.recording;
         for ((f, t), d) in force_n.iter_mut().zip(time_s).zip(depth_mm) {
-            *f += AMPLITUDE_N * (std::f64::consts::TAU * wave(*t, *d) + phase).sin();
+            *f += shape(wave(*t, *d) + phase);
         }
     }
     experiment
@@ -379,6 +388,17 @@ fn slow_ripples_are_found_with_what_they_are_regular_over() {
         assert!(slip.over == ripple::Over::Depth && (slip.frequency - 1.35).abs() < 0.12, "{slip:?}");
         // amplitudes are tried in steps of 1.6, and eight phases of a sine scatter
         assert!((0.5..2.0).contains(&(slip.amplitude_n / (3.0 * SIGMA_N))), "{slip:?}");
+    }
+}
+
+/// What sticks and slips builds up and falls at once; its period is that of the falls, not of a harmonic.
+#[test]
+fn what_sticks_and_slips_is_found_with_its_period() {
+    for seed in 0..4 {
+        let mut chance = Pcg64::seed_from_u64(1000 + seed);
+        let saw = |turns: f64| 4.0 * SIGMA_N * (0.5 - turns.rem_euclid(1.0));
+        let slip = ripple(&shaped(seed, saw, |_, d| 1.5 * d, || 3.0 * normal(&mut chance))).unwrap();
+        assert!(slip.over == ripple::Over::Depth && (slip.frequency - 1.5).abs() < 0.12, "{slip:?}");
     }
 }
 

@@ -3,7 +3,7 @@
 //! What repeats of a condition differ by is noise as the diagnosis assumes it, or that noise and a wave of one frequency whose phase is another
 //! in every run; so is what they share beyond a model that leaves no more than noise. Both likelihoods are exact: shifts of the contact, gain and zero are free, and the wave is a covariance of rank two.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector, DVectorView, SymmetricEigen};
 use rayon::prelude::*;
 
 use super::super::design::{Branch, Design, Series};
@@ -24,10 +24,15 @@ const SLOWEST: (f64, f64) = (0.5, 1.5);
 const FASTEST: (f64, f64) = (14.0, 21.0);
 /// Periods between two frequencies that are tried.
 const BETWEEN: f64 = 0.35;
-/// Twice the logarithm of the likelihood ratio from which on there is a wave. About a hundred frequencies, half of a chi-square of one degree of
-/// freedom each: one clean experiment in a thousand exceeds 18. Of 104 clean ones, half of them with other noise than is assumed (heavy tails, in
-/// proportion to the force, quantised, a wandering zero), the largest were 18.7, 15.6 and 11.7.
-const CLEARLY: f64 = 24.0;
+/// Twice the logarithm of the likelihood ratio from which on there is a wave. About a hundred and fifty waves, half of a chi-square of one degree of
+/// freedom each: one clean experiment in a thousand exceeds 19. Of 400 clean ones, half of them with other noise than is assumed (heavy tails, in
+/// proportion to the force, quantised, a wandering zero), the largest were 17.0, 16.7 and 15.8.
+const CLEARLY: f64 = 20.0;
+
+/// Fewest periods in the largest depth of a wave with harmonics: fewer follow what repeats differ by where the contact shifts far.
+const SLIPS: f64 = 4.0;
+/// Harmonics of a wave that builds up and falls at once, as what sticks and slips does: each is as large as its number says, of a phase of its own.
+const HARMONICS: usize = 3;
 
 /// One frequency.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +40,15 @@ struct Wave {
     over: Over,
     /// Hz or periods a millimetre.
     frequency: f64,
+    /// 1 for a sine.
+    harmonics: usize,
+}
+
+impl Wave {
+    /// Factors on its frequency, and on the amplitude.
+    fn parts(self) -> impl Iterator<Item = (f64, f64)> {
+        (1..=self.harmonics).map(|n| (n as f64, 1.0 / n as f64))
+    }
 }
 
 /// What a contrast says of every wave under one noise of unit level.
@@ -43,8 +57,8 @@ struct Sums {
     square: f64,
     /// Logarithms of the determinants of the covariance and of the free shapes' information.
     log: f64,
-    /// For every wave the information on its cosine and sine (11, 12, 22), and what the data say of both.
-    waves: Vec<([f64; 3], [f64; 2])>,
+    /// For every wave of unit amplitude: information along directions that are told of independently, and the square of what the data say along each.
+    waves: Vec<Vec<(f64, f64)>>,
 }
 
 /// The likeliest wave, if noise alone is not as likely.
@@ -76,7 +90,7 @@ pub(super) fn of(design: &Design, curves: &[Curve], sensor: &SensorNoise, adequa
             let sums: Option<Vec<Sums>> = few
                 .iter()
                 .zip(&columns)
-                .map(|(contrast, columns)| Sums::of(design, curves, contrast, columns, unit))
+                .map(|(contrast, columns)| Sums::of(design, curves, contrast, (&waves, columns), unit))
                 .collect();
             let sums = sums?;
             let none = deviance(&sums, None, count).0;
@@ -96,7 +110,7 @@ pub(super) fn of(design: &Design, curves: &[Curve], sensor: &SensorNoise, adequa
     let none = each.iter().map(|e| e.0).fold(f64::INFINITY, f64::min);
     let (with, wave, deviation_n, level_n) = each.iter().map(|e| e.1).min_by(|a, b| a.0.total_cmp(&b.0))?;
     let share = deviation_n.powi(2) / (deviation_n.powi(2) + level_n.powi(2));
-    let Wave { over, frequency } = waves[wave];
+    let Wave { over, frequency, .. } = waves[wave];
     let amplitude_n = std::f64::consts::SQRT_2 * deviation_n;
     (none - with > CLEARLY).then_some(Ripple { over, frequency, amplitude_n, share })
 }
@@ -108,12 +122,11 @@ fn deviance(sums: &[Sums], wave: Option<(usize, f64)>, count: f64) -> (f64, f64)
         square += sum.square;
         log += sum.log;
         if let Some((wave, amplitude)) = wave {
-            let ([a, b, c], [x, y]) = sum.waves[wave];
-            let own = amplitude.powi(-2);
-            let (a, c) = (a + own, c + own);
-            let determinant = a * c - b * b;
-            square -= (c * x * x - 2.0 * b * x * y + a * y * y) / determinant;
-            log += (determinant / (own * own)).ln();
+            for (information, said) in &sum.waves[wave] {
+                let whole = 1.0 + amplitude * amplitude * information;
+                square -= amplitude * amplitude * said / whole;
+                log += whole.ln();
+            }
         }
     }
     let variance = (square / count).max(f64::MIN_POSITIVE);
@@ -125,7 +138,7 @@ impl Sums {
         design: &Design,
         curves: &[Curve],
         contrast: &Contrast,
-        waves: &DMatrix<f64>,
+        (waves, columns): (&[Wave], &DMatrix<f64>),
         unit: &SensorNoise,
     ) -> Option<Self> {
         let nodes = &design.series[contrast.series].nodes;
@@ -139,16 +152,28 @@ impl Sums {
         };
         let values: DVector<f64> =
             rest(whitened(&DMatrix::from_columns(std::slice::from_ref(&contrast.values)))?).column(0).into_owned();
-        let waves = rest(whitened(waves)?);
+        let columns = rest(whitened(columns)?);
         let logs = |diagonal: DVector<f64>| 2.0 * diagonal.iter().map(|d| d.abs().ln()).sum::<f64>();
         let log = logs(factor.l_dirty().diagonal()) + logs(free.r().diagonal());
-        let said = waves.tr_mul(&values);
-        let each = (0..waves.ncols() / 2).map(|k| {
-            let (c, s) = (waves.column(2 * k), waves.column(2 * k + 1));
-            ([c.norm_squared(), c.dot(&s), s.norm_squared()], [said[2 * k], said[2 * k + 1]])
+        let said = columns.tr_mul(&values);
+        let mut first = 0;
+        let each = waves.iter().map(|wave| {
+            let (from, count) = (first, 2 * wave.harmonics);
+            first += count;
+            along(columns.columns(from, count), said.rows(from, count))
         });
         Some(Self { square: values.norm_squared(), log, waves: each.collect() })
     }
+}
+
+/// Information along the directions that some columns are told of independently in, and the square of what the data say along each.
+fn along(columns: DMatrixView<'_, f64>, said: DVectorView<'_, f64>) -> Vec<(f64, f64)> {
+    /// Far more rotations than a matrix of six rows takes.
+    const MOST: usize = 1000;
+    // without an end there is none where a value is no number
+    let Some(eigen) = SymmetricEigen::try_new(columns.tr_mul(&columns), f64::EPSILON, MOST) else { return Vec::new() };
+    let along = eigen.eigenvectors.tr_mul(&said);
+    eigen.eigenvalues.iter().zip(along.iter()).map(|(value, said)| (value.max(0.0), said * said)).collect()
 }
 
 /// Waves that are tried: over time, and over depth.
@@ -163,24 +188,28 @@ fn waves(design: &Design) -> Vec<Wave> {
     let depth_mm = longest(&|s: &Series| s.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max));
     let ladder = |over: Over, slowest: f64, fastest: f64, step: f64| {
         let count = if step > 0.0 { ((fastest - slowest) / step).max(0.0) as usize } else { 0 };
-        (0..count).map(move |k| Wave { over, frequency: slowest + k as f64 * step })
+        (0..count).map(move |k| Wave { over, frequency: slowest + k as f64 * step, harmonics: 1 })
     };
-    ladder(Over::Time, SLOWEST.0 / run_s, FASTEST.0 / ramp_s, BETWEEN / run_s)
-        .chain(ladder(Over::Depth, SLOWEST.1 / depth_mm, FASTEST.1 / depth_mm, BETWEEN / depth_mm))
-        .collect()
+    let depth: Vec<Wave> =
+        ladder(Over::Depth, SLOWEST.1 / depth_mm, FASTEST.1 / depth_mm, BETWEEN / depth_mm).collect();
+    let often = depth.iter().filter(|wave| wave.frequency * depth_mm > SLIPS);
+    let slips: Vec<Wave> = often.map(|wave| Wave { harmonics: HARMONICS, ..*wave }).collect();
+    ladder(Over::Time, SLOWEST.0 / run_s, FASTEST.0 / ramp_s, BETWEEN / run_s).chain(depth).chain(slips).collect()
 }
 
-/// Cosine and sine of every wave as means over a run's windows. In a hold nothing slips.
+/// Cosine and sine of every wave and its harmonics as means over a run's windows. In a hold nothing slips.
 fn shapes(series: &Series, waves: &[Wave]) -> DMatrix<f64> {
     let nodes = &series.nodes;
-    let mut columns = DMatrix::zeros(nodes.len(), 2 * waves.len());
+    let parts: Vec<(Over, f64, f64)> =
+        waves.iter().flat_map(|w| w.parts().map(|(times, size)| (w.over, times * w.frequency, size))).collect();
+    let mut columns = DMatrix::zeros(nodes.len(), 2 * parts.len());
     for (k, node) in nodes.iter().enumerate() {
         let rate = if series.nodes.len() > 1 { rate(series, k) } else { 0.0 };
-        for (j, wave) in waves.iter().enumerate() {
-            let (phase, length) = match wave.over {
-                Over::Time => (wave.frequency * node.time_s, wave.frequency * node.length_s),
+        for (j, (over, frequency, size)) in parts.iter().enumerate() {
+            let (phase, length) = match over {
+                Over::Time => (frequency * node.time_s, frequency * node.length_s),
                 Over::Depth if node.branch == Branch::Hold => continue,
-                Over::Depth => (wave.frequency * node.depth_mm, wave.frequency * rate * node.length_s),
+                Over::Depth => (frequency * node.depth_mm, frequency * rate * node.length_s),
             };
             // mean of a wave over equal steps
             let half = std::f64::consts::PI * length / node.samples as f64;
@@ -190,8 +219,8 @@ fn shapes(series: &Series, waves: &[Wave]) -> DMatrix<f64> {
                 (node.samples as f64 * half).sin() / (node.samples as f64 * half.sin())
             };
             let (sin, cos) = (std::f64::consts::TAU * phase).sin_cos();
-            columns[(k, 2 * j)] = mean * cos;
-            columns[(k, 2 * j + 1)] = mean * sin;
+            columns[(k, 2 * j)] = size * mean * cos;
+            columns[(k, 2 * j + 1)] = size * mean * sin;
         }
     }
     columns
@@ -203,4 +232,40 @@ fn rate(series: &Series, k: usize) -> f64 {
     let same = |i: usize| nodes.get(i).filter(|n| n.branch == nodes[k].branch);
     let two = same(k + 1).map(|n| (n, &nodes[k])).or(k.checked_sub(1).and_then(same).map(|n| (&nodes[k], n)));
     two.map_or(0.0, |(a, b)| (a.depth_mm - b.depth_mm) / (a.time_s - b.time_s).max(1e-9))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use rand::{Rng, SeedableRng};
+    use rand_distr::StandardNormal;
+    use rand_pcg::Pcg64;
+
+    use super::*;
+
+    /// Against the covariance `I + a^2 C C'` itself: its determinant, and the square of whitened values.
+    #[test]
+    fn a_wave_along_its_directions_is_the_same_covariance() {
+        let mut chance = Pcg64::seed_from_u64(1);
+        for count in [2, 6] {
+            let columns = DMatrix::from_fn(40, count, |_, _| chance.sample::<f64, _>(StandardNormal));
+            let values = DVector::from_fn(40, |_, _| chance.sample::<f64, _>(StandardNormal));
+            let said = columns.tr_mul(&values);
+            let sum = Sums {
+                square: values.norm_squared(),
+                log: 0.0,
+                waves: vec![along(columns.columns(0, count), said.rows(0, count))],
+            };
+            for amplitude in [0.1, 0.7, 3.0] {
+                let covariance = DMatrix::identity(40, 40) + &columns * columns.transpose() * amplitude * amplitude;
+                let factor = covariance.cholesky().unwrap();
+                let log = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+                let square = values.dot(&factor.solve(&values));
+                let expected = log + 40.0 * (square / 40.0).ln();
+                let (found, level) = deviance(std::slice::from_ref(&sum), Some((0, amplitude)), 40.0);
+                assert!((found - expected).abs() < 1e-9 * expected.abs(), "{count} {amplitude}: {found} {expected}");
+                assert!((level * level - square / 40.0).abs() < 1e-9 * level, "{count} {amplitude}");
+            }
+        }
+    }
 }

@@ -101,7 +101,7 @@ impl<'a> Found<'a> {
     /// The same with what a departure without a name does in the place of the best that holds. Where an elastic law is not excluded beside that, no other one is either.
     fn against_nameless(mut self) -> Self {
         let law = self.held.iter().skip(1).find(|rival| claims_a_law(rival));
-        let of = |e: &Explanation| self.search.beyond_nameless(e, &self.singles, &self.pairs);
+        let of = |e: &Explanation| self.search.beyond_nameless(e, &self.held, (&self.singles, &self.pairs));
         self.beyond_nameless = self.held.first().and_then(of).or_else(|| law.and_then(of));
         self
     }

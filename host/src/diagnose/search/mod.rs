@@ -41,8 +41,6 @@ const RIVAL: f64 = 0.25;
 const PARTNERS: usize = 6;
 /// Fits of several effects that are looked at closely, the best first.
 const JUDGED: usize = 12;
-/// Sum of squares that a richer form of an effect must leave less than a simpler one to be looked at beside it.
-const NOTHING: f64 = 1.0;
 
 /// A fit with what was found out about it.
 #[derive(Debug, Clone)]
@@ -329,7 +327,10 @@ impl Search<'_> {
     pub fn one_more(&self, than: &[Explanation]) -> Vec<Explanation> {
         let few = self.twins.columns(0, self.twins.ncols().min(200)).into_owned();
         let least = than.first().map_or(0.0, |best| RIVAL * best.gain);
-        let worth: Vec<usize> = (0..than.len()).filter(|at| than[*at].gain >= least).take(EXTENDED).collect();
+        let forms: Vec<_> = than.iter().map(|e| form(&e.fit)).collect();
+        let idle = |at: usize| forms.iter().any(|other| is_idle_form(&forms[at], other));
+        let worth: Vec<usize> =
+            (0..than.len()).filter(|at| than[*at].gain >= least && !idle(*at)).take(EXTENDED).collect();
         let partners = EXTENDED * PARTNERS / worth.len().max(1);
         let mut tasks: Vec<(usize, Candidate)> = Vec::new();
         for at in worth {
@@ -354,13 +355,8 @@ impl Search<'_> {
             new
         });
         // what a richer form has beyond a simpler one may be nothing
-        let simpler: Vec<_> = fits.iter().map(|(_, fit)| (names(fit), fit.x.len(), fit.square)).collect();
-        fits.retain(|(_, fit)| {
-            let own = names(fit);
-            !simpler
-                .iter()
-                .any(|(name, len, square)| *name == own && *len < fit.x.len() && *square < fit.square + NOTHING)
-        });
+        let all: Vec<_> = fits.iter().map(|(_, fit)| form(fit)).collect();
+        fits.retain(|(_, fit)| !all.iter().any(|other| is_idle_form(&form(fit), other)));
         fits.truncate(JUDGED);
         let extended: Vec<Option<Before>> = (0..than.len())
             .into_par_iter()
@@ -392,6 +388,16 @@ fn names(fit: &Fit) -> Vec<(&'static str, usize)> {
     let mut names: Vec<_> = fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect();
     names.sort_unstable();
     names
+}
+
+/// Names of a fit's effects, how many parameters they have in this form, and what that leaves, with a charge for them.
+fn form(fit: &Fit) -> (Vec<(&'static str, usize)>, usize, f64) {
+    (names(fit), fit.x.len(), plain(fit))
+}
+
+/// True where a simpler form of the same effects is no worse: what the richer one has beyond it is nothing.
+fn is_idle_form<Name: PartialEq>(own: &(Name, usize, f64), other: &(Name, usize, f64)) -> bool {
+    own.0 == other.0 && other.1 < own.1 && other.2 <= own.2
 }
 
 /// A candidate that is not yet among a fit's, nor another form of one of them.

@@ -3,11 +3,12 @@
 use lut_gen::chain::Detail;
 use lut_gen::effect::{friction, second_term, softening};
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 use super::super::fit::{Candidate, Fit, Problem, coordinates};
 use super::before::Before;
 use super::begin::{measured, suit};
-use super::{Explanation, Search, allowed, score};
+use super::{Explanation, RATIO_100, Search, allowed, score};
 
 /// Names, of one effect or of two, that are solved with finite elements, and how far (sum of squares) behind the best they may lie: what the chain allows
 /// for costs an effect that it has nearly right less than that. Which ball it is, or in which form, does not count: two balls in two forms had left no place for what it was.
@@ -23,6 +24,11 @@ const SOLVES: usize = 3;
 const SAME: f64 = 1.0;
 /// The same of what is named in the end: its parameters lie within a fifth of their errors of where the next solve would lead.
 const ENDS: f64 = 0.04;
+/// The same as a part of what is left beyond noise, of which a tenth more than expected may be there: what leaves far more is not named, and need not be brought to its end.
+const LEFT: f64 = 0.05;
+const NOISY: f64 = 1.1;
+/// How far behind what is sure more solves must promise to end for them not to be made: two likelihood ratios of a hundred.
+const BEHIND: f64 = 2.0 * RATIO_100;
 /// Solves of the likeliest explanation, which must end where its solve is.
 const SETTLES: usize = 5;
 /// A fit near a solve may promise this much less than what was left at the solve; of one that promises more only that is believed.
@@ -42,20 +48,49 @@ impl Solved {
     fn promise(&self) -> f64 {
         self.here.discounted - self.near.discounted
     }
+
+    /// True where more solves, the next gaining as much as this one promises, would come near a score.
+    fn may_reach(&self, best: f64) -> bool {
+        score(&self.near) - self.promise().max(0.0) < best + BEHIND
+    }
+}
+
+/// What the first solves of a fit led to.
+struct Looked {
+    solves: Vec<Solved>,
+    /// One solve is not enough.
+    far_off: bool,
+    /// They are on a coarse mesh, to be compared with each other.
+    coarse: bool,
+}
+
+impl Looked {
+    /// The least score that is sure: one solve is believed where one is enough, and where the next is needed what was left at the solve itself.
+    fn sure(&self) -> f64 {
+        if self.coarse {
+            return f64::INFINITY;
+        }
+        let each = self.solves.iter().map(|s| if self.far_off { score(&s.here) } else { score(&s.near) });
+        each.fold(f64::INFINITY, f64::min)
+    }
 }
 
 impl Search<'_> {
     /// The fit once more with finite elements of the whole paths at its point; none where they fail, or where the chain needs none.
     #[must_use]
     pub fn solved(&self, fit: &Fit) -> Option<Fit> {
+        self.look(fit).and_then(|looked| self.follow(&fit.candidates, looked, f64::INFINITY))
+    }
+
+    /// The first solves of a fit: one, or of a second term one in each of its valleys.
+    fn look(&self, fit: &Fit) -> Option<Looked> {
         if !lut_gen::chain::is_rough(&fit.model) {
             return None;
         }
-        if !is_far_off(fit) {
-            return self.solve_at(&fit.candidates, &fit.x, Detail::Names).map(|solved| solved.near);
-        }
-        let Some(term) = fit.candidates.last().filter(|c| is_term(c)) else {
-            return self.rounds(&fit.candidates, &fit.x, (SOLVES, SAME));
+        let far_off = is_far_off(fit);
+        let Some(term) = fit.candidates.last().filter(|c| far_off && is_term(c)) else {
+            let solves = vec![self.solve_at(&fit.candidates, &fit.x, Detail::Names)?];
+            return Some(Looked { solves, far_off, coarse: false });
         };
         // two terms have several valleys, and the chain's own may be none: each is looked into, and the deepest followed
         let others = term.effect.quantities[1].starts.iter().map(|alpha| {
@@ -72,15 +107,30 @@ impl Search<'_> {
             x
         });
         let starts: Vec<DVector<f64>> = others.chain([fit.x.clone()]).collect();
-        let mut valleys: Vec<Solved> =
-            starts.iter().filter_map(|x| self.solve_at(&fit.candidates, x, Detail::Valleys)).collect();
-        valleys.sort_by(|a, b| a.near.discounted.total_cmp(&b.near.discounted));
-        let deepest = valleys.first()?.near.discounted;
+        let valleys = starts.par_iter().filter_map(|x| self.solve_at(&fit.candidates, x, Detail::Valleys));
+        let mut solves: Vec<Solved> = valleys.collect();
+        solves.sort_by(|a, b| a.near.discounted.total_cmp(&b.near.discounted));
+        Some(Looked { solves, far_off, coarse: true })
+    }
+
+    /// Where the first solves of a fit lead to, not followed to the end where they would not come near the best score.
+    fn follow(&self, candidates: &[Candidate], looked: Looked, best: f64) -> Option<Fit> {
+        let deepest = looked.solves.first()?.near.discounted;
+        let ends = !looked.solves.iter().any(|solved| solved.may_reach(best));
+        let Looked { mut solves, far_off, .. } = looked;
+        if !far_off || ends {
+            let Solved { here, near } = solves.swap_remove(0);
+            return Some(if far_off { here } else { near });
+        }
+        if !candidates.last().is_some_and(is_term) {
+            return self.rounds(candidates, solves.swap_remove(0), (SOLVES - 1, SAME), best);
+        }
         // without a history a solve is one ramp
-        let (most, rounds) = if fit.candidates.len() == 1 { (valleys.len(), SETTLES) } else { (FOLLOWED, SOLVES - 1) };
-        let worth = valleys.iter().take(most).filter(|v| v.near.discounted < deepest + NEAR);
-        let followed = worth.filter_map(|v| self.rounds(&fit.candidates, &v.near.x, (rounds, SAME)));
-        followed.min_by(|a, b| a.discounted.total_cmp(&b.discounted))
+        let (most, rounds) = if candidates.len() == 1 { (solves.len(), SETTLES) } else { (FOLLOWED, SOLVES - 1) };
+        let worth: Vec<&Solved> = solves.iter().take(most).filter(|v| v.near.discounted < deepest + NEAR).collect();
+        let followed = worth.par_iter().filter_map(|v| self.rounds_at(candidates, &v.near.x, (rounds, SAME), best));
+        let followed: Vec<Fit> = followed.collect();
+        followed.into_iter().min_by(|a, b| a.discounted.total_cmp(&b.discounted))
     }
 
     /// A fit with one more candidate, and what was found out about it, solved where the chain has it roughly only and it may be better than the best score so far.
@@ -88,7 +138,8 @@ impl Search<'_> {
     pub fn with(&self, before: &Before, candidate: &Candidate, best: f64) -> Explanation {
         let seen = self.compared(self.extended(&before.fit, candidate), before);
         let worth = seen.score() < best + NEAR || may_be_best(&seen, &before.fit, best) || seen.adequacy.passes();
-        match worth.then(|| self.solved(&seen.fit)).flatten() {
+        let solved = || self.look(&seen.fit).and_then(|looked| self.follow(&seen.fit.candidates, looked, best));
+        match worth.then(solved).flatten() {
             Some(fit) => self.compared(fit, before),
             None => seen,
         }
@@ -99,7 +150,7 @@ impl Search<'_> {
     pub fn settle(&self, explanation: &mut Explanation) {
         let fit = &explanation.fit;
         if lut_gen::chain::is_rough(&fit.model)
-            && let Some(settled) = self.rounds(&fit.candidates, &fit.x, (SETTLES, SAME))
+            && let Some(settled) = self.rounds_at(&fit.candidates, &fit.x, (SETTLES, SAME), f64::INFINITY)
         {
             explanation.fit = settled;
         }
@@ -109,7 +160,7 @@ impl Search<'_> {
     pub(super) fn polish(&self, explanation: &mut Explanation) {
         let fit = &explanation.fit;
         if lut_gen::chain::is_rough(&fit.model)
-            && let Some(ended) = self.rounds(&fit.candidates, &fit.x, (SETTLES, ENDS))
+            && let Some(ended) = self.rounds_at(&fit.candidates, &fit.x, (SETTLES, ENDS), f64::INFINITY)
             && ended.discounted < fit.discounted + SAME
         {
             explanation.fit = ended;
@@ -131,24 +182,42 @@ impl Search<'_> {
 
     /// Solves at a point and fits near it, some times over, and comes back with what is near the best point that was solved: what a fit
     /// far from its solve promises need not be kept.
-    fn rounds(&self, candidates: &[Candidate], x: &DVector<f64>, (most, same): (usize, f64)) -> Option<Fit> {
-        let mut x = x.clone();
-        let mut best: Option<Solved> = None;
-        for _ in 0..most {
-            let solved = self.solve_at(candidates, &x, Detail::Names)?;
-            if let Some(best) = best.as_ref().filter(|best| solved.here.discounted >= best.here.discounted) {
-                // too far: half of the way
-                x = 0.5 * (&best.here.x + &x);
-                continue;
-            }
-            x = solved.near.x.clone();
-            let settled = solved.promise() < same;
-            best = Some(solved);
-            if settled {
+    fn rounds_at(
+        &self,
+        candidates: &[Candidate],
+        x: &DVector<f64>,
+        (most, same): (usize, f64),
+        against: f64,
+    ) -> Option<Fit> {
+        let first = self.solve_at(candidates, x, Detail::Names)?;
+        self.rounds(candidates, first, (most - 1, same), against)
+    }
+
+    /// The same after a first solve, some times more at most, and not where they would not come near a score.
+    fn rounds(&self, candidates: &[Candidate], first: Solved, (more, same): (usize, f64), against: f64) -> Option<Fit> {
+        let settled = |solved: &Solved| solved.promise() < same.max(LEFT * self.left(&solved.near));
+        let mut x = first.near.x.clone();
+        let mut best = first;
+        for _ in 0..more {
+            if settled(&best) || !best.may_reach(against) {
                 break;
             }
+            let solved = self.solve_at(candidates, &x, Detail::Names)?;
+            if solved.here.discounted >= best.here.discounted {
+                // too far: half of the way
+                x = 0.5 * (&best.here.x + &x);
+            } else {
+                x = solved.near.x.clone();
+                best = solved;
+            }
         }
-        best.map(|solved| if solved.promise() < KEPT { solved.near } else { solved.here })
+        Some(if best.promise() < KEPT { best.near } else { best.here })
+    }
+
+    /// What a fit leaves beyond what noise does, as a sum of squares.
+    fn left(&self, fit: &Fit) -> f64 {
+        let freedom = self.problem.used.iter().filter(|used| **used).count().saturating_sub(fit.x.len());
+        (fit.discounted - NOISY * freedom as f64).max(0.0)
     }
 
     /// Finite elements of the whole paths for the best of a list, each of which is compared with what it extends: the chain is not let
@@ -171,11 +240,21 @@ impl Search<'_> {
             .zip(before)
             .map(|(e, before)| solved.contains(&codes(e)) || may_be_best(e, &before.fit, best))
             .collect();
-        for ((explanation, before), _) in list.iter_mut().zip(before).zip(own).filter(|(_, own)| *own) {
-            if let Some(fit) = self.solved(&explanation.fit) {
+        let looked: Vec<Option<Looked>> =
+            list.par_iter().zip(&own).map(|(e, own)| own.then(|| self.look(&e.fit)).flatten()).collect();
+        let sure = |(e, looked): (&Explanation, &Option<Looked>)| match looked {
+            Some(looked) => looked.sure(),
+            // one that is not solved, and should be, may be wrong
+            None if lut_gen::chain::is_rough(&e.fit.model) => f64::INFINITY,
+            None => e.score(),
+        };
+        let best = list.iter().zip(&looked).map(sure).fold(f64::INFINITY, f64::min);
+        list.par_iter_mut().zip(before).zip(looked).for_each(|((explanation, before), looked)| {
+            let follow = |looked| self.follow(&explanation.fit.candidates, looked, best);
+            if let Some(fit) = looked.and_then(follow) {
                 *explanation = self.compared(fit, before);
             }
-        }
+        });
     }
 }
 
