@@ -40,13 +40,11 @@ fn keep(refused: &Mutex<Option<io::Error>>, written: io::Result<()>) {
 
 /// Writes a line to standard output.
 macro_rules! outln {
-    () => { $crate::print::out(format_args!("\n")) };
     ($($text:tt)*) => { $crate::print::out(format_args!("{}\n", format_args!($($text)*))) };
 }
 
 /// Writes a line to standard error.
 macro_rules! errln {
-    () => { $crate::print::err(format_args!("\n")) };
     ($($text:tt)*) => { $crate::print::err(format_args!("{}\n", format_args!($($text)*))) };
 }
 

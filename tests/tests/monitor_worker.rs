@@ -114,6 +114,15 @@ fn start(cable: &Cable, folder: &std::path::Path) -> Watched {
     Watched { worker: Worker::start(cable.opener(), settings), stop }
 }
 
+/// One that has tried to reach a board and has not.
+fn start_without_a_board(folder: &std::path::Path) -> Watched {
+    let cable = Cable::new();
+    cable.pull(true);
+    let watched = start(&cable, folder);
+    watched.until(|update| matches!(update, Update::Lost(_)).then_some(()));
+    watched
+}
+
 fn state_of(update: &Update) -> Option<State> {
     match update {
         Update::Event(Event::Telemetry(t), _) => Some(t.state),
@@ -180,10 +189,7 @@ fn a_lost_link_is_told_tried_again_and_found_with_outputs_off() {
 #[test]
 fn a_worker_that_is_dropped_without_a_board_ends_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    let cable = Cable::new();
-    cable.pull(true);
-    let watched = start(&cable, folder.path());
-    watched.until(|update| matches!(update, Update::Lost(_)).then_some(()));
+    let watched = start_without_a_board(folder.path());
     let began = Instant::now();
     drop(watched);
     assert!(began.elapsed() < Duration::from_secs(5), "{:?}", began.elapsed());
@@ -208,10 +214,7 @@ fn a_signal_switches_the_outputs_off_though_nobody_takes_the_updates() {
 #[test]
 fn a_signal_ends_the_attempts_to_reach_a_board() {
     let folder = tempfile::tempdir().unwrap();
-    let cable = Cable::new();
-    cable.pull(true);
-    let watched = start(&cable, folder.path());
-    watched.until(|update| matches!(update, Update::Lost(_)).then_some(()));
+    let watched = start_without_a_board(folder.path());
     watched.stop.store(true, Ordering::Relaxed);
     let end = Instant::now() + Duration::from_secs(60);
     while watched.worker.update(Duration::from_millis(100)).is_ok() {

@@ -459,6 +459,11 @@ fn damped_step(
 }
 
 impl Fit {
+    /// Codes of its effects, in their order.
+    pub fn codes(&self) -> impl Iterator<Item = &'static str> + '_ {
+        self.candidates.iter().map(|c| c.effect.code)
+    }
+
     /// True when an effect of it is none: all its amplitudes lie where it is absent.
     #[must_use]
     pub fn is_idle(&self) -> bool {

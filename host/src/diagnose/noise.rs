@@ -175,23 +175,36 @@ pub fn estimate(design: &Design, curves: &[Curve], stated_n: Option<f64>) -> Opt
     Some(Noise { source: Source::Replicates, sensor, jitter: posterior.mean(), posterior, sensor_freedom })
 }
 
+/// Runs of each condition that has any, where all of them have the same places.
+fn repeats(design: &Design) -> impl Iterator<Item = Vec<usize>> + '_ {
+    let runs = move |condition| -> Vec<usize> {
+        (0..design.series.len()).filter(move |s| design.series[*s].condition == condition).collect()
+    };
+    let places = move |s: &usize| design.series[*s].nodes.len();
+    let alike =
+        move |runs: &Vec<usize>| runs.first().is_some_and(|first| runs.iter().all(|s| places(s) == places(first)));
+    (0..design.conditions).map(runs).filter(alike)
+}
+
+/// What was measured in a run beyond a model, N.
+fn residual(design: &Design, curves: &[Curve], run: usize) -> DVector<f64> {
+    let nodes = &design.series[run].nodes;
+    DVector::from_fn(nodes.len(), |k, _| nodes[k].force_n - curves[run].force_n[k])
+}
+
 /// All contrasts between repeats on more than one spot.
 pub(super) fn contrasts(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
     let mut list = Vec::new();
-    for condition in 0..design.conditions {
-        let runs: Vec<usize> = (0..design.series.len()).filter(|s| design.series[*s].condition == condition).collect();
+    for runs in repeats(design) {
         let mut spots: Vec<usize> = runs.iter().map(|s| design.series[*s].spot).collect();
         spots.sort_unstable();
         spots.dedup();
-        let least = runs.iter().map(|s| design.series[*s].nodes.len()).min().unwrap_or(0);
-        let alike = runs.iter().all(|s| design.series[*s].nodes.len() == least);
-        if spots.len() < 2 || !alike {
+        if spots.len() < 2 {
             continue;
         }
-        let residual = |s: usize, k: usize| design.series[s].nodes[k].force_n - curves[s].force_n[k];
-        let mut sum = DVector::from_fn(least, |k, _| residual(runs[0], k));
+        let mut sum = residual(design, curves, runs[0]);
         for (before, &series) in runs.iter().enumerate().skip(1) {
-            let own = DVector::from_fn(least, |k, _| residual(series, k));
+            let own = residual(design, curves, series);
             let n = before as f64;
             let values = (&sum - n * &own) / (n * (n + 1.0)).sqrt();
             sum += own;
@@ -204,15 +217,9 @@ pub(super) fn contrasts(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
 /// What the repeats of each condition have in common beyond the model: their sums, scaled to the noise of one run, so that with their contrasts they hold all that was measured. Only where the
 /// model leaves no more than noise is it noise; what it may still miss smoothly over the depth is free, as jitter is, and so is what has lifted.
 pub(super) fn means(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
-    let of = |condition: usize| {
-        let runs: Vec<usize> = (0..design.series.len()).filter(|s| design.series[*s].condition == condition).collect();
-        let series = *runs.first()?;
+    let of = |runs: Vec<usize>| {
+        let series = runs[0];
         let (own, curve) = (&design.series[series], &curves[series]);
-        if runs.iter().any(|s| design.series[*s].nodes.len() != own.nodes.len()) {
-            return None;
-        }
-        let sum =
-            |k: usize| runs.iter().map(|s| design.series[*s].nodes[k].force_n - curves[*s].force_n[k]).sum::<f64>();
         let deepest_mm = own.nodes.iter().map(|n| n.depth_mm).fold(f64::MIN_POSITIVE, f64::max);
         let jitter = curve.shapes();
         let smooth = |k: usize, power: i32| curve.force_n[k] * (own.nodes[k].depth_mm / deepest_mm).powi(power);
@@ -224,11 +231,10 @@ pub(super) fn means(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
                 Some(other) => f64::from(u8::from(lifted[other - 2] == k)),
             }
         });
-        let scale = (runs.len() as f64).sqrt();
-        let values = DVector::from_fn(own.nodes.len(), |k, _| sum(k) / scale);
-        Some(Contrast { series, values, shapes })
+        let sum: DVector<f64> = runs.iter().map(|s| residual(design, curves, *s)).sum();
+        Contrast { series, values: sum / (runs.len() as f64).sqrt(), shapes }
     };
-    (0..design.conditions).filter_map(of).collect()
+    repeats(design).map(of).collect()
 }
 
 /// Sensor noise of the largest likelihood over a grid, its level found in closed form, jitter removed as free parameters.

@@ -173,7 +173,7 @@ pub(super) fn conclude(
     // a large ripple makes the noise another one than was assumed, and names with it; so do slips
     let spoilt = ripple.is_some_and(|r| r.share > SPOILS) || slipping.is_some();
     if let Some(best) = held.first().filter(|_| nameless) {
-        let codes: Vec<&str> = best.fit.candidates.iter().map(|c| c.effect.code).collect();
+        let codes: Vec<&str> = best.fit.codes().collect();
         let other = search::rival(best);
         diagnosis.messages.push(format!(
             "{} explains it best of the catalogue, but not so much better than {other}",
@@ -236,7 +236,7 @@ fn owners(experiment: &Experiment, best: &Explanation, at: usize, held: &[Explan
 
 /// Codes that rivals of the best explanation have in place of one of its effects.
 fn others(best: &Explanation, at: usize, held: &[Explanation]) -> Vec<&'static str> {
-    let codes = |e: &Explanation| -> Vec<&'static str> { e.fit.candidates.iter().map(|c| c.effect.code).collect() };
+    let codes = |e: &Explanation| -> Vec<&'static str> { e.fit.codes().collect() };
     let own = codes(best);
     let mut found: Vec<&'static str> = Vec::new();
     for rival in held.iter().skip(1) {

@@ -236,7 +236,7 @@ const TOLD: usize = 4;
 fn detail(e: &Evidence, spec: &Spec) -> String {
     let letter = |on: bool, letter: &'static str| if on { letter } else { "-" };
     let top = |s: &Explanation| {
-        let codes: Vec<&str> = s.fit.candidates.iter().map(|c| c.effect.code).collect();
+        let codes: Vec<&str> = s.fit.codes().collect();
         format!(
             "{}:{:.0}/{:.2}{}{}{}{}",
             codes.join("+"),

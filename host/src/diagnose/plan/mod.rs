@@ -324,7 +324,7 @@ fn distinct(held: &[Explanation]) -> Vec<&Fit> {
     let mut seen: Vec<Vec<&str>> = Vec::new();
     let mut out = Vec::new();
     for explanation in held {
-        let mut codes: Vec<&str> = explanation.fit.candidates.iter().map(|c| c.effect.code).collect();
+        let mut codes: Vec<&str> = explanation.fit.codes().collect();
         codes.sort_unstable();
         if !seen.contains(&codes) {
             seen.push(codes);
@@ -347,7 +347,7 @@ fn between(bench: &Bench, rivals: &[&Fit]) -> (f64, Vec<&'static str>) {
             let apart = there.min(back);
             least = least.min(apart);
             if apart > DECIDED {
-                let codes = |fit: &Fit| fit.candidates.iter().map(|c| c.effect.code).collect::<Vec<_>>();
+                let codes = |fit: &Fit| fit.codes().collect::<Vec<_>>();
                 let (a, b) = (codes(rivals[i]), codes(rivals[j]));
                 let own = a.iter().filter(|c| !b.contains(c)).chain(b.iter().filter(|c| !a.contains(c))).copied();
                 for code in own {

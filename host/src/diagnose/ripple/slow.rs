@@ -1,7 +1,8 @@
 //! Slow ripples: a wave of a few periods in a branch, which a spectrum cannot tell from a trend.
 //!
 //! What repeats of a condition differ by is noise as the diagnosis assumes it, or that noise and a wave of one frequency whose phase is another
-//! in every run; so is what they share beyond a model that leaves no more than noise. Both likelihoods are exact: shifts of the contact, gain and zero are free, and the wave is a covariance of rank two.
+//! in every run; so is what they share beyond a model that leaves no more than noise. Both likelihoods are exact: shifts of the contact, gain and zero are free, and the wave is a covariance of rank two, with
+//! harmonics two for each.
 
 use nalgebra::{DMatrix, DMatrixView, DVector, DVectorView, SymmetricEigen};
 use rayon::prelude::*;

@@ -327,10 +327,9 @@ impl Search<'_> {
     pub fn one_more(&self, than: &[Explanation]) -> Vec<Explanation> {
         let few = self.twins.columns(0, self.twins.ncols().min(200)).into_owned();
         let least = than.first().map_or(0.0, |best| RIVAL * best.gain);
-        let forms: Vec<_> = than.iter().map(|e| form(&e.fit)).collect();
-        let idle = |at: usize| forms.iter().any(|other| is_idle_form(&forms[at], other));
+        let idle = |fit: &Fit| than.iter().any(|other| is_idle_form(fit, &other.fit));
         let worth: Vec<usize> =
-            (0..than.len()).filter(|at| than[*at].gain >= least && !idle(*at)).take(EXTENDED).collect();
+            (0..than.len()).filter(|at| than[*at].gain >= least && !idle(&than[*at].fit)).take(EXTENDED).collect();
         let partners = EXTENDED * PARTNERS / worth.len().max(1);
         let mut tasks: Vec<(usize, Candidate)> = Vec::new();
         for at in worth {
@@ -355,8 +354,10 @@ impl Search<'_> {
             new
         });
         // what a richer form has beyond a simpler one may be nothing
-        let all: Vec<_> = fits.iter().map(|(_, fit)| form(fit)).collect();
-        fits.retain(|(_, fit)| !all.iter().any(|other| is_idle_form(&form(fit), other)));
+        let idle: Vec<bool> =
+            fits.iter().map(|(_, fit)| fits.iter().any(|(_, other)| is_idle_form(fit, other))).collect();
+        let mut idle = idle.into_iter();
+        fits.retain(|_| !idle.next().unwrap_or(false));
         fits.truncate(JUDGED);
         let extended: Vec<Option<Before>> = (0..than.len())
             .into_par_iter()
@@ -390,14 +391,9 @@ fn names(fit: &Fit) -> Vec<(&'static str, usize)> {
     names
 }
 
-/// Names of a fit's effects, how many parameters they have in this form, and what that leaves, with a charge for them.
-fn form(fit: &Fit) -> (Vec<(&'static str, usize)>, usize, f64) {
-    (names(fit), fit.x.len(), plain(fit))
-}
-
-/// True where a simpler form of the same effects is no worse: what the richer one has beyond it is nothing.
-fn is_idle_form<Name: PartialEq>(own: &(Name, usize, f64), other: &(Name, usize, f64)) -> bool {
-    own.0 == other.0 && other.1 < own.1 && other.2 <= own.2
+/// True where a simpler form of the same effects is no worse, parameters charged: what the richer one has beyond it is nothing.
+fn is_idle_form(fit: &Fit, simpler: &Fit) -> bool {
+    simpler.x.len() < fit.x.len() && plain(simpler) <= plain(fit) && names(simpler) == names(fit)
 }
 
 /// A candidate that is not yet among a fit's, nor another form of one of them.

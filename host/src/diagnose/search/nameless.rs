@@ -48,11 +48,11 @@ const STATIC: [&str; 9] = [
 
 /// True where an explanation has a part that claims a form of the elastic law, and none that is not elastic.
 pub(super) fn claims_a_law(explanation: &Explanation) -> bool {
-    is_elastic(explanation) && codes(explanation).any(|code| LAWS.contains(&code))
+    is_elastic(explanation) && explanation.fit.codes().any(|code| LAWS.contains(&code))
 }
 
 fn relaxes(explanation: &Explanation) -> bool {
-    codes(explanation).any(|code| code == relaxation::ONE.code)
+    explanation.fit.codes().any(|code| code == relaxation::ONE.code)
 }
 
 /// What an explanation is not clearly better than, where [`Search::beyond_nameless`] says so.
@@ -71,11 +71,7 @@ fn beside_two_times(explanation: &Explanation) -> Option<&Candidate> {
 }
 
 fn is_elastic(explanation: &Explanation) -> bool {
-    codes(explanation).all(|code| LAWS.contains(&code) || STATIC.contains(&code))
-}
-
-fn codes(explanation: &Explanation) -> impl Iterator<Item = &'static str> + '_ {
-    explanation.fit.candidates.iter().map(|c| c.effect.code)
+    explanation.fit.codes().all(|code| LAWS.contains(&code) || STATIC.contains(&code))
 }
 
 impl Search<'_> {

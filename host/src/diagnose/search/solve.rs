@@ -79,7 +79,12 @@ impl Search<'_> {
     /// The fit once more with finite elements of the whole paths at its point; none where they fail, or where the chain needs none.
     #[must_use]
     pub fn solved(&self, fit: &Fit) -> Option<Fit> {
-        self.look(fit).and_then(|looked| self.follow(&fit.candidates, looked, f64::INFINITY))
+        self.solved_against(fit, f64::INFINITY)
+    }
+
+    /// The same, not to the end where that would not come near a score.
+    fn solved_against(&self, fit: &Fit, best: f64) -> Option<Fit> {
+        self.look(fit).and_then(|looked| self.follow(&fit.candidates, looked, best))
     }
 
     /// The first solves of a fit: one, or of a second term one in each of its valleys.
@@ -117,12 +122,12 @@ impl Search<'_> {
     fn follow(&self, candidates: &[Candidate], looked: Looked, best: f64) -> Option<Fit> {
         let deepest = looked.solves.first()?.near.discounted;
         let ends = !looked.solves.iter().any(|solved| solved.may_reach(best));
-        let Looked { mut solves, far_off, .. } = looked;
+        let Looked { mut solves, far_off, coarse } = looked;
         if !far_off || ends {
             let Solved { here, near } = solves.swap_remove(0);
             return Some(if far_off { here } else { near });
         }
-        if !candidates.last().is_some_and(is_term) {
+        if !coarse {
             return self.rounds(candidates, solves.swap_remove(0), (SOLVES - 1, SAME), best);
         }
         // without a history a solve is one ramp
@@ -138,8 +143,7 @@ impl Search<'_> {
     pub fn with(&self, before: &Before, candidate: &Candidate, best: f64) -> Explanation {
         let seen = self.compared(self.extended(&before.fit, candidate), before);
         let worth = seen.score() < best + NEAR || may_be_best(&seen, &before.fit, best) || seen.adequacy.passes();
-        let solved = || self.look(&seen.fit).and_then(|looked| self.follow(&seen.fit.candidates, looked, best));
-        match worth.then(solved).flatten() {
+        match worth.then(|| self.solved_against(&seen.fit, best)).flatten() {
             Some(fit) => self.compared(fit, before),
             None => seen,
         }
@@ -226,7 +230,7 @@ impl Search<'_> {
         let Some(best) = list.iter().map(Explanation::score).min_by(f64::total_cmp) else { return };
         // of forms of one effect the chain may prefer the wrong one by as much as it is itself wrong by
         let codes = |e: &Explanation| e.fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect::<Vec<_>>();
-        let names = |e: &Explanation| e.fit.candidates.iter().map(|c| c.effect.code).collect::<Vec<_>>();
+        let names = |e: &Explanation| e.fit.codes().collect::<Vec<_>>();
         let near: Vec<&Explanation> = list.iter().filter(|e| e.beats_noise && e.score() < best + NEAR).collect();
         let mut worth: Vec<Vec<&str>> = Vec::new();
         for name in near.iter().map(|e| names(e)) {
