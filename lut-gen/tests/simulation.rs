@@ -133,16 +133,16 @@ fn friction_goes_from_sliding_to_sticking() {
 }
 
 /// A sphere that cannot slip, at small depth, against the closed form (1.053 for nu = 0, 1.016 for 0.3):
-/// the contact radius is 0.1 R, and terms of that order are not quite the same with and without
-/// slip; a quarter of the effect is allowed, and less friction lies between.
+/// the contact radius is 0.05 R, and terms of that order are not quite the same with and without
+/// slip (at 0.1 R they are a quarter of the effect); 15 % of it are allowed, and less friction lies between.
 #[test]
 fn a_sticking_ball_at_small_depth_is_spences() {
     let sizes = Sizes {
-        axis: 0.006,
+        axis: 0.003,
         growth_under: 0.05,
-        near: 0.2,
+        near: 0.1,
         growth_far: 0.5,
-        surface: 0.008,
+        surface: 0.004,
         growth_down: 0.35,
         refinement: 1.0,
     };
@@ -153,9 +153,9 @@ fn a_sticking_ball_at_small_depth_is_spences() {
                 specimen: Specimen { height_mm: 60.0, radius_mm: 60.0, base: Base::Bonded },
                 ball: Ball { radius_mm: 1.0 },
                 interface: Interface { friction, adhesion: None },
-                ..block(Hencky::new(0.1, nu).unwrap().into(), Motion::ramp(0.01, 1.0))
+                ..block(Hencky::new(0.1, nu).unwrap().into(), Motion::ramp(0.0025, 1.0))
             };
-            let stepping = Stepping { first: 0.001, ..Stepping::of_ball(1.0) };
+            let stepping = Stepping { first: 0.00025, ..Stepping::of_ball(1.0) };
             let path = case.follow(&mesh, 1.0, Newton::default(), stepping, &mut ()).unwrap().0;
             let [.., before, last] = path.stations.as_slice() else { panic!("no stations") };
             // the penalty's share to first order
@@ -164,7 +164,7 @@ fn a_sticking_ball_at_small_depth_is_spences() {
         let (free, some, stuck) = (force(0.0), force(0.1), force(2.0));
         let expected = no_slip_factor(nu);
         println!("nu {nu}: {:.4}, {:.4} at friction 0.1; closed form {expected:.4}", stuck / free, some / free);
-        assert!((stuck / free - expected).abs() < 0.25 * (expected - 1.0), "nu {nu}: {} {expected}", stuck / free);
+        assert!((stuck / free - expected).abs() < 0.15 * (expected - 1.0), "nu {nu}: {} {expected}", stuck / free);
         assert!(some > 1.003 * free && some < stuck);
     }
 }

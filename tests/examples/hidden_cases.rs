@@ -1,6 +1,6 @@
 //! Makes experiments with hidden effects and says how long each took:
-//! `cargo run --release -p tests --example hidden_cases -- D36 20 [FOLDER]`; `all` instead of a number makes everything that can be hidden
-//! once. With a folder they are written there, and the answers beside them, in `FOLDER/truth/`.
+//! `cargo run --release -p tests --example hidden_cases -- D36 20 [FOLDER [SEED]]`; `all` instead of a number makes everything that can be hidden
+//! once. With a folder they are written there, and the answers beside them, in `FOLDER/truth/`; seeds begin at 0 or at the one given.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -13,13 +13,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let name = arguments.next().unwrap_or_else(|| "D36".to_owned());
     let count = arguments.next().unwrap_or_else(|| "10".to_owned());
     let folder = arguments.next().map(PathBuf::from);
+    let first: u64 = arguments.next().map_or(Ok(0), |seed| seed.parse())?;
     let design = Design::named(&name).ok_or("the first argument is a design: D6, D18, D36, D60 or own")?;
     let solver = Solver::new();
     println!("| case | hidden | noise | runs | peak N | solves | s |\n|---|---|---|---|---|---|---|");
     let cases: Vec<Case> = if count == "all" {
-        (0..).zip(What::all()).map(|(seed, what)| Case::new(design, seed).hiding(what)).collect()
+        (first..).zip(What::all()).map(|(seed, what)| Case::new(design, seed).hiding(what)).collect()
     } else {
-        (0..count.parse()?).map(|seed| Case::new(design, seed)).collect()
+        (first..).take(count.parse()?).map(|seed| Case::new(design, seed)).collect()
     };
     for case in cases {
         let seed = case.seed;

@@ -167,6 +167,7 @@ impl Design {
             radius_mm: of(&|g| g.ball_mm),
             height_mm: of(&|g| g.specimen.height_mm),
             rate_mm_per_s: self.rates_mm_per_s.last().copied().unwrap_or(1.0),
+            run_s: self.series.iter().flat_map(|s| &s.nodes).map(|n| n.time_s).fold(0.0, f64::max),
         }
     }
 

@@ -15,9 +15,13 @@ const JITTER: f64 = 0.02;
 /// A rise by less than this share of the whole range is not a loading branch.
 const BRANCH: f64 = 0.25;
 /// A fall of force within one sample above this share of its range, while the indenter goes on
-/// down, is a slip or a fault. It must also exceed [`JUMP_SIGMA`] times the noise.
+/// down, is a slip or a fault. It must also exceed [`JUMP_SIGMA`] times the noise, of the whole branch and of the
+/// [`AROUND`] samples on either side: noise that is a part of the force is most of it where the force is large; and
+/// [`RISES`] times the largest sudden rise: noise with long tails jumps up as far as down, what slips does not.
 const JUMP: f64 = 0.04;
 const JUMP_SIGMA: f64 = 8.0;
+const AROUND: usize = 15;
+const RISES: f64 = 2.0;
 
 /// Something unusual on the way down.
 #[derive(Debug, Clone, PartialEq)]
@@ -222,9 +226,17 @@ fn force_drop(recording: &Recording, loading: &Range<usize>) -> Option<(usize, E
     let force = recording.force_n.get(loading.clone())?;
     let highest = force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let lowest = force.iter().copied().fold(f64::INFINITY, f64::min);
+    let around = |at: usize| &force[at.saturating_sub(AROUND)..(at + 4 + AROUND).min(force.len())];
+    let windows = || force.windows(4).enumerate();
+    // Two samples on either side agree, so that one outlier is neither.
+    let rise = |(at, w): (usize, &[f64])| w[2].min(w[3]) - w[0].max(w[1]) - usual_rise(around(at));
+    let falls = |w: &[f64], by: f64| w[1] - w[2] > by && w[0].min(w[1]) - w[2].max(w[3]) > 0.5 * by;
     let least = (JUMP * (highest - lowest)).max(JUMP_SIGMA * noise_of(force));
-    // Two samples on either side agree, so that one outlier is not a fall.
-    let at = force.windows(4).position(|w| w[1] - w[2] > least && w[0].min(w[1]) - w[2].max(w[3]) > 0.5 * least)?;
+    windows().find(|(_, w)| falls(w, least))?;
+    let least = windows().map(rise).fold(least, |least, rise| least.max(RISES * rise));
+    let fall =
+        |(at, w): (usize, &[f64])| (falls(w, least) && falls(w, JUMP_SIGMA * noise_of(around(at)))).then_some(at);
+    let at = windows().find_map(fall)?;
     let sample = loading.start + at + 1;
     let event = Event::ForceDrop {
         depth_mm: recording.depth_mm[sample],
@@ -232,6 +244,13 @@ fn force_drop(recording: &Recording, loading: &Range<usize>) -> Option<(usize, E
         drop_n: force[at + 1] - force[at + 2],
     };
     Some((sample + 1, event))
+}
+
+/// Median of what a signal rises by from sample to sample.
+fn usual_rise(signal: &[f64]) -> f64 {
+    let mut rises: Vec<f64> = signal.windows(2).map(|w| w[1] - w[0]).collect();
+    rises.sort_by(f64::total_cmp);
+    rises.get(rises.len() / 2).copied().unwrap_or(0.0)
 }
 
 fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
@@ -299,6 +318,46 @@ mod tests {
         let motion = of(&run).unwrap();
         assert_eq!(motion.loading.end, 80);
         assert!(matches!(motion.events[..], [Event::ForceDrop { .. }]));
+    }
+
+    /// A sensor of 2 % has 2 % of a large force as noise, and next to none of the small forces that most of a ramp is.
+    #[test]
+    fn noise_in_proportion_to_the_force_is_no_fall() {
+        let clean = ramps(&[(0.0, 0.0), (20.0, 5.0), (22.0, 5.0)]);
+        let noisy = |seed: u64| {
+            let mut run = clean.clone();
+            let mut state = seed;
+            for (force, depth) in run.force_n.iter_mut().zip(&run.depth_mm) {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                // evenly within a band of 2 % standard deviation; the foam hardens
+                *force = depth.max(0.0).powi(4) * (1.0 + 0.035 * ((state >> 33) as f64 / (1_u64 << 30) as f64 - 1.0));
+            }
+            run
+        };
+        for seed in 1..200 {
+            let mut run = noisy(seed);
+            assert_eq!(of(&run).unwrap().events, [], "seed {seed}");
+            for force in &mut run.force_n[170..] {
+                *force -= 0.4 * 5.0_f64.powi(4);
+            }
+            assert!(matches!(of(&run).unwrap().events[..], [Event::ForceDrop { .. }]), "seed {seed}");
+        }
+    }
+
+    /// A knock that the sensor's electronics forget in half a second is none either, where others as large go the other way.
+    #[test]
+    fn noise_with_long_tails_and_a_memory_is_no_fall() {
+        let mut run = ramps(&[(0.0, 0.0), (20.0, 5.0), (22.0, 5.0)]);
+        let knock = |run: &mut Recording, at: usize, by: f64| {
+            for (k, force) in run.force_n[at..at + 15].iter_mut().enumerate() {
+                *force += by * (-0.2 * k as f64).exp();
+            }
+        };
+        knock(&mut run, 60, 1.0);
+        knock(&mut run, 120, -1.3);
+        assert_eq!(of(&run).unwrap().events, []);
+        knock(&mut run, 160, -2.5);
+        assert!(matches!(of(&run).unwrap().events[..], [Event::ForceDrop { .. }]));
     }
 
     #[test]

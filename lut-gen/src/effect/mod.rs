@@ -76,6 +76,8 @@ pub struct Sizes {
     pub height_mm: f64,
     /// Fastest rate of loading, mm/s.
     pub rate_mm_per_s: f64,
+    /// The longest run, s.
+    pub run_s: f64,
 }
 
 /// Powers of [`Sizes`] that an amount is in proportion to.
@@ -119,6 +121,8 @@ pub struct Quantity {
     pub spread: Spread,
     /// What it grows with: bounds, `plausible` and `starts` are given for sizes of 1, see [`Quantity::scaled`].
     pub grows: Grows,
+    /// How many of the longest runs it may be at most: a time that is far longer shows as a trend only.
+    pub runs: f64,
     /// By what part of itself the true amount may be larger than the one that fits, because the effect has a property that no force shows; intervals reach that far.
     pub understated: f64,
 }
@@ -205,6 +209,7 @@ impl Quantity {
             starts,
             spread: Spread::Even,
             grows: Grows::NOT,
+            runs: f64::INFINITY,
             understated: 0.0,
         }
     }
@@ -233,6 +238,12 @@ impl Quantity {
         self
     }
 
+    /// The same as a time of no more than some of the longest runs.
+    pub(crate) const fn at_most(mut self, runs: f64) -> Self {
+        self.runs = runs;
+        self
+    }
+
     /// The same where the true amount may be larger by a part of itself.
     pub(crate) const fn understated_by(mut self, part: f64) -> Self {
         self.understated = part;
@@ -249,7 +260,10 @@ impl Quantity {
     #[must_use]
     pub fn bounded_at(self, sizes: &Sizes) -> Self {
         let own = |value: f64| self.scaled(value, sizes);
-        Self { low: own(self.low), high: own(self.high), plausible: own(self.plausible), ..self }
+        let low = own(self.low);
+        // what is not as long as nothing is there to be searched
+        let longest = (self.runs * sizes.run_s).max(2.0 * low);
+        Self { low, high: own(self.high).min(longest), plausible: own(self.plausible), ..self }
     }
 
     /// A shape parameter searched in its logarithm.
@@ -263,6 +277,7 @@ impl Quantity {
             starts,
             spread: Spread::Logarithmic,
             grows: Grows::NOT,
+            runs: f64::INFINITY,
             understated: 0.0,
         }
     }

@@ -20,14 +20,17 @@ pub const ONE: Effect = Effect {
     owner: Owner::All,
 };
 
+/// Longest runs that the longer of two times may be. In a tenth of itself a time shows as a trend, its part and its length not apart; one time and a trend look like a spectrum.
+const RUNS: f64 = 10.0;
+
 /// Two Prony terms.
 pub const TWO: Effect = Effect {
     form: "two-term",
     quantities: &[
         Quantity::amplitude("g1", 0.0, (0.0, 0.9), 0.1, &[0.15]),
-        Quantity::shape("tau1_s", (0.01, 500.0), 0.3, &[0.1, 0.5]),
+        Quantity::shape("tau1_s", (0.01, 500.0), 0.3, &[0.1, 0.5]).at_most(RUNS),
         Quantity::amplitude("g2", 0.0, (0.0, 0.9), 0.1, &[0.1]),
-        Quantity::shape("tau2_s", (0.01, 500.0), 5.0, &[3.0, 20.0]),
+        Quantity::shape("tau2_s", (0.01, 500.0), 5.0, &[3.0, 20.0]).at_most(RUNS),
     ],
     ..ONE
 };

@@ -29,7 +29,8 @@ fn quantities_lie_within_their_bounds_and_twins_exist() {
 /// What a ball of 2 mm may be wrong by a ball of 12 mm may be six times; a limit of rates is looked for around the fastest.
 #[test]
 fn amounts_follow_the_sizes_of_an_experiment() {
-    let sizes = |radius_mm, height_mm, rate_mm_per_s| Sizes { force_n: 0.5, radius_mm, height_mm, rate_mm_per_s };
+    let sizes =
+        |radius_mm, height_mm, rate_mm_per_s| Sizes { force_n: 0.5, radius_mm, height_mm, rate_mm_per_s, run_s: 4.0 };
     let of = |effect: &Effect, sizes: &Sizes| effect.quantities[0].bounded_at(sizes);
     let (small, large) = (sizes(2.0, 10.0, 8.0), sizes(12.0, 50.0, 0.1));
     let (a, b) = (of(&radius::EFFECT, &small), of(&radius::EFFECT, &large));
@@ -41,4 +42,16 @@ fn amounts_follow_the_sizes_of_an_experiment() {
     assert!(start(&small) > 1.0 / 8.0 && start(&large) > 1.0 / 0.1 && start(&large) < 2.0 / 0.1);
     assert!((of(&compliance::EFFECT, &small).high - 4.0).abs() < 1e-12);
     assert!(of(&poisson::EFFECT, &small) == of(&poisson::EFFECT, &large));
+}
+
+/// Of two times of relaxation none may be ten times as long as the runs, which would be a trend; a single one may.
+#[test]
+fn of_two_times_the_longer_is_bounded_by_the_runs() {
+    let sizes = |run_s| Sizes { force_n: 0.5, radius_mm: 4.0, height_mm: 20.0, rate_mm_per_s: 1.0, run_s };
+    let longest = |effect: &Effect, run_s| effect.quantities.last().map(|q| q.bounded_at(&sizes(run_s)).high);
+    assert_eq!(longest(&relaxation::TWO, 4.0), Some(40.0));
+    assert_eq!(longest(&relaxation::TWO, 400.0), Some(500.0));
+    assert_eq!(longest(&relaxation::ONE, 4.0), Some(500.0));
+    // one reading is no run: what is left to search is not empty
+    assert!(longest(&relaxation::TWO, 0.0) > Some(0.01));
 }

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use super::specimen::SIZES;
 use super::{DepthProfile, RampRelaxation, Record, Sample, Simulation};
 use crate::law::Law;
 use crate::solve::{SolveError, Target};
@@ -156,7 +155,7 @@ impl Simulation {
     /// The smooth curve of this ramp from the record of it, which may go on with a hold; and the
     /// scatter of the stations about it.
     pub(crate) fn ramp_profile(&self, record: &Record, depth_max_mm: f64, refinement: f64) -> (DepthProfile, f64) {
-        let size_mm = self.ball.radius_mm * SIZES.axis / refinement;
+        let size_mm = self.element_mm(refinement);
         let shear = self.shear_share();
         let rate = depth_max_mm / self.motion.duration_s();
         let elements =

@@ -27,7 +27,7 @@ pub struct Simulation {
     pub resolution: Resolution,
 }
 
-/// Ball radii over penetration: at the pressure of first contact, and at the largest expected. Its
+/// Ball radii over penetration, of a deep press: at the pressure of first contact, and at the largest expected. Its
 /// effect on the force is removed to first order.
 const STIFF: f64 = 400.0;
 const STIFFEST: f64 = 200.0;
@@ -50,6 +50,13 @@ const POINTS_PER_EDGE: usize = 8;
 
 /// Surface within this many ball radii of the axis can touch the ball.
 const REACH: f64 = 2.5;
+
+/// Depth, in ball radii, from which lengths of mesh, steps and penalty are parts of the ball's radius. Every half of it below that has half the
+/// contact's area and is meshed for it, at the same number of elements under the ball; no share of two round lengths is just there, so that two
+/// motions of one experiment are hardly ever on two meshes.
+const SHALLOW: f64 = 0.27;
+/// Halves of [`SHALLOW`] that are told apart: the least depth so is 0.4 % of the ball's radius.
+const HALVES: f64 = 6.0;
 
 /// A mesh with the equations over it.
 pub(crate) struct Assembly<T = f64> {
@@ -79,7 +86,28 @@ impl Simulation {
     #[must_use]
     pub fn mesh(&self, refinement: f64) -> BlockMesh {
         let sizes = Sizes { refinement, ..SIZES };
-        BlockMesh::new(self.specimen.radius_mm, self.specimen.height_mm, self.ball.radius_mm, &sizes)
+        BlockMesh::new(self.specimen.radius_mm, self.specimen.height_mm, self.width_mm(), &sizes)
+    }
+
+    /// Width of the elements under the contact's edge (mm).
+    pub(super) fn element_mm(&self, refinement: f64) -> f64 {
+        self.width_mm() * SIZES.axis / refinement
+    }
+
+    /// What the widths of elements are parts of (mm): the ball's radius, or as much less as the contact is smaller in a shallow press.
+    fn width_mm(&self) -> f64 {
+        self.ball.radius_mm * self.shallow().sqrt()
+    }
+
+    /// What steps and penetration are parts of (mm).
+    fn step_mm(&self) -> f64 {
+        self.ball.radius_mm * self.shallow()
+    }
+
+    /// 1, or a power of a half where the ball goes less deep than [`SHALLOW`].
+    fn shallow(&self) -> f64 {
+        let halves = (SHALLOW * self.ball.radius_mm / self.depth_mm().max(f64::MIN_POSITIVE)).log2().ceil();
+        0.5_f64.powf(halves.clamp(0.0, HALVES))
     }
 
     /// Largest depth (mm) of the motion; under a prescribed force, the one Hertz gives for it.
@@ -160,7 +188,7 @@ impl Simulation {
     pub(super) fn path(&self, refinement: f64, observer: &mut impl Watcher) -> Result<(Path, usize), SolveError> {
         self.check()?;
         let mesh = self.mesh(refinement);
-        let stepping = Stepping::of_ball(self.ball.radius_mm);
+        let stepping = Stepping::of_ball(self.step_mm());
         let mut outcome = self.follow(&mesh, 1.0, Newton::default(), stepping, observer);
         for attempt in 1..ATTEMPTS {
             if outcome.is_ok() {
@@ -236,7 +264,7 @@ impl Simulation {
     ) -> Assembly<T> {
         let first = material.shear_modulus_mpa() * FIRST_PRESSURE;
         let largest = pressure_mpa(&material, self.reached_mm(&material, ball.radius_mm, height_mm), height_mm);
-        let gap = |part: f64| ball.radius_mm / (part * stiffer);
+        let gap = |part: f64| ball.radius_mm * (self.shallow() / (part * stiffer));
         let penalty = Penalty::through((first, gap(STIFF)), (largest, gap(STIFFEST)));
         let reach = REACH * self.ball.radius_mm;
         let surface = Surface::new(ball, interface, nodes, &mesh.top, reach, POINTS_PER_EDGE, penalty);
