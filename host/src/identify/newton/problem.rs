@@ -1,6 +1,7 @@
 //! The weighted differences between all runs and what is known of their conditions.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::identify::data::{LoadingCurve, Selection};
 use crate::identify::spec::{HUBER, Loss};
@@ -43,6 +44,8 @@ pub struct Problem<'a> {
 pub const MOST_RELAXING: f64 = 0.98;
 /// Places at which a contact point is looked for before it is refined.
 const SCAN: usize = 24;
+/// Samples of a run with which it is looked for, evenly taken: more only say more exactly which of the places is the nearest.
+const SCANNED: usize = 2000;
 const REFINEMENTS: usize = 30;
 /// Steps of a golden section: the bracket shrinks to a millionth.
 const SECTIONS: usize = 29;
@@ -113,9 +116,11 @@ impl Problem<'_> {
         let data = &self.selection.curves[at];
         let (low, high) = (data.contact.low_mm, data.contact.high_mm);
         let loss = |contact: f64| self.loss_of(at, &compare(data, track, contact));
+        let stride = data.force_n.len().div_ceil(SCANNED).max(1);
+        let scanned = |contact: f64| self.loss_of(at, &compare_some(data, track, contact, stride));
         let step = (high - low) / SCAN as f64;
         let places = (0..=SCAN).map(|i| low + i as f64 * step);
-        let best = places.map(|c| (c, loss(c))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(low, |(c, _)| c);
+        let best = places.map(|c| (c, scanned(c))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(low, |(c, _)| c);
         let bracket = ((best - step).max(low), best, (best + step).min(high));
         match self.loss {
             Loss::Absolute => golden(loss, bracket),
@@ -228,23 +233,27 @@ impl Problem<'_> {
             return sum;
         }
         let moved: Vec<(Vec<Track>, Vec<Track>, f64)> = (0..count).map(|axis| self.moved(point, axis)).collect();
-        for at in self.fitted() {
+        let of = |at: usize| {
             let condition = self.condition_of[at];
             let contact = self.contact(at, &tracks[condition]);
             let data = &self.selection.curves[at];
             let compared = compare(data, &tracks[condition], contact);
-            sum.value += self.loss_of(at, &compared);
-            let jacobian = DMatrix::from_columns(
-                &moved
-                    .iter()
-                    .map(|(low, high, width)| {
-                        let low = forces(data, &low[condition], contact);
-                        let high = forces(data, &high[condition], contact);
-                        DVector::from_iterator(low.len(), low.iter().zip(&high).map(|(l, h)| (h - l) / width))
-                    })
-                    .collect::<Vec<_>>(),
-            );
-            self.add(at, &compared, &jacobian, &mut sum);
+            let columns: Vec<DVector<f64>> = moved
+                .iter()
+                .map(|(low, high, width)| {
+                    let low = forces(data, &low[condition], contact);
+                    let high = forces(data, &high[condition], contact);
+                    DVector::from_iterator(low.len(), low.iter().zip(&high).map(|(l, h)| (h - l) / width))
+                })
+                .collect();
+            (at, compared, DMatrix::from_columns(&columns))
+        };
+        // added up in their order, so that the sum is the same on any number of threads
+        let fitted: Vec<usize> = self.fitted().collect();
+        let runs: Vec<(usize, Compared, DMatrix<f64>)> = fitted.into_par_iter().map(of).collect();
+        for (at, compared, jacobian) in &runs {
+            sum.value += self.loss_of(*at, compared);
+            self.add(*at, compared, jacobian, &mut sum);
         }
         sum
     }
@@ -317,25 +326,26 @@ fn golden(loss: impl Fn(f64) -> f64, (low, middle, high): (f64, f64, f64)) -> f6
 
 /// Measured against modelled forces at a contact point.
 pub fn compare(data: &LoadingCurve, track: &Track, contact_mm: f64) -> Compared {
-    let mut compared = Compared {
-        residual_n: Vec::with_capacity(data.force_n.len()),
-        by_contact: Vec::with_capacity(data.force_n.len()),
-    };
-    for (force, (model, slope)) in data.force_n.iter().zip(modelled(data, track, contact_mm)) {
-        compared.residual_n.push(force - model);
-        compared.by_contact.push(-slope);
-    }
-    compared
+    compare_some(data, track, contact_mm, 1)
+}
+
+/// The same for one of so many samples only.
+fn compare_some(data: &LoadingCurve, track: &Track, contact_mm: f64, of: usize) -> Compared {
+    let pairs = (0..data.force_n.len()).step_by(of).map(|at| {
+        let (model, slope) = modelled(data, track, contact_mm, at);
+        (data.force_n[at] - model, -slope)
+    });
+    let (residual_n, by_contact) = pairs.unzip();
+    Compared { residual_n, by_contact }
 }
 
 /// Modelled forces (N) at the samples.
 pub fn forces(data: &LoadingCurve, track: &Track, contact_mm: f64) -> Vec<f64> {
-    modelled(data, track, contact_mm).map(|(force, _)| force).collect()
+    (0..data.force_n.len()).map(|at| modelled(data, track, contact_mm, at).0).collect()
 }
 
-fn modelled(data: &LoadingCurve, track: &Track, contact_mm: f64) -> impl Iterator<Item = (f64, f64)> {
-    let samples = data.depth_mm.iter().zip(&data.time_s).enumerate();
-    samples.map(move |(at, (depth, time))| {
-        if at < data.hold_from { track.ramp(depth - contact_mm) } else { track.hold(depth - contact_mm, *time) }
-    })
+/// Modelled force (N) at a sample, and its slope (N/mm).
+fn modelled(data: &LoadingCurve, track: &Track, contact_mm: f64, at: usize) -> (f64, f64) {
+    let depth_mm = data.depth_mm[at] - contact_mm;
+    if at < data.hold_from { track.ramp(depth_mm) } else { track.hold(depth_mm, data.time_s[at]) }
 }
