@@ -7,7 +7,7 @@ use crate::hidden::{CATALOGUE, LEVELS, OUTSIDE, What};
 
 use super::outcome::Outcome;
 use super::rate::{lower95, share, upper95};
-use super::table::{Score, is_catalogue};
+use super::table::{Score, is_catalogue, is_outside};
 use super::{Scored, oracle};
 
 /// Edges between the classes of strength, in standard deviations; one is where an effect counts as visible.
@@ -68,25 +68,36 @@ impl Score<'_> {
         curve("level", &classes)
     }
 
-    /// Effects of the catalogue by how far they move the data.
+    /// Effects of the catalogue, and those from outside it, by how far they move the data.
     #[must_use]
     pub fn by_strength(&self) -> String {
+        let catalogue = self.classes(is_catalogue);
+        let mut text = curve("strength (standard deviations)", &catalogue);
+        text.push_str("\n| strength, outside the catalogue | cases | unknown | missed | right cause, other form | wrong name |\n|---|---|---|---|---|---|\n");
+        for (name, own) in self.classes(is_outside) {
+            let of = |outcome: Outcome| own.iter().filter(|s| s.outcome == outcome).count().to_string();
+            let counts = [Outcome::OutsideUnknown, Outcome::OutsideClean, Outcome::OtherForm, Outcome::Wrong].map(of);
+            let _ = writeln!(text, "| {name} | {} | {} |", own.len(), counts.join(" | "));
+        }
+        text
+    }
+
+    /// Cases of one kind by how far what is hidden moves the data.
+    fn classes(&self, kind: fn(&Scored) -> bool) -> Vec<(String, Vec<&Scored>)> {
         let ends = |class: usize| {
             let low = if class == 0 { 0.0 } else { EDGES[class - 1] };
             (low, EDGES.get(class).copied().unwrap_or(f64::INFINITY))
         };
-        let classes: Vec<(String, Vec<&Scored>)> = (0..=EDGES.len())
+        (0..=EDGES.len())
             .map(|class| {
                 let (low, high) = ends(class);
                 let within = |s: &&Scored| {
-                    is_catalogue(s)
-                        && s.strength.as_ref().and_then(|s| s.first()).is_some_and(|s| *s > low && *s <= high)
+                    kind(s) && s.strength.as_ref().and_then(|s| s.first()).is_some_and(|s| *s > low && *s <= high)
                 };
                 let name = if high.is_finite() { format!("{low:.1} to {high:.1}") } else { format!("above {low:.1}") };
                 (name, self.list.iter().filter(within).collect())
             })
-            .collect();
-        curve("strength (standard deviations)", &classes)
+            .collect()
     }
 
     /// Pairs.

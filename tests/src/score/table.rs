@@ -189,7 +189,7 @@ pub(super) fn is_catalogue(s: &Scored) -> bool {
     matches!(s.truth.what, What::Catalogue(..))
 }
 
-fn is_outside(s: &Scored) -> bool {
+pub(super) fn is_outside(s: &Scored) -> bool {
     matches!(s.truth.what, What::Outside(..))
 }
 
