@@ -1,9 +1,10 @@
 //! How large a residual is against what noise alone would make: thresholds from simulated clean twins of the data set.
 
 use nalgebra::{DMatrix, DVector};
-use rand::{Rng, SeedableRng};
+use rand::Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rand_pcg::Pcg64;
+use rayon::prelude::*;
 
 use super::fit::Fit;
 use super::margin::{Margin, Variable};
@@ -17,8 +18,8 @@ pub const TWINS: usize = 1000;
 const LEVEL: f64 = 0.005;
 /// Share of the worst reading from which on a variable is told.
 const SHADOW: f64 = 0.4;
-/// Seed of the twins: the same data give the same verdict.
-const SEED: u64 = 0x7061_6c70;
+/// State that every twin's chance begins at, each on a stream of its own: the same data give the same verdict, on any number of cores.
+const SEED: u128 = 0x7061_6c70;
 
 /// Directions made orthogonal to parameters, with what they measure in clean twins.
 #[derive(Debug)]
@@ -41,12 +42,11 @@ pub fn twins(
     used: &[bool],
     count: usize,
 ) -> DMatrix<f64> {
-    let mut chance = Pcg64::seed_from_u64(SEED);
     let factor = |freedom: f64, chance: &mut Pcg64| {
         ChiSquared::new(freedom).map_or(1.0, |chi| (freedom / chi.sample(chance).max(0.05 * freedom)).sqrt())
     };
-    let mut out = DMatrix::zeros(whitening.residuals(), count);
-    for j in 0..count {
+    let twin = |j: usize| {
+        let mut chance = Pcg64::new(SEED, j as u128);
         let sensor = factor(noise.sensor_freedom, &mut chance);
         let there = noise.posterior.at(chance.random()).unwrap_or(&noise.jitter);
         let ratio = |of: fn(&Jitter) -> f64| if of(&noise.jitter) > 0.0 { of(there) / of(&noise.jitter) } else { 0.0 };
@@ -60,9 +60,10 @@ pub fn twins(
         let colours = colours.or(plausible.last()).map_or(&[][..], |(_, colours)| colours);
         let mut draw = whitening.draw(colours, sensor, jitter, || StandardNormal.sample(&mut chance));
         draw.iter_mut().zip(used).filter(|(_, used)| !**used).for_each(|(value, _)| *value = 0.0);
-        out.set_column(j, &draw);
-    }
-    out
+        draw
+    };
+    let twins: Vec<DVector<f64>> = (0..count).into_par_iter().map(twin).collect();
+    if twins.is_empty() { DMatrix::zeros(whitening.residuals(), 0) } else { DMatrix::from_columns(&twins) }
 }
 
 /// An orthonormal basis of some columns.

@@ -228,6 +228,24 @@ pub fn model(coordinates: &[Coordinate], candidates: &[Candidate], x: &DVector<f
     model
 }
 
+/// The point of a model; none of one with other effects.
+#[must_use]
+pub fn point(coordinates: &[Coordinate], candidates: &[Candidate], model: &Model) -> Option<DVector<f64>> {
+    let is_own = |(c, s): (&Candidate, &Setting)| c.effect == s.effect && c.owner == s.owner;
+    let zeros = coordinates.iter().filter(|c| **c == Coordinate::Zero).count();
+    let same = model.settings.len() == candidates.len() + zeros && candidates.iter().zip(&model.settings).all(is_own);
+    let mut values = model.settings.iter().take(candidates.len()).flat_map(|s| s.values.iter().copied());
+    let mut value = |c: &Coordinate| match c {
+        Coordinate::LnMu => Some(model.mu_mpa),
+        Coordinate::LnAlpha => Some(model.alpha),
+        Coordinate::Zero => model.settings.last().and_then(|s| s.values.first().copied()),
+        Coordinate::Of(..) => values.next(),
+    };
+    let each: Option<Vec<f64>> = coordinates.iter().map(&mut value).collect();
+    let each = each.filter(|_| same)?;
+    Some(DVector::from_iterator(each.len(), coordinates.iter().zip(each).map(|(c, value)| c.of(value))))
+}
+
 /// Forces (N) at the nodes of every run.
 #[must_use]
 pub fn predicted(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f64]) -> Vec<Vec<f64>> {

@@ -47,6 +47,11 @@ impl Elastic {
         sum
     }
 
+    /// The forces alone at some depths.
+    fn forces(&self, depth_mm: &[f64]) -> Vec<f64> {
+        depth_mm.iter().map(|d| self.force(*d)).collect()
+    }
+
     /// The force alone.
     fn force(&self, depth_mm: f64) -> f64 {
         let of =
@@ -119,7 +124,9 @@ impl Chain {
 
     /// Force (N) of the specimen on a ball that follows the depths of a passage.
     pub(super) fn on_ball(&self, model: &Model, passage: &Passage) -> Vec<f64> {
-        self.specimen_force(model, passage, &passage.depth_mm, &self.elastic(model, passage))
+        let elastic = self.elastic(model, passage);
+        let bare_n = elastic.forces(&passage.depth_mm);
+        self.specimen_force(model, passage, (&passage.depth_mm, bare_n), &elastic)
     }
 
     fn elastic(&self, model: &Model, passage: &Passage) -> Elastic {
@@ -151,35 +158,43 @@ impl Chain {
         contact_mm: f64,
         elastic: &Elastic,
     ) -> (Vec<f64>, Vec<f64>) {
-        let time = &passage.time_s;
-        let recorded = model.driven(time, &passage.depth_mm, contact_mm);
-        let force_on = |depth_mm: &[f64]| {
-            let mut force = self.specimen_force(model, passage, depth_mm, elastic);
-            if let Some(whole) = &model.whole {
-                force.iter_mut().zip(whole.missed_n(run, time.len(), model)).for_each(|(f, missed)| *f += missed);
-            }
+        let recorded = model.driven(&passage.time_s, &passage.depth_mm, contact_mm);
+        let missed_n: Vec<f64> =
+            model.whole.iter().flat_map(|whole| whole.missed_n(run, recorded.len(), model)).collect();
+        let force_on = |depth_mm: &[f64], bare_n: Vec<f64>| {
+            let mut force = self.specimen_force(model, passage, (depth_mm, bare_n), elastic);
+            force.iter_mut().zip(&missed_n).for_each(|(f, missed)| *f += missed);
             force
         };
         let mm_per_n = model.first(&compliance::EFFECT, 0);
-        let mut force = force_on(&recorded);
         if mm_per_n == 0.0 {
+            let force = force_on(&recorded, elastic.forces(&recorded));
             return (recorded, force);
         }
+        let at = |depth_mm: &[f64]| -> (Vec<f64>, Vec<f64>) { depth_mm.iter().map(|d| elastic.at(*d)).unzip() };
         let mut depth = recorded.clone();
+        let (bare_n, mut slope) = at(&depth);
+        let mut force = force_on(&depth, bare_n);
         for _ in 0..ROUNDS {
-            for ((d, x), f) in depth.iter_mut().zip(&recorded).zip(&force) {
-                let slope = elastic.at(*d).1;
-                *d += compliance::correction(*x, *d, *f, slope, mm_per_n);
+            for (((d, x), f), slope) in depth.iter_mut().zip(&recorded).zip(&force).zip(&slope) {
+                *d += compliance::correction(*x, *d, *f, *slope, mm_per_n);
             }
-            force = force_on(&depth);
+            let (bare_n, next) = at(&depth);
+            force = force_on(&depth, bare_n);
+            slope = next;
         }
         (depth, force)
     }
 
-    /// Force of the specimen on the ball over depths (mm) of the ball.
-    fn specimen_force(&self, model: &Model, passage: &Passage, depth_mm: &[f64], elastic: &Elastic) -> Vec<f64> {
+    /// Force of the specimen on the ball over depths (mm) of the ball, of which the elastic force (N) is given.
+    fn specimen_force(
+        &self,
+        model: &Model,
+        passage: &Passage,
+        (depth_mm, mut force): (&[f64], Vec<f64>),
+        elastic: &Elastic,
+    ) -> Vec<f64> {
         let family = &self.library.families[passage.geometry];
-        let mut force: Vec<f64> = depth_mm.iter().map(|d| elastic.force(*d)).collect();
         let share = model.first(&numerics::EFFECT, 0);
         let deepest = depth_mm.iter().copied().fold(0.0, f64::max);
         if share != 0.0 {

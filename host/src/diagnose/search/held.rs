@@ -1,6 +1,6 @@
 //! Which explanations hold, alone or with rivals that these data do not exclude.
 
-use super::super::Progress;
+use super::super::{Progress, is_nameless};
 use nalgebra::DVector;
 
 use super::super::fit::{Candidate, Coordinate, Fit, Problem};
@@ -54,11 +54,12 @@ impl<'a> Found<'a> {
             let needed = together.first().is_some_and(|two| found.needs(two));
             found.held = if needed { together } else { found.alike(&found.singles) };
         }
-        if let Some(best) = found.held.first_mut() {
+        let mut found = found.against_nameless();
+        if let Some(best) = found.held.first_mut().filter(|_| !is_nameless(found.beyond_nameless)) {
             found.search.polish(best);
         }
         found.held.iter_mut().for_each(|e| e.fit.reach_in(&found.search.twins));
-        found.against_nameless()
+        found
     }
 
     /// Brings the likeliest single effects to where their solves are, and tells the noise about the likeliest.

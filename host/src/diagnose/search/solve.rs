@@ -1,11 +1,13 @@
 //! Finite elements of whole paths for the explanations that may be named.
 
-use lut_gen::chain::Detail;
+use std::sync::Arc;
+
+use lut_gen::chain::{Detail, Whole};
 use lut_gen::effect::{friction, second_term, softening};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::super::fit::{Candidate, Fit, Problem, coordinates};
+use super::super::fit::{Candidate, Coordinate, Fit, Problem, coordinates, point};
 use super::before::Before;
 use super::begin::{measured, suit};
 use super::{Explanation, RATIO_100, Search, allowed, score};
@@ -33,6 +35,11 @@ const BEHIND: f64 = 2.0 * RATIO_100;
 const SETTLES: usize = 5;
 /// A fit near a solve may promise this much less than what was left at the solve; of one that promises more only that is believed.
 const KEPT: f64 = 4.0;
+
+/// Part of the first of two rounds that the next begins with: least, which goes beyond the second, and most.
+const MIXED: (f64, f64) = (-1.0, 0.7);
+/// Rounds one after the other that are no better than the best for no more to be made.
+const WORSE: usize = 1;
 
 /// Valleys of a second term beside another effect that are followed to their ground.
 const FOLLOWED: usize = 2;
@@ -93,6 +100,11 @@ impl Search<'_> {
             return None;
         }
         let far_off = is_far_off(fit);
+        if far_off && fit.candidates.iter().any(rubs) {
+            // on the mesh that friction is named with a solve takes three times as long
+            let solves = vec![self.solve_at(&fit.candidates, &fit.x, Detail::Valleys)?];
+            return Some(Looked { solves, far_off, coarse: true });
+        }
         let Some(term) = fit.candidates.last().filter(|c| far_off && is_term(c)) else {
             let solves = vec![self.solve_at(&fit.candidates, &fit.x, Detail::Names)?];
             return Some(Looked { solves, far_off, coarse: false });
@@ -154,7 +166,7 @@ impl Search<'_> {
     pub fn settle(&self, explanation: &mut Explanation) {
         let fit = &explanation.fit;
         if lut_gen::chain::is_rough(&fit.model)
-            && let Some(settled) = self.rounds_at(&fit.candidates, &fit.x, (SETTLES, SAME), f64::INFINITY)
+            && let Some(settled) = self.rounds_of(fit, (SETTLES, SAME))
         {
             explanation.fit = settled;
         }
@@ -164,7 +176,7 @@ impl Search<'_> {
     pub(super) fn polish(&self, explanation: &mut Explanation) {
         let fit = &explanation.fit;
         if lut_gen::chain::is_rough(&fit.model)
-            && let Some(ended) = self.rounds_at(&fit.candidates, &fit.x, (SETTLES, ENDS), f64::INFINITY)
+            && let Some(ended) = self.rounds_of(fit, (SETTLES, ENDS))
             && ended.discounted < fit.discounted + SAME
         {
             explanation.fit = ended;
@@ -178,10 +190,37 @@ impl Search<'_> {
         let windows = problem.design.windows();
         let model = problem.model(&coordinates(problem.design, candidates), candidates, x);
         let whole = problem.chain.whole(&model, &problem.contacts_mm, &windows, &groups, detail).ok()?;
+        Some(self.around(candidates, (x, x), whole))
+    }
+
+    /// The solve that a fit is near to, if it is one of its own effects and not a coarse one.
+    fn at_hand(&self, fit: &Fit) -> Option<Solved> {
+        let whole = fit.model.whole.as_ref().filter(|whole| whole.detail() == Detail::Names)?;
+        let list = coordinates(self.problem.design, &fit.candidates);
+        let x = point(&list, &fit.candidates, whole.place())?;
+        Some(self.around(&fit.candidates, (&x, &fit.x), whole.clone()))
+    }
+
+    /// What a solve at a point left, and a fit near it that begins from another one.
+    fn around(
+        &self,
+        candidates: &[Candidate],
+        (x, start): (&DVector<f64>, &DVector<f64>),
+        whole: Arc<Whole>,
+    ) -> Solved {
+        let problem = &self.problem;
         let own = Problem { whole: Some(whole), ..problem.clone() };
-        let near = own.fit(candidates, x);
+        let near = own.fit(candidates, start);
         let allowed = allowed(problem, &near);
-        Some(Solved { near: problem.refit(&near, &allowed), here: own.at(candidates, x, &allowed) })
+        Solved { near: problem.refit(&near, &allowed), here: own.at(candidates, x, &allowed) }
+    }
+
+    /// Rounds from a fit, the first of them the solve that it is near to, if there is one.
+    fn rounds_of(&self, fit: &Fit, (most, same): (usize, f64)) -> Option<Fit> {
+        match self.at_hand(fit) {
+            Some(first) => self.rounds(&fit.candidates, first, (most, same), f64::INFINITY),
+            None => self.rounds_at(&fit.candidates, &fit.x, (most, same), f64::INFINITY),
+        }
     }
 
     /// Solves at a point and fits near it, some times over, and comes back with what is near the best point that was solved: what a fit
@@ -201,19 +240,24 @@ impl Search<'_> {
     fn rounds(&self, candidates: &[Candidate], first: Solved, (more, same): (usize, f64), against: f64) -> Option<Fit> {
         let settled = |solved: &Solved| solved.promise() < same.max(LEFT * self.left(&solved.near));
         let mut x = first.near.x.clone();
-        let mut best = first;
+        let (mut best, mut worse) = (first, 0);
         for _ in 0..more {
             if settled(&best) || !best.may_reach(against) {
                 break;
             }
             let solved = self.solve_at(candidates, &x, Detail::Names)?;
-            if solved.here.discounted >= best.here.discounted {
-                // too far: half of the way
-                x = 0.5 * (&best.here.x + &x);
-            } else {
-                x = solved.near.x.clone();
-                best = solved;
+            if solved.here.discounted < best.here.discounted {
+                x = next(&best, &solved);
+                (best, worse) = (solved, 0);
+                continue;
             }
+            worse += 1;
+            // two solves of one place differ by more than the same
+            if worse > WORSE || best.promise() < SAME {
+                break;
+            }
+            // too far: half of the way
+            x = 0.5 * (&best.here.x + &x);
         }
         Some(if best.promise() < KEPT { best.near } else { best.here })
     }
@@ -262,6 +306,20 @@ impl Search<'_> {
     }
 }
 
+/// Where two rounds would lead to, the second of them after the first: of steps that go to and fro, or slowly one way, the end lies where a line through both comes
+/// to nothing (Anderson's mixing of two, in the metric of the data).
+fn next(first: &Solved, second: &Solved) -> DVector<f64> {
+    let step = |s: &Solved| &s.near.x - &s.here.x;
+    let last = step(second);
+    let change = &last - step(first);
+    let along = &second.near.information * &change;
+    let share = along.dot(&last) / along.dot(&change);
+    let share = if share.is_finite() { share.clamp(MIXED.0, MIXED.1) } else { 0.0 };
+    let mixed = &second.near.x - share * (&second.near.x - &first.near.x);
+    let bounds = second.near.coordinates.iter().map(Coordinate::bounds);
+    DVector::from_iterator(mixed.len(), mixed.iter().zip(bounds).map(|(x, (low, high))| x.clamp(low, high)))
+}
+
 /// True where an effect that the chain has only roughly seems behind the best score, but explains so much of what is left without it that it may be the best.
 fn may_be_best(explanation: &Explanation, before: &Fit, best: f64) -> bool {
     let rough = is_far_off(&explanation.fit);
@@ -281,6 +339,10 @@ fn is_far(candidate: &Candidate, fit: &Fit) -> bool {
     let code = candidate.effect.code;
     let near = fit.model.whole.as_ref().is_some_and(|whole| whole.covers(code));
     [second_term::EFFECT.code, softening::EFFECT.code, friction::EFFECT.code].contains(&code) && !near
+}
+
+fn rubs(candidate: &Candidate) -> bool {
+    candidate.effect.code == friction::EFFECT.code
 }
 
 fn is_term(candidate: &Candidate) -> bool {

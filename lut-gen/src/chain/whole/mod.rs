@@ -35,10 +35,10 @@ type Curve = Vec<(f64, f64)>;
 /// Force that the chain misses, run by run, for a model and those near it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Whole {
-    /// Shear modulus (MPa) that it was found at: it is in proportion to that.
-    mu_mpa: f64,
-    /// Exponent that it was found at.
-    alpha: f64,
+    /// The model that it was found at: it is in proportion to the modulus of that.
+    place: Model,
+    /// How finely.
+    detail: Detail,
     /// What finite elements add and what a few places miss of the motion, N at the places of every passage.
     missed_n: Vec<Vec<(f64, f64)>>,
     /// How large the effect is that the former is in proportion to; none where there are several.
@@ -48,6 +48,18 @@ pub struct Whole {
 }
 
 impl Whole {
+    /// The model that it was found at, without what finite elements add.
+    #[must_use]
+    pub fn place(&self) -> &Model {
+        &self.place
+    }
+
+    /// How finely it was solved.
+    #[must_use]
+    pub fn detail(&self) -> Detail {
+        self.detail
+    }
+
     /// True when the finite elements contain the effect.
     #[must_use]
     pub fn covers(&self, code: &str) -> bool {
@@ -58,14 +70,14 @@ impl Whole {
     #[must_use]
     pub fn is_far_from(&self, model: &Model) -> bool {
         const FAR: f64 = 1.3;
-        let ratio = model.alpha / self.alpha;
+        let ratio = model.alpha / self.place.alpha;
         ratio.max(ratio.recip()) > FAR
     }
 
     /// What is missed in a run of `places` places by a model, N; nothing for a run that it was not made for.
     pub(super) fn missed_n(&self, run: usize, places: usize, model: &Model) -> impl Iterator<Item = f64> + '_ {
         let own = self.missed_n.get(run).filter(|missed| missed.len() == places);
-        let stiffer = model.mu_mpa / self.mu_mpa;
+        let stiffer = model.mu_mpa / self.place.mu_mpa;
         // without the effect nothing of it is missed
         let larger = self.size.map_or(1.0, |(code, size)| size_of(model, code) / size);
         own.into_iter().flatten().map(move |(solved, places)| stiffer * (larger * solved + places))
@@ -284,7 +296,8 @@ impl Chain {
         });
         let missed_n = missed_n.collect();
         let codes = bare.settings.iter().map(|s| s.effect.code).collect();
-        Ok(Arc::new(Whole { mu_mpa: model.mu_mpa, alpha: model.alpha, missed_n, size: size(&bare), codes }))
+        let place = Model { whole: None, ..model.clone() };
+        Ok(Arc::new(Whole { place, detail, missed_n, size: size(&bare), codes }))
     }
 
     fn fine(&self, model: &Model, (run, windows): (usize, &[Window]), contact_mm: f64, remembers: bool) -> Fine {
@@ -569,7 +582,8 @@ mod tests {
     /// Nearness is one of exponents, whatever the modulus, up and down.
     #[test]
     fn a_solve_is_far_from_another_exponent() {
-        let whole = Whole { mu_mpa: 0.1, alpha: 8.0, missed_n: Vec::new(), size: None, codes: Vec::new() };
+        let place = Model::base(0.1, 8.0);
+        let whole = Whole { place, detail: Detail::Names, missed_n: Vec::new(), size: None, codes: Vec::new() };
         assert!(!whole.is_far_from(&Model::base(5.0, 8.0)) && !whole.is_far_from(&Model::base(0.1, 9.5)));
         assert!(whole.is_far_from(&Model::base(0.1, 11.0)) && whole.is_far_from(&Model::base(0.1, 6.0)));
     }
