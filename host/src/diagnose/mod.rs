@@ -6,6 +6,7 @@
 
 pub mod answer;
 pub mod check;
+pub mod coordinate;
 pub mod design;
 pub mod display;
 pub mod evidence;

@@ -100,14 +100,16 @@ struct Stretch {
 /// Noise of a smooth signal: standard deviation from the median absolute second difference, so
 /// that neither a trend nor a few jumps count.
 pub fn noise_of(signal: &[f64]) -> f64 {
-    let mut bends: Vec<f64> = signal.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
-    if bends.is_empty() {
-        return 0.0;
-    }
-    let middle = bends.len() / 2;
-    let (_, median, _) = bends.select_nth_unstable_by(middle, f64::total_cmp);
+    let bends = signal.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs());
     // 0.6745 is the median of |x| for unit normal x; a second difference has variance 6.
-    *median / 0.6745 / 6.0_f64.sqrt()
+    median(bends) / 0.6745 / 6.0_f64.sqrt()
+}
+
+/// The upper of two middle values; 0 of none.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Reads the branches of a run; `None` if the indenter never went down measurably.
@@ -232,11 +234,11 @@ fn force_drop(recording: &Recording, loading: &Range<usize>) -> Option<(usize, E
     let rise = |(at, w): (usize, &[f64])| w[2].min(w[3]) - w[0].max(w[1]) - usual_rise(around(at));
     let falls = |w: &[f64], by: f64| w[1] - w[2] > by && w[0].min(w[1]) - w[2].max(w[3]) > 0.5 * by;
     let least = (JUMP * (highest - lowest)).max(JUMP_SIGMA * noise_of(force));
-    windows().find(|(_, w)| falls(w, least))?;
+    if !windows().any(|(_, w)| falls(w, least)) {
+        return None;
+    }
     let least = windows().map(rise).fold(least, |least, rise| least.max(RISES * rise));
-    let fall =
-        |(at, w): (usize, &[f64])| (falls(w, least) && falls(w, JUMP_SIGMA * noise_of(around(at)))).then_some(at);
-    let at = windows().find_map(fall)?;
+    let (at, _) = windows().find(|(at, w)| falls(w, least) && falls(w, JUMP_SIGMA * noise_of(around(*at))))?;
     let sample = loading.start + at + 1;
     let event = Event::ForceDrop {
         depth_mm: recording.depth_mm[sample],
@@ -248,9 +250,7 @@ fn force_drop(recording: &Recording, loading: &Range<usize>) -> Option<(usize, E
 
 /// Median of what a signal rises by from sample to sample.
 fn usual_rise(signal: &[f64]) -> f64 {
-    let mut rises: Vec<f64> = signal.windows(2).map(|w| w[1] - w[0]).collect();
-    rises.sort_by(f64::total_cmp);
-    rises.get(rises.len() / 2).copied().unwrap_or(0.0)
+    median(signal.windows(2).map(|w| w[1] - w[0]))
 }
 
 fn slope(x: &[f64], y: &[f64]) -> Option<f64> {

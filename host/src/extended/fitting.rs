@@ -4,8 +4,9 @@ use lut_gen::chain::{Chain, Model, Setting};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::diagnose::coordinate::{self, Coordinate, coordinates};
 use crate::diagnose::design::Design;
-use crate::diagnose::fit::{self, Coordinate, Problem};
+use crate::diagnose::fit::Problem;
 use crate::diagnose::noise::Source;
 use crate::diagnose::{Models, Prepared};
 use crate::experiment::Experiment;
@@ -104,7 +105,7 @@ pub(super) fn prepared<'a>(
 
 /// The model of a point with its settings. A zero that is fitted comes first: it is what moves the contact.
 pub(super) fn extended(design: &Design, x: &DVector<f64>, settings: &[Setting]) -> Model {
-    let mut model = fit::model(&fit::coordinates(design, &[]), &[], x);
+    let mut model = coordinate::model(&coordinates(design, &[]), &[], x);
     model.settings.extend_from_slice(settings);
     model
 }
@@ -117,7 +118,7 @@ pub(super) fn rmse_n(problem: &Problem<'_>, model: &Model) -> f64 {
 
 /// Searches mu and alpha from every start, the best first.
 pub(super) fn search(problem: &Problem<'_>, settings: &[Setting]) -> Vec<Descent> {
-    let list = fit::coordinates(problem.design, &[]);
+    let list = coordinates(problem.design, &[]);
     let mu_mpa = 0.05 * problem.largest_n().max(1e-6);
     let mut all: Vec<Descent> = ALPHAS
         .par_iter()
@@ -136,7 +137,7 @@ pub(super) fn search(problem: &Problem<'_>, settings: &[Setting]) -> Vec<Descent
 
 /// Levenberg and Marquardt's search within the bounds of the parameters.
 pub(super) fn descend(problem: &Problem<'_>, settings: &[Setting], start: DVector<f64>) -> Descent {
-    let list = fit::coordinates(problem.design, &[]);
+    let list = coordinates(problem.design, &[]);
     let clamped =
         |x: DVector<f64>| DVector::from_fn(x.len(), |i, _| x[i].clamp(list[i].bounds().0, list[i].bounds().1));
     let residual = |x: &DVector<f64>| problem.residual(&extended(problem.design, x, settings));

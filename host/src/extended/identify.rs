@@ -6,8 +6,9 @@ use lut_gen::chain::{LibraryError, Setting};
 use nalgebra::DVector;
 use serde_json::{Map, Value, json};
 
+use crate::diagnose::coordinate::{Candidate, Coordinate, coordinates};
 use crate::diagnose::design::Design;
-use crate::diagnose::fit::{self, Candidate, Coordinate, Problem};
+use crate::diagnose::fit::{self, Problem};
 use crate::diagnose::{Models, Z95};
 use crate::experiment::{Experiment, motion};
 use crate::identify::Outcome;
@@ -204,7 +205,7 @@ impl Identified {
         let (model, base, at_edge) = if freed && !settings.is_empty() {
             self.freed(problem, settings, &best.x)
         } else {
-            let list = fit::coordinates(design, &[]);
+            let list = coordinates(design, &[]);
             let covariance = best.jacobian.tr_mul(&best.jacobian).try_inverse();
             let base: [(f64, (f64, f64)); 2] = std::array::from_fn(|i| {
                 let sigma = covariance.as_ref().map_or(f64::NAN, |c| c[(i, i)].sqrt());
@@ -240,7 +241,7 @@ impl Identified {
     fn freed(&mut self, problem: &Problem<'_>, settings: &[Setting], x: &DVector<f64>) -> Fitted {
         let candidates: Vec<Candidate> =
             settings.iter().map(|s| Candidate { effect: s.effect, owner: s.owner }).collect();
-        let list = fit::coordinates(problem.design, &candidates);
+        let list = coordinates(problem.design, &candidates);
         let values: Vec<f64> = settings.iter().flat_map(|s| s.values.iter().copied()).collect();
         let known = x.len();
         let start = DVector::from_fn(list.len(), |i, _| if i < known { x[i] } else { list[i].of(values[i - known]) });

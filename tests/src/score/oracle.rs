@@ -2,9 +2,10 @@
 
 use lut_gen::chain::{Chain, Model};
 use nalgebra::{DMatrix, DVector};
+use palpate::diagnose::coordinate::Candidate;
 use palpate::diagnose::design::{Branch, Design, Series};
 use palpate::diagnose::evidence::{basis, rest_of};
-use palpate::diagnose::fit::{Candidate, Fit, Problem, predicted};
+use palpate::diagnose::fit::{Fit, Problem, predicted};
 use palpate::diagnose::jitter::Posterior;
 use palpate::diagnose::noise::{Jitter, Noise, SensorNoise, Source};
 use palpate::diagnose::search::Explanation;

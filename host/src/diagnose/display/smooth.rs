@@ -3,6 +3,8 @@
 //! An effect that looks at the direction in which an input moves would take a reading's noise for motion. A piece of the input that is straight
 //! to within the noise is replaced by its straight line; what is not, a jump or a tremor, stays as it was read.
 
+use crate::experiment::motion::noise_of;
+
 /// Samples of a piece.
 const PIECE: usize = 9;
 /// A piece is straight when it scatters by less than this many times the noise.
@@ -15,7 +17,7 @@ pub fn smoothed(time_s: &[f64], input: &[f64]) -> Vec<f64> {
     if count < 2 * PIECE {
         return input.to_vec();
     }
-    let noise = noise(input);
+    let noise = noise_of(input);
     // lines through all pieces, each with its scatter
     let lines: Vec<(f64, f64, f64)> =
         (0..=count - PIECE).map(|at| line(&time_s[at..at + PIECE], &input[at..at + PIECE])).collect();
@@ -31,14 +33,6 @@ pub fn smoothed(time_s: &[f64], input: &[f64]) -> Vec<f64> {
             }
         })
         .collect()
-}
-
-/// Standard deviation of the noise: from the median of second differences, which motion hardly moves.
-fn noise(input: &[f64]) -> f64 {
-    let mut second: Vec<f64> = input.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).collect();
-    second.sort_by(f64::total_cmp);
-    // a normal distribution's median magnitude is 0.6745 deviations; the second difference of white noise has sqrt(6)
-    second[second.len() / 2] / (0.6745 * 6f64.sqrt())
 }
 
 /// Value at time 0, slope, and standard deviation about the line.

@@ -4,9 +4,9 @@ use lut_gen::chain::{Chain, Model, Passage, Setting};
 use lut_gen::effect::{friction, radius, relaxation, second_term, softening, thickness};
 use nalgebra::{DMatrix, DVector};
 
+use super::super::coordinate;
 use super::super::design::{Branch, Design};
-use super::super::fit;
-use super::super::fit::{Fit, Problem};
+use super::super::fit::{self, Fit, Problem};
 use super::super::search::Search;
 use super::super::whiten::Whitening;
 use super::Plan;
@@ -70,7 +70,7 @@ impl Bench {
             let step = if fit.x[j] + fit.coordinates[j].step() > high { -1.0 } else { 1.0 } * fit.coordinates[j].step();
             let mut x = fit.x.clone();
             x[j] += step;
-            let there = self.forces(&fit::model(&fit.coordinates, &fit.candidates, &x));
+            let there = self.forces(&coordinate::model(&fit.coordinates, &fit.candidates, &x));
             slopes.set_column(j, &((there - &force) / step));
         }
         Forecast { force, slopes, errors: self.errors(fit) }

@@ -63,6 +63,7 @@ pub(super) fn of(experiment: &Experiment, design: &Design, curves: &[Curve]) -> 
 /// Differences between each run and the next one of its condition, branch by branch.
 fn branches(experiment: &Experiment, design: &Design, curves: &[Curve]) -> Vec<Branch> {
     let mut list = Vec::new();
+    let mut planner = FftPlanner::new();
     for (at, series) in design.series.iter().enumerate() {
         let repeats = |other: &&Series| other.condition == series.condition && other.spot != series.spot;
         let Some(next) = design.series[at + 1..].iter().find(repeats) else { continue };
@@ -78,7 +79,7 @@ fn branches(experiment: &Experiment, design: &Design, curves: &[Curve]) -> Vec<B
                 let (time, difference) = difference((one, own.clone()), (two, other));
                 let depth = one.depth_mm[own].iter().take(time.len()).map(|d| d - design.zero_mm);
                 let shapes = shapes(series, &curves[at], way, &depth.collect::<Vec<_>>());
-                list.extend(Branch::of(&time, &difference, &shapes, rate));
+                list.extend(Branch::of(&mut planner, &time, &difference, &shapes, rate));
             }
         }
     }
@@ -132,7 +133,13 @@ fn difference(
 }
 
 impl Branch {
-    fn of(time_s: &[f64], force_n: &[f64], shapes: &[Vec<f64>], rate_mm_per_s: f64) -> Option<Self> {
+    fn of(
+        planner: &mut FftPlanner<f64>,
+        time_s: &[f64],
+        force_n: &[f64],
+        shapes: &[Vec<f64>],
+        rate_mm_per_s: f64,
+    ) -> Option<Self> {
         if time_s.len() < SAMPLES {
             return None;
         }
@@ -165,7 +172,7 @@ impl Branch {
         let taper = |t: f64| 0.5 - 0.5 * (std::f64::consts::TAU * (t - time_s[0]) / length_s).cos();
         values.iter_mut().zip(time_s).for_each(|(v, t)| *v *= taper(*t));
         let nyquist_hz = 0.5 * (time_s.len() - 1) as f64 / length_s;
-        Some(Self { spectrum: Spectrum::of(time_s, values), length_s, nyquist_hz, rate_mm_per_s, variance })
+        Some(Self { spectrum: Spectrum::of(planner, time_s, values), length_s, nyquist_hz, rate_mm_per_s, variance })
     }
 
     /// Power over the geometric mean of the backgrounds on both sides, and the power itself; none where there is no room for them.
@@ -198,14 +205,14 @@ struct Spectrum {
 
 impl Spectrum {
     /// Of samples at times (s), of which there are two at least.
-    fn of(time_s: &[f64], values: Vec<f64>) -> Self {
+    fn of(planner: &mut FftPlanner<f64>, time_s: &[f64], values: Vec<f64>) -> Self {
         let count = values.len();
         let step_s = (time_s[count - 1] - time_s[0]) / (count - 1) as f64;
         let values = evenly(time_s, step_s, values);
         let size = (POINTS * count).next_power_of_two();
         let mut waves: Vec<Complex<f64>> = values.into_iter().map(Complex::from).collect();
         waves.resize(size, Complex::default());
-        FftPlanner::new().plan_fft_forward(size).process(&mut waves);
+        planner.plan_fft_forward(size).process(&mut waves);
         // the taper has mean 1/2, a wave's square mean 1/2
         let scale = 4.0 / count as f64;
         let power = waves[..=size / 2].iter().map(|wave| scale * scale * wave.norm_sqr()).collect();
@@ -314,7 +321,7 @@ mod tests {
                             + amplitude * (std::f64::consts::TAU * wave(*t, rate) + phase).sin()
                     })
                     .collect();
-                list.extend(Branch::of(&time, &force, &[], rate));
+                list.extend(Branch::of(&mut FftPlanner::new(), &time, &force, &[], rate));
             }
         }
         list
@@ -327,7 +334,7 @@ mod tests {
             let time: Vec<f64> = (0..600).map(|k| 0.02 * (f64::from(k) + uneven * f64::from(k % 3))).collect();
             let tapered = |t: &f64| (0.5 - 0.5 * (std::f64::consts::TAU * t / 12.0).cos()) * (2.0 + (19.0 * t).sin());
             let values: Vec<f64> = time.iter().map(tapered).collect();
-            let spectrum = Spectrum::of(&time, values.clone());
+            let spectrum = Spectrum::of(&mut FftPlanner::new(), &time, values.clone());
             let largest = spectrum.power.iter().copied().fold(0.0, f64::max);
             for k in 1..200 {
                 let turn = std::f64::consts::TAU * 0.03 * f64::from(k);
@@ -349,7 +356,7 @@ mod tests {
             let wave = |t: &f64| 0.004 * (std::f64::consts::TAU * 50.2 * t + phase).sin();
             let force: Vec<f64> =
                 time.iter().map(|t| wave(t) + 0.01 * chance.sample::<f64, _>(StandardNormal)).collect();
-            Branch::of(&time, &force, &[], 0.0).unwrap()
+            Branch::of(&mut FftPlanner::new(), &time, &force, &[], 0.0).unwrap()
         };
         let holds = [hold(), hold(), hold()];
         let found = line(&holds, Over::Time).unwrap();

@@ -4,7 +4,8 @@ use lut_gen::chain::Model;
 use lut_gen::effect::{Quantity, Sizes, Spread, Stage};
 use nalgebra::DVector;
 
-use super::super::fit::{Candidate, Coordinate, Fit, Problem, coordinates};
+use super::super::coordinate::{Candidate, Coordinate, coordinates};
+use super::super::fit::{Fit, Problem};
 use super::{Search, allowed};
 
 /// Exponent from which a fit begins anew where the one before it may have been bent by what is missing.

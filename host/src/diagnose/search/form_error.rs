@@ -4,8 +4,9 @@ use lut_gen::chain::Model;
 use lut_gen::effect::{Stage, adhesion, friction, nameless, poisson, relaxation, softening};
 use nalgebra::{DMatrix, DVector};
 
+use super::super::coordinate::Candidate;
 use super::super::design::Branch;
-use super::super::fit::{Allowed, Candidate, Fit, Problem};
+use super::super::fit::{Allowed, Fit, Problem};
 
 /// Relative error of an effect as the catalogue writes it down, along smooth shapes, on the way down and in holds, and on the way back, where
 /// the edge of the contact lifts and histories matter most: the chain against finite elements of the whole path is within that

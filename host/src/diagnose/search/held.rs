@@ -3,7 +3,8 @@
 use super::super::{Progress, is_nameless};
 use nalgebra::DVector;
 
-use super::super::fit::{Candidate, Coordinate, Fit, Problem};
+use super::super::coordinate::{Candidate, Coordinate};
+use super::super::fit::{Fit, Problem};
 use super::before::Before;
 use super::nameless::claims_a_law;
 use super::{CHARGE, Explanation, RATIO_100, Search, allowed, form_error, score, sorted};

@@ -13,9 +13,10 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::check::Check;
+use super::coordinate::{Candidate, Coordinate, coordinates};
 use super::design::{Branch, Design};
 use super::evidence::{self, Adequacy, Panel, Spaces};
-use super::fit::{Candidate, Coordinate, Fit, Problem, coordinates};
+use super::fit::{Fit, Problem};
 use super::margin::{self, Margin};
 use super::noise::{self, Curve, Noise, SensorNoise};
 use super::prepared::Prepared;

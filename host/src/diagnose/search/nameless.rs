@@ -6,7 +6,8 @@ use lut_gen::effect::{
 };
 use nalgebra::DMatrix;
 
-use super::super::fit::{Candidate, Fit, Problem};
+use super::super::coordinate::Candidate;
+use super::super::fit::{Fit, Problem};
 use super::{Explanation, RATIO_100, Search, changes, plain, score};
 
 /// An elastic departure without a name.

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use lut_gen::chain::{Detail, Whole};
 use lut_gen::effect::{friction, second_term, softening};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::super::fit::{Candidate, Coordinate, Fit, Problem, coordinates, point};
+use super::super::coordinate::{Candidate, Coordinate, coordinates, point};
+use super::super::fit::{Fit, Problem};
 use super::before::Before;
 use super::begin::{measured, suit};
 use super::{Explanation, RATIO_100, Search, allowed, score};
@@ -60,6 +61,13 @@ impl Solved {
     fn may_reach(&self, best: f64) -> bool {
         score(&self.near) - self.promise().max(0.0) < best + BEHIND
     }
+
+    /// Where the next round begins after this one, which was made after another.
+    fn after(&self, first: &Self) -> DVector<f64> {
+        let x = mixed((&first.here.x, &first.near.x), (&self.here.x, &self.near.x), &self.near.information);
+        let bounds = self.near.coordinates.iter().map(Coordinate::bounds);
+        DVector::from_iterator(x.len(), x.iter().zip(bounds).map(|(x, (low, high))| x.clamp(low, high)))
+    }
 }
 
 /// What the first solves of a fit led to.
@@ -100,14 +108,12 @@ impl Search<'_> {
             return None;
         }
         let far_off = is_far_off(fit);
-        if far_off && fit.candidates.iter().any(rubs) {
-            // on the mesh that friction is named with a solve takes three times as long
-            let solves = vec![self.solve_at(&fit.candidates, &fit.x, Detail::Valleys)?];
-            return Some(Looked { solves, far_off, coarse: true });
-        }
         let Some(term) = fit.candidates.last().filter(|c| far_off && is_term(c)) else {
-            let solves = vec![self.solve_at(&fit.candidates, &fit.x, Detail::Names)?];
-            return Some(Looked { solves, far_off, coarse: false });
+            // on the mesh that friction is named with a solve takes three times as long
+            let coarse = far_off && fit.candidates.iter().any(rubs);
+            let detail = if coarse { Detail::Valleys } else { Detail::Names };
+            let solves = vec![self.solve_at(&fit.candidates, &fit.x, detail)?];
+            return Some(Looked { solves, far_off, coarse });
         };
         // two terms have several valleys, and the chain's own may be none: each is looked into, and the deepest followed
         let others = term.effect.quantities[1].starts.iter().map(|alpha| {
@@ -247,7 +253,7 @@ impl Search<'_> {
             }
             let solved = self.solve_at(candidates, &x, Detail::Names)?;
             if solved.here.discounted < best.here.discounted {
-                x = next(&best, &solved);
+                x = solved.after(&best);
                 (best, worse) = (solved, 0);
                 continue;
             }
@@ -306,18 +312,19 @@ impl Search<'_> {
     }
 }
 
-/// Where two rounds would lead to, the second of them after the first: of steps that go to and fro, or slowly one way, the end lies where a line through both comes
-/// to nothing (Anderson's mixing of two, in the metric of the data).
-fn next(first: &Solved, second: &Solved) -> DVector<f64> {
-    let step = |s: &Solved| &s.near.x - &s.here.x;
-    let last = step(second);
-    let change = &last - step(first);
-    let along = &second.near.information * &change;
+/// Where a third round should begin, from where two did and where they led, the second of them after the first: of steps that go to and fro, or slowly one way, the end
+/// lies where a line through both comes to nothing (Anderson's mixing of two). Lengths are those of the data, which have this information on the parameters.
+fn mixed(
+    first: (&DVector<f64>, &DVector<f64>),
+    second: (&DVector<f64>, &DVector<f64>),
+    information: &DMatrix<f64>,
+) -> DVector<f64> {
+    let last = second.1 - second.0;
+    let change = &last - (first.1 - first.0);
+    let along = information * &change;
     let share = along.dot(&last) / along.dot(&change);
     let share = if share.is_finite() { share.clamp(MIXED.0, MIXED.1) } else { 0.0 };
-    let mixed = &second.near.x - share * (&second.near.x - &first.near.x);
-    let bounds = second.near.coordinates.iter().map(Coordinate::bounds);
-    DVector::from_iterator(mixed.len(), mixed.iter().zip(bounds).map(|(x, (low, high))| x.clamp(low, high)))
+    second.1 - share * (second.1 - first.1)
 }
 
 /// True where an effect that the chain has only roughly seems behind the best score, but explains so much of what is left without it that it may be the best.
@@ -347,4 +354,26 @@ fn rubs(candidate: &Candidate) -> bool {
 
 fn is_term(candidate: &Candidate) -> bool {
     candidate.effect.code == second_term::EFFECT.code
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounds that go to and fro, and such that creep, end at once where each leads as much too far, or too little, as the one before it did.
+    #[test]
+    fn mixed_rounds_end_where_a_line_through_them_does() {
+        let end = DVector::from_vec(vec![0.3, -1.2, 4.0]);
+        let off = DVector::from_vec(vec![1.0, 0.2, -0.5]);
+        for factor in [-0.7, -0.3, 0.4] {
+            let leads = |x: &DVector<f64>| &end + factor * (x - &end);
+            let one = &end + &off;
+            let two = leads(&one);
+            let found = mixed((&one, &two), (&two, &leads(&two)), &DMatrix::identity(3, 3));
+            assert!((found - &end).amax() < 1e-12, "{factor}");
+        }
+        // where nothing changes the second is right
+        let same = mixed((&end, &end), (&end, &end), &DMatrix::identity(3, 3));
+        assert!((same - &end).amax() < 1e-12);
+    }
 }

@@ -7,10 +7,11 @@ use lut_gen::model::Specimen as Block;
 use nalgebra::{DMatrix, DVector};
 
 use super::*;
+use crate::diagnose::coordinate::{Candidate, Coordinate};
 use crate::diagnose::design::{Branch, Design, Node, Series};
 use crate::diagnose::evidence::Adequacy;
 use crate::diagnose::fault::Fault;
-use crate::diagnose::fit::{Candidate, Coordinate, Fit};
+use crate::diagnose::fit::Fit;
 use crate::diagnose::held_out::HeldOut;
 use crate::diagnose::jitter::Posterior;
 use crate::diagnose::margin::{Margin, Variable};

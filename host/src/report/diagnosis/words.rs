@@ -2,7 +2,7 @@
 
 use lut_gen::effect::{self, Owner};
 
-use crate::diagnose::fit::Candidate;
+use crate::diagnose::coordinate::Candidate;
 use crate::diagnose::{Diagnosis, Evidence, Finding, Refusal, Verdict};
 use crate::experiment::Experiment;
 
