@@ -209,6 +209,7 @@ impl Geometry {
             alpha_nodes: alpha.2,
             nu: self.nu,
             checked: false,
+            resolution: self.resolution(),
             ..ModelSpec::new(self.specimen, ball, self.depth_mm)
         };
         let silent = |_: usize, _: usize| {};
@@ -218,8 +219,7 @@ impl Geometry {
                 let least = if self.nu > 0.0 { RUBBER_HEIGHT } else { HEIGHTS.0 };
                 let low = (least * h).max(1.3 * self.depth_mm).min(h);
                 let heights_mm = need.effects.then_some((low, HEIGHTS.1 * h, HEIGHTS.2));
-                let resolution = self.resolution();
-                Ok(Part::Height(ForceModel::build(&ModelSpec { heights_mm, resolution, ..one }, &silent)?))
+                Ok(Part::Height(ForceModel::build(&ModelSpec { heights_mm, ..one }, &silent)?))
             }
             // of a base that hardly changes its volume another Poisson's ratio is no effect
             1 if self.nu > 0.0 => {
@@ -246,7 +246,7 @@ impl Geometry {
         }
     }
 
-    /// Mesh of the forces themselves.
+    /// Mesh of the elastic forces.
     fn resolution(&self) -> Resolution {
         if self.depth_mm < FINE_BELOW * self.ball_mm { Resolution::Refined(FINE) } else { Resolution::Standard }
     }
