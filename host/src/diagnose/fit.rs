@@ -41,7 +41,7 @@ pub struct Allowed {
     columns: DMatrix<f64>,
     kernel: DMatrix<f64>,
     /// Logarithm of the determinant of `I + F'F`: the price of the freedom they give.
-    price: f64,
+    pub price: f64,
 }
 
 impl Allowed {

@@ -7,8 +7,9 @@ use lut_gen::effect::{
 use nalgebra::DMatrix;
 
 use super::super::coordinate::Candidate;
-use super::super::fit::{Fit, Problem};
-use super::{Explanation, RATIO_100, Search, changes, plain, score};
+use super::super::evidence::{basis, rest_of};
+use super::super::fit::{Allowed, Fit, Problem};
+use super::{CHARGE, Explanation, RATIO_100, Search, changes, score};
 
 /// An elastic departure without a name.
 const NAMELESS: Candidate = Candidate { effect: &nameless::EFFECT, owner: 0 };
@@ -26,8 +27,9 @@ pub(super) fn departure(problem: &Problem<'_>, at: &Fit) -> DMatrix<f64> {
     changes(problem, at, &NAMELESS, (0..quantities.len()).map(alone).collect())
 }
 
-/// A likelihood ratio of 3 as a difference of sums of squares.
+/// Likelihood ratios of 3 and of 10 as differences of sums of squares.
 const RATIO_3: f64 = 2.2;
+const RATIO_10: f64 = 4.6;
 
 /// Part of the sum of squares that two times of relaxation explain which may be what they leave of a spectrum.
 const SPECTRAL: f64 = 0.02;
@@ -94,14 +96,37 @@ impl Search<'_> {
             .reduce(f64::min)
     }
 
-    /// Of elastic laws there is no end, so that one of those with a name must be a hundred times likelier than any, and so must what is told with one in a set: of eight experiments
-    /// between twenty and a hundred times, four had a skin, an anisotropy or an error of the numerics in them. A wrong radius, or a machine that gives way, has one form, and must be
-    /// three times likelier; two elastic effects together imitate many, and must be a hundred times. What their form
-    /// may be wrong by is allowed for or not, whichever is better for them: a departure without a name has none to be wrong by.
+    /// Of elastic laws there is no end, so that one of those with a name must be ten times likelier than any, and so must what is told with one in a set; two elastic effects together
+    /// imitate many, and must be a hundred times. Likelihoods are marginal ones, over the amounts that each might have had: the parts of a departure without a name cost what these data
+    /// could have told of them. A wrong radius, or a machine that gives way, has one form, and is told from it as from any rival: three times likelier, parameters charged. What a form may
+    /// be wrong by is allowed for or not, whichever is better for it: a departure without a name has none to be wrong by.
     fn beyond_elastic(&self, best: &Explanation, a_law: bool) -> f64 {
-        let needed = if a_law || best.fit.candidates.len() > 1 { RATIO_100 } else { RATIO_3 };
         let nameless = self.extended(&self.base, &NAMELESS);
-        f64::max(score(&nameless) - best.score(), plain(&nameless) - plain(&best.fit)) - needed
+        let likelier = f64::max(nameless.discounted - best.fit.discounted, nameless.square - best.fit.square);
+        let together = best.fit.candidates.len() > 1;
+        if !a_law && !together {
+            let more = nameless.coordinates.len() as f64 - best.fit.coordinates.len() as f64;
+            return likelier + CHARGE * more - RATIO_3;
+        }
+        let parts = self.signatures.last().map_or(0.0, |parts| self.price(parts));
+        likelier + parts - self.price_of(&best.fit) - if together { RATIO_100 } else { RATIO_10 }
+    }
+
+    /// What the freedom of an explanation costs: the amount of each effect, and a charge for every parameter beside it.
+    fn price_of(&self, fit: &Fit) -> f64 {
+        let of = |candidate: &Candidate| {
+            let at = self.candidates.iter().position(|own| own == candidate)?;
+            let starts = self.signatures[at].column_iter();
+            starts.map(|start| self.price(&DMatrix::from_columns(&[start]))).reduce(f64::max)
+        };
+        let shapes = fit.coordinates.len() - self.base.coordinates.len() - fit.candidates.len();
+        fit.candidates.iter().filter_map(of).sum::<f64>() + CHARGE * shapes as f64
+    }
+
+    /// What it costs that plausible amounts, a column each, are free, as a difference of sums of squares (Laplace's): little where these data, with modulus and exponent free, can tell little of
+    /// them.
+    fn price(&self, plausible: &DMatrix<f64>) -> f64 {
+        Allowed::new(rest_of(plausible, &basis(&self.base.jacobian))).price
     }
 
     /// A relaxation of one or two times must be three times likelier than that of a power law, and what is named beside it a hundred times likelier than that alone.
