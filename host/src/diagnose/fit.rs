@@ -98,7 +98,7 @@ pub struct Fit {
     pub jacobian: DMatrix<f64>,
     /// Standard errors on either side of every parameter that hold the truth in 95 cases of 100: more than 1.96 where the noise was itself estimated from little.
     pub reach: Vec<f64>,
-    /// True when a quantity of an effect, other than a second exponent, lies at a bound that is not its null value, or the modulus, the exponent or the contact at one.
+    /// True when a quantity of an effect lies at a bound that is not its null value, or the modulus, the exponent or the contact at one; of two terms the exponents may.
     pub at_bound: bool,
 }
 
@@ -222,10 +222,11 @@ impl Problem<'_> {
         let bounds: Vec<(f64, f64)> = coordinates.iter().map(Coordinate::bounds).collect();
         let square = residual.norm_squared();
         let jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
-        // the second exponent ends where force models do: a law that goes on beyond is still a second term
+        // exponents end where force models do: of two terms, either of which may be the second, a law that goes on beyond is still two terms
         let open = |at: usize| candidates[at].effect.code == second_term::EFFECT.code;
         let at_bound = coordinates.iter().zip(x.iter().zip(&bounds)).any(|(c, (x, (low, high)))| match c {
             Coordinate::Of(at, q) if q.spread == Spread::Logarithmic && open(*at) => false,
+            Coordinate::LnAlpha if (0..candidates.len()).any(open) => false,
             Coordinate::Of(_, q) => {
                 let near = |end: f64| (x - end).abs() < 1e-3 * (high - low);
                 let null = c.of(q.null);

@@ -4,6 +4,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
+use super::check::{Check, Coupon};
 use super::design::{Design, Node};
 use super::jitter::Posterior;
 
@@ -123,12 +124,14 @@ const WHITENED: [f64; 4] = [0.0, 1e-9, 1e-6, 1e-3];
 
 /// What repeats of a condition differ by: one of as many orthonormal contrasts as there are runs less one (Helmert's).
 #[derive(Debug)]
-pub(super) struct Contrast {
-    /// A run of the condition, for nodes and curve.
-    pub series: usize,
+pub(super) struct Contrast<'a> {
+    /// Windows of a run of the condition.
+    pub nodes: &'a [Node],
+    /// Force there, N.
+    pub force_n: Vec<f64>,
     /// N, at its nodes; what the model misses is common to the runs and drops out.
     pub values: DVector<f64>,
-    /// Slope of the force, force, and 1, at its nodes.
+    /// What they may differ by besides sensor noise, a column each.
     pub shapes: DMatrix<f64>,
 }
 
@@ -156,7 +159,7 @@ impl Curve {
 /// misses is common to the replicates and drops out.
 #[must_use]
 pub fn estimate(design: &Design, curves: &[Curve], stated_n: Option<f64>) -> Option<Noise> {
-    let contrasts = contrasts(design, curves);
+    let mut contrasts = contrasts(design, curves);
     if contrasts.is_empty() {
         let sigma_n = stated_n?;
         let sensor = SensorNoise { sigma_n, white: 1.0, correlation_s: TIMES_S[0], relative: 0.0 };
@@ -168,9 +171,10 @@ pub fn estimate(design: &Design, curves: &[Curve], stated_n: Option<f64>) -> Opt
             sensor_freedom: STATED_FREEDOM,
         });
     }
-    let sensor = most_likely(design, curves, &contrasts);
+    contrasts.extend(of_coupons(design));
+    let sensor = most_likely(curves, &contrasts);
     let posterior = Posterior::of(design, curves, &sensor)?;
-    let nodes: usize = contrasts.iter().map(|d| d.values.len().saturating_sub(3)).sum();
+    let nodes: usize = contrasts.iter().map(|d| d.values.len().saturating_sub(d.shapes.ncols())).sum();
     let sensor_freedom = nodes as f64;
     Some(Noise { source: Source::Replicates, sensor, jitter: posterior.mean(), posterior, sensor_freedom })
 }
@@ -193,7 +197,7 @@ fn residual(design: &Design, curves: &[Curve], run: usize) -> DVector<f64> {
 }
 
 /// All contrasts between repeats on more than one spot.
-pub(super) fn contrasts(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
+pub(super) fn contrasts<'a>(design: &'a Design, curves: &[Curve]) -> Vec<Contrast<'a>> {
     let mut list = Vec::new();
     for runs in repeats(design) {
         let mut spots: Vec<usize> = runs.iter().map(|s| design.series[*s].spot).collect();
@@ -202,21 +206,55 @@ pub(super) fn contrasts(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
         if spots.len() < 2 {
             continue;
         }
-        let mut sum = residual(design, curves, runs[0]);
-        for (before, &series) in runs.iter().enumerate().skip(1) {
-            let own = residual(design, curves, series);
-            let n = before as f64;
-            let values = (&sum - n * &own) / (n * (n + 1.0)).sqrt();
-            sum += own;
-            list.push(Contrast { series, values, shapes: curves[series].shapes() });
+        let first = runs[0];
+        let each = runs.iter().map(|s| residual(design, curves, *s)).collect();
+        let like = |values: DVector<f64>| Contrast {
+            nodes: &design.series[first].nodes,
+            force_n: curves[first].force_n.clone(),
+            values,
+            shapes: curves[first].shapes(),
+        };
+        list.extend(helmert(each).into_iter().map(like));
+    }
+    list
+}
+
+/// Orthonormal contrasts of some vectors (Helmert's): one less than there are.
+fn helmert(each: Vec<DVector<f64>>) -> Vec<DVector<f64>> {
+    let mut sum: Option<DVector<f64>> = None;
+    let mut list = Vec::new();
+    for (before, own) in each.into_iter().enumerate() {
+        let n = before as f64;
+        list.extend(sum.as_ref().map(|sum| (sum - n * &own) / (n * (n + 1.0)).sqrt()));
+        sum = Some(sum.map_or_else(|| own.clone(), |sum| sum + &own));
+    }
+    list
+}
+
+/// The same between coupons that were compressed alike: forces are several times larger there, and so is noise in proportion to them.
+fn of_coupons(design: &Design) -> Vec<Contrast<'_>> {
+    let coupons: Vec<&Coupon> = design.checks.iter().filter_map(Check::coupon).collect();
+    let mut list = Vec::new();
+    for (at, first) in coupons.iter().enumerate() {
+        if coupons[..at].iter().any(|before| first.repeats(before)) {
+            continue;
         }
+        let alike = coupons[at..].iter().filter(|other| other.repeats(first));
+        let each = alike.map(|own| DVector::from_vec(own.measured())).collect();
+        let like = |values: DVector<f64>| Contrast {
+            nodes: first.nodes(),
+            force_n: first.measured(),
+            values,
+            shapes: first.shapes(),
+        };
+        list.extend(helmert(each).into_iter().map(like));
     }
     list
 }
 
 /// What the repeats of each condition have in common beyond the model: their sums, scaled to the noise of one run, so that with their contrasts they hold all that was measured. Only where the
 /// model leaves no more than noise is it noise; what it may still miss smoothly over the depth is free, as jitter is, and so is what has lifted.
-pub(super) fn means(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
+pub(super) fn means<'a>(design: &'a Design, curves: &[Curve]) -> Vec<Contrast<'a>> {
     let of = |runs: Vec<usize>| {
         let series = runs[0];
         let (own, curve) = (&design.series[series], &curves[series]);
@@ -232,15 +270,15 @@ pub(super) fn means(design: &Design, curves: &[Curve]) -> Vec<Contrast> {
             }
         });
         let sum: DVector<f64> = runs.iter().map(|s| residual(design, curves, *s)).sum();
-        Contrast { series, values: sum / (runs.len() as f64).sqrt(), shapes }
+        Contrast { nodes: &own.nodes, force_n: curve.force_n.clone(), values: sum / (runs.len() as f64).sqrt(), shapes }
     };
     repeats(design).map(of).collect()
 }
 
 /// Sensor noise of the largest likelihood over a grid, its level found in closed form, jitter removed as free parameters.
-fn most_likely(design: &Design, curves: &[Curve], contrasts: &[Contrast]) -> SensorNoise {
+fn most_likely(curves: &[Curve], contrasts: &[Contrast<'_>]) -> SensorNoise {
     // a dozen runs say enough about the shape of a noise
-    let few: Vec<&Contrast> = contrasts.iter().step_by(contrasts.len().div_ceil(12)).collect();
+    let few: Vec<&Contrast<'_>> = contrasts.iter().step_by(contrasts.len().div_ceil(12)).collect();
     let peak = curves.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
     let mut best = (f64::INFINITY, SensorNoise { sigma_n: 1.0, white: 1.0, correlation_s: 0.02, relative: 0.0 });
     for correlation_s in TIMES_S {
@@ -248,23 +286,17 @@ fn most_likely(design: &Design, curves: &[Curve], contrasts: &[Contrast]) -> Sen
             for part in RELATIVE {
                 // at unit level, the relative part in proportion to the noise of a hundredth of the peak
                 let unit = SensorNoise { sigma_n: 1.0, white, correlation_s, relative: part / (0.01 * peak) };
-                best = likelier(design, curves, &few, &unit, best);
+                best = likelier(&few, &unit, best);
             }
         }
     }
-    refined(design, curves, contrasts, best.1)
+    refined(contrasts, best.1)
 }
 
 /// A noise of the shape of another, at its likeliest level, with twice its negative log-likelihood; the best so far where that is no less likely.
-fn likelier(
-    design: &Design,
-    curves: &[Curve],
-    runs: &[&Contrast],
-    like: &SensorNoise,
-    best: (f64, SensorNoise),
-) -> (f64, SensorNoise) {
+fn likelier(runs: &[&Contrast<'_>], like: &SensorNoise, best: (f64, SensorNoise)) -> (f64, SensorNoise) {
     let unit = SensorNoise { sigma_n: 1.0, relative: like.relative / like.sigma_n, ..*like };
-    let found = level(design, curves, runs, &unit).filter(|(_, deviance)| *deviance < best.0);
+    let found = level(runs, &unit).filter(|(_, deviance)| *deviance < best.0);
     found.map_or(best, |(sigma_n, deviance)| {
         (deviance, SensorNoise { sigma_n, relative: unit.relative * sigma_n, ..unit })
     })
@@ -272,10 +304,10 @@ fn likelier(
 
 /// The noise between the points of the grid, with all contrasts: a correlation time that is a tenth too long makes a step from one window to the next seem a twentieth too
 /// sure, and one that is a third too short a mean over a branch a sixth.
-fn refined(design: &Design, curves: &[Curve], contrasts: &[Contrast], coarse: SensorNoise) -> SensorNoise {
+fn refined(contrasts: &[Contrast<'_>], coarse: SensorNoise) -> SensorNoise {
     const STEPS: [f64; 4] = [0.35, 0.18, 0.09, 0.045];
-    let all: Vec<&Contrast> = contrasts.iter().collect();
-    let mut best = likelier(design, curves, &all, &coarse, (f64::INFINITY, coarse));
+    let all: Vec<&Contrast<'_>> = contrasts.iter().collect();
+    let mut best = likelier(&all, &coarse, (f64::INFINITY, coarse));
     if best.0.is_infinite() {
         return coarse;
     }
@@ -289,7 +321,7 @@ fn refined(design: &Design, curves: &[Curve], contrasts: &[Contrast], coarse: Se
                 SensorNoise { white: (now.white + 0.3 * sign * step).clamp(0.0, 1.0), ..now },
             ];
             for noise in tried.iter().filter(|noise| **noise != now) {
-                best = likelier(design, curves, &all, noise, best);
+                best = likelier(&all, noise, best);
             }
         }
     }
@@ -306,8 +338,9 @@ const WEIGHS: f64 = 0.01;
 #[must_use]
 pub fn plausible(design: &Design, curves: &[Curve], noise: &Noise) -> Vec<(f64, SensorNoise)> {
     let likeliest = noise.sensor;
-    let contrasts = contrasts(design, curves);
-    let all: Vec<&Contrast> = contrasts.iter().collect();
+    let mut contrasts = contrasts(design, curves);
+    contrasts.extend(of_coupons(design));
+    let all: Vec<&Contrast<'_>> = contrasts.iter().collect();
     if noise.source == Source::Stated || all.is_empty() {
         return vec![(1.0, likeliest)];
     }
@@ -322,7 +355,7 @@ pub fn plausible(design: &Design, curves: &[Curve], noise: &Noise) -> Vec<(f64, 
         .collect();
     let each: Vec<(f64, SensorNoise)> = others
         .par_iter()
-        .map(|other| likelier(design, curves, &all, other, (f64::INFINITY, *other)))
+        .map(|other| likelier(&all, other, (f64::INFINITY, *other)))
         .filter(|(deviance, _)| deviance.is_finite())
         .collect();
     let least = each.iter().map(|e| e.0).fold(f64::INFINITY, f64::min);
@@ -336,15 +369,14 @@ pub fn plausible(design: &Design, curves: &[Curve], noise: &Noise) -> Vec<(f64, 
 }
 
 /// Level of a noise of given shape, and twice its negative log-likelihood.
-fn level(design: &Design, curves: &[Curve], runs: &[&Contrast], unit: &SensorNoise) -> Option<(f64, f64)> {
+fn level(runs: &[&Contrast<'_>], unit: &SensorNoise) -> Option<(f64, f64)> {
     let (mut square, mut log, mut count) = (0.0, 0.0, 0.0);
     for run in runs {
-        let series = &design.series[run.series];
-        let factor = unit.factor(&series.nodes, &curves[run.series].force_n)?;
+        let factor = unit.factor(run.nodes, &run.force_n)?;
         let (rest, information) = without_shapes(run, &factor)?;
         square += rest;
         log += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum() + information;
-        count += run.values.len() as f64 - 3.0;
+        count += run.values.len() as f64 - run.shapes.ncols() as f64;
     }
     let variance = square / count;
     (variance > 0.0).then(|| (variance.sqrt(), log + count * variance.ln()))
@@ -352,8 +384,8 @@ fn level(design: &Design, curves: &[Curve], runs: &[&Contrast], unit: &SensorNoi
 
 type Factor = Cholesky<f64, Dyn>;
 
-/// Whitened square of what the three shapes leave, and the logarithm of their information.
-fn without_shapes(run: &Contrast, factor: &Factor) -> Option<(f64, f64)> {
+/// Whitened square of what its shapes leave, and the logarithm of their information.
+fn without_shapes(run: &Contrast<'_>, factor: &Factor) -> Option<(f64, f64)> {
     let y = factor.l_dirty().solve_lower_triangular(&run.values)?;
     let x = factor.l_dirty().solve_lower_triangular(&run.shapes)?;
     let normal = (x.transpose() * &x).cholesky()?;
@@ -361,4 +393,24 @@ fn without_shapes(run: &Contrast, factor: &Factor) -> Option<(f64, f64)> {
     let fitted = normal.solve(&right).dot(&right);
     let information = 2.0 * normal.l_dirty().diagonal().map(f64::ln).sum();
     Some(((y.norm_squared() - fitted).max(0.0), information))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of unit vectors: rows of an orthonormal matrix that have nothing of what all share.
+    #[test]
+    fn contrasts_are_orthonormal_and_know_no_mean() {
+        let unit = |at: usize| DVector::from_fn(5, |i, _| f64::from(u8::from(i == at)));
+        let found = helmert((0..5).map(unit).collect());
+        assert_eq!(found.len(), 4);
+        for (i, a) in found.iter().enumerate() {
+            assert!(a.sum().abs() < 1e-15);
+            for (j, b) in found.iter().enumerate() {
+                assert!((a.dot(b) - f64::from(u8::from(i == j))).abs() < 1e-15, "{i} {j}");
+            }
+        }
+        assert!(helmert(vec![unit(0)]).is_empty() && helmert(Vec::new()).is_empty());
+    }
 }

@@ -97,9 +97,10 @@ fn remember(time_s: &[f64], shape: &[f64], terms: &[(f64, f64)], force_n: &mut [
         let mut memory = 0.0;
         for (q, (g, tau_s)) in kept.iter_mut().zip(terms) {
             let x = dt / tau_s;
-            // (1 - exp(-x)) / x, its limit 1 for x -> 0
-            let share = if x < 1e-9 { 1.0 } else { -(-x).exp_m1() / x };
-            *q = *q * (-x).exp() + (stress - before) * share;
+            let faded = -(-x).exp_m1();
+            // its limit 1 for x -> 0
+            let share = if x < 1e-9 { 1.0 } else { faded / x };
+            *q = *q * (1.0 - faded) + (stress - before) * share;
             memory += g * *q * shape[i];
         }
         before = stress;

@@ -39,8 +39,9 @@ pub fn creep(time_s: &[f64], force_n: &mut [f64], (amplitude, tau_s): (f64, f64)
         let dt = if i == 0 { 0.0 } else { (time_s[i] - time_s[i - 1]).max(0.0) };
         let now = force_n[i];
         let x = dt / tau_s;
-        let kept = (-x).exp();
-        let share = if x < 1e-9 { 1.0 } else { -(-x).exp_m1() / x };
+        let faded = -(-x).exp_m1();
+        let kept = 1.0 - faded;
+        let share = if x < 1e-9 { 1.0 } else { faded / x };
         // response of a first-order filter to a straight piece
         late = late * kept + before * (share - kept) + now * (1.0 - share);
         before = now;

@@ -3,7 +3,7 @@
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
-use super::chebyshev::polynomials;
+use super::chebyshev::{clenshaw_and_slope, polynomials};
 use super::relaxed::RampRelaxation;
 
 /// Largest number of terms a profile can have.
@@ -90,15 +90,9 @@ impl DepthProfile {
             return (0.0, 0.0);
         }
         let d = depth_mm.min(self.depth_max_mm);
-        let n = self.coefficients.len();
-        let (mut value, mut slope) = ([0.0; MAX_TERMS], [0.0; MAX_TERMS]);
         let s = (d / self.depth_max_mm).sqrt();
-        polynomials(2.0 * s - 1.0, &mut value[..n], &mut slope[..n]);
-        let (mut q, mut dq) = (0.0, 0.0);
-        for k in 0..n {
-            q += self.coefficients[k] * value[k];
-            dq += self.coefficients[k] * 2.0 * slope[k];
-        }
+        let (q, half) = clenshaw_and_slope(&self.coefficients, 2.0 * s - 1.0);
+        let dq = 2.0 * half;
         let (f, df) = assemble(d, s, self.hertz, q, dq);
         let (r, dr) = self.relaxation.factor(d);
         let (f, df) = (r * f, r * df + dr * f);

@@ -1,7 +1,6 @@
 //! The force of a unit shear modulus over depth, at one place of a force model.
 
-use super::chebyshev::{clenshaw, polynomials};
-use super::profile::MAX_TERMS;
+use super::chebyshev::{clenshaw, clenshaw_and_slope};
 
 /// `F / mu = H d^(3/2) exp(s q(s))` with `s = sqrt(d / d_max)`: 0 for `d <= 0`, continued linearly beyond `d_max`.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,7 +9,7 @@ pub struct ForceSlice {
     pub depth_max_mm: f64,
     /// Hertz's factor of a unit modulus (mm^0.5).
     pub hertz: f64,
-    /// Coefficients of `q`, at most [`MAX_TERMS`].
+    /// Coefficients of `q`.
     pub coefficients: Vec<f64>,
 }
 
@@ -23,14 +22,8 @@ impl ForceSlice {
         }
         let d = depth_mm.min(self.depth_max_mm);
         let s = (d / self.depth_max_mm).sqrt();
-        let n = self.coefficients.len();
-        let (mut value, mut slope) = ([0.0; MAX_TERMS], [0.0; MAX_TERMS]);
-        polynomials(2.0 * s - 1.0, &mut value[..n], &mut slope[..n]);
-        let (mut q, mut dq) = (0.0, 0.0);
-        for ((c, t), dt) in self.coefficients.iter().zip(&value).zip(&slope) {
-            q += c * t;
-            dq += 2.0 * c * dt;
-        }
+        let (q, half) = clenshaw_and_slope(&self.coefficients, 2.0 * s - 1.0);
+        let dq = 2.0 * half;
         let force = self.hertz * d * d.sqrt() * (s * q).exp();
         let by_depth = force * (1.5 + 0.5 * s * (q + s * dq)) / d;
         (force + by_depth * (depth_mm - d), by_depth)

@@ -24,6 +24,8 @@ const BLOCK_MPA: f64 = 3000.0;
 pub struct Followed {
     /// What was proposed and made.
     pub runs: Vec<Plan>,
+    /// Answers before the last, one after each run.
+    pub before: Vec<Answer>,
     /// The last answer.
     pub answer: Answer,
     /// How good it is.
@@ -63,7 +65,8 @@ impl Followed {
             }
             let outcome = Outcome::of(&truth, strength, &answer);
             let resolved = is_resolved(&truth.codes(), strength, &answer);
-            followed = Some(Self { runs: runs.clone(), answer, outcome, resolved });
+            let before = followed.map_or_else(Vec::new, |f| f.before.into_iter().chain([f.answer]).collect());
+            followed = Some(Self { runs: runs.clone(), before, answer, outcome, resolved });
         }
         Ok(followed)
     }

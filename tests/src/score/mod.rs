@@ -190,8 +190,9 @@ impl Scored {
             .collect();
         let followed = self.followed.as_ref().map_or_else(String::new, |f| {
             let made: Vec<String> = f.runs.iter().map(|run| format!("{:?}", run.on)).collect();
+            let before: String = f.before.iter().map(|answer| format!("{}, then ", answer.line())).collect();
             format!(
-                " ==> after {} runs {} -> {} by {}",
+                " ==> after {} runs {before}{} -> {} by {}",
                 f.runs.len(),
                 f.answer.line(),
                 f.outcome.word(),

@@ -4,7 +4,7 @@
 //! said to be, flat, or touched where it is said to be touched. That is what its rows may be off by together.
 
 use lut_gen::chain::{Model, Shortening, Sides};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::experiment::motion::{self, Motion};
 use crate::experiment::{BaseLaw, Experiment, Recording, Run, Test};
@@ -195,13 +195,46 @@ impl Coupon {
         self.run.specimen
     }
 
+    /// Windows that are compared, a row each.
+    pub(in super::super) fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// True for one that was compressed as another was: the same piece or its like, as far and as fast.
+    pub(in super::super) fn repeats(&self, other: &Self) -> bool {
+        /// Parts of themselves that times and depths of repeats differ by.
+        const ALIKE: f64 = 0.02;
+        let (a, b) = (&self.run, &other.run);
+        let piece = |run: &Shortening| (run.sides, run.specimen, run.height_mm, run.area_mm2);
+        let near = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs().max(b.abs());
+        let last_s = |own: &Self| own.nodes.last().map_or(0.0, |node| node.time_s);
+        let deepest_mm = |own: &Self| own.nodes.iter().map(|node| node.depth_mm).fold(0.0, f64::max);
+        let way = near(last_s(self), last_s(other)) && near(deepest_mm(self), deepest_mm(other));
+        let way = way && near(a.before_mm, b.before_mm);
+        piece(a) == piece(b) && self.nodes.len() == other.nodes.len() && way
+    }
+
+    /// What repeats differ by besides sensor noise, a column each: a zero (a newton), a gain, a first touch (a millimetre), a height (relative).
+    pub(in super::super) fn shapes(&self) -> DMatrix<f64> {
+        let slopes = self.slopes();
+        DMatrix::from_fn(self.nodes.len(), 4, |k, column| {
+            let (node, slope) = (&self.nodes[k], slopes[k]);
+            match column {
+                0 => 1.0,
+                1 => node.force_n,
+                2 => -slope,
+                _ => -node.depth_mm * slope,
+            }
+        })
+    }
+
     /// Number of rows, each a reading in N.
     pub(super) fn rows(&self) -> usize {
         self.nodes.len()
     }
 
     /// What was recorded, a row each.
-    pub(super) fn measured(&self) -> Vec<f64> {
+    pub(in super::super) fn measured(&self) -> Vec<f64> {
         self.nodes.iter().map(|n| n.force_n).collect()
     }
 
@@ -221,16 +254,8 @@ impl Coupon {
         let diameter_mm = 2.0 * (self.run.area_mm2 / std::f64::consts::PI).sqrt();
         let gain = noise.jitter.gain.hypot(2.0 * DIAMETER_MM / diameter_mm).hypot(AGREE);
         let touch_mm = noise.jitter.contact_mm.hypot(TOUCH_MM);
-        let slopes = self.slopes();
-        DMatrix::from_fn(self.nodes.len(), 4, |k, column| {
-            let (node, slope) = (&self.nodes[k], slopes[k]);
-            match column {
-                0 => noise.jitter.zero_n,
-                1 => gain * node.force_n,
-                2 => -touch_mm * slope,
-                _ => -HEIGHT * node.depth_mm * slope,
-            }
-        })
+        let each = [noise.jitter.zero_n, gain, touch_mm, HEIGHT];
+        self.shapes() * DMatrix::from_diagonal(&DVector::from_row_slice(&each))
     }
 
     /// Slope (N/mm) of what was read over depth at every row; in a hold that of the way down before it.
@@ -384,6 +409,24 @@ mod tests {
         );
         let deepest = coupon.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
         assert!((deepest - 0.5 * HEIGHT_MM).abs() < 0.1, "{deepest}");
+    }
+
+    /// One like it, at another zero, repeats a coupon; a slower one, one between platens and one that was shortened before do not.
+    #[test]
+    fn repeats_are_compressed_alike() {
+        let (coupon, _) = of(&experiment(vec![recorded(foam(), Test::Confined, 0.0)])).unwrap();
+        let like = |change: &dyn Fn(&mut Run)| {
+            let mut run = recorded(foam(), Test::Confined, 0.0);
+            change(&mut run);
+            of(&experiment(vec![run])).unwrap().0
+        };
+        assert!(coupon.repeats(&coupon));
+        let shifted = like(&|run| run.recording.depth_mm.iter_mut().for_each(|d| *d += 2.0));
+        assert!(shifted.repeats(&coupon), "{:?} {:?}", shifted.nodes.last(), coupon.nodes.last());
+        assert!(!like(&|run| run.recording.time_s.iter_mut().for_each(|t| *t *= 1.5)).repeats(&coupon));
+        assert!(!like(&|run| run.test = Test::Uniaxial).repeats(&coupon));
+        let again = Coupon { run: Shortening { before_mm: 5.0, ..coupon.run.clone() }, ..coupon.clone() };
+        assert!(!again.repeats(&coupon) && !coupon.repeats(&again));
     }
 
     #[test]

@@ -106,12 +106,17 @@ impl Check {
         Self { kind: shown.kind(), start_s: like.0, scale_n: like.1, shown }
     }
 
-    /// The specimen that was shortened as a whole, as its index.
-    pub(super) fn coupon_of(&self) -> Option<usize> {
+    /// The coupon, if it is one.
+    pub(super) fn coupon(&self) -> Option<&Coupon> {
         match &self.shown {
             Shown::Alone(_) => None,
-            Shown::Coupon(coupon) => Some(coupon.specimen()),
+            Shown::Coupon(coupon) => Some(coupon),
         }
+    }
+
+    /// The specimen that was shortened as a whole, as its index.
+    pub(super) fn coupon_of(&self) -> Option<usize> {
+        self.coupon().map(Coupon::specimen)
     }
 
     /// Number of rows: readings (N), then depths (mm).

@@ -84,9 +84,9 @@ const RIVALS: usize = 5;
 /// Distance from which on rivals count as decided: a likelihood ratio of 100 is 3.03 standard deviations.
 const DECIDED: f64 = 3.03;
 
-/// Runs that laboratories can make with what they have: other rates, a hold, a way back, cycles, another ball, another height; coupons, whose size is such that `base`
-/// stays within the range of the sensor.
-fn feasible(design: &Design, base: &Model) -> Vec<Plan> {
+/// Runs that laboratories can make with what they have: other rates, a hold, a way back, cycles, another ball, another height; coupons, whose size is such that none of
+/// the models, the base and its rivals, leaves the range of the sensor.
+fn feasible(design: &Design, models: &[&Model]) -> Vec<Plan> {
     let mut list = Vec::new();
     let deepest = |s: &Series| s.nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
     let mut seen: Vec<(usize, usize)> = Vec::new();
@@ -133,7 +133,7 @@ fn feasible(design: &Design, base: &Model) -> Vec<Plan> {
             // of what hardly changes its volume a coupon is not compared
             if geometry.nu == 0.0 {
                 let middle = Plan { rate_mm_per_s: (slowest * fastest).sqrt(), ..usual };
-                list.push(coupon::in_ring(middle, geometry.specimen.height_mm, (base, load_n)));
+                list.push(coupon::in_ring(middle, geometry.specimen.height_mm, (models, load_n)));
             }
         }
     }
@@ -303,7 +303,8 @@ pub fn proposals(
     blind: &[&'static str],
 ) -> Vec<Proposal> {
     let rivals = distinct(held);
-    let plans = feasible(search.problem.design, &search.base.model);
+    let models: Vec<&Model> = std::iter::once(&search.base.model).chain(rivals.iter().map(|fit| &fit.model)).collect();
+    let plans = feasible(search.problem.design, &models);
     let mut list: Vec<Proposal> = plans
         .into_par_iter()
         .filter_map(|plan| {

@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, DMatrixView, DVector, DVectorView, SymmetricEigen};
 use rayon::prelude::*;
 
-use super::super::design::{Branch, Design, Series};
+use super::super::design::{Branch, Design, Node, Series};
 use super::super::noise::{Contrast, Curve, SensorNoise, contrasts, means};
 use super::{Over, Ripple};
 
@@ -68,12 +68,12 @@ pub(super) fn of(design: &Design, curves: &[Curve], sensor: &SensorNoise, adequa
     if adequate {
         all.extend(means(design, curves));
     }
-    let few: Vec<&Contrast> = all.iter().step_by(all.len().div_ceil(CONTRASTS).max(1)).collect();
+    let few: Vec<&Contrast<'_>> = all.iter().step_by(all.len().div_ceil(CONTRASTS).max(1)).collect();
     let waves = waves(design);
     if few.is_empty() || waves.is_empty() {
         return None;
     }
-    let columns: Vec<DMatrix<f64>> = few.iter().map(|c| shapes(&design.series[c.series], &waves)).collect();
+    let columns: Vec<DMatrix<f64>> = few.iter().map(|c| shapes(c.nodes, &waves)).collect();
     let count: f64 = few.iter().map(|c| (c.values.len() - c.shapes.ncols()) as f64).sum();
     let relative = if sensor.sigma_n > 0.0 { sensor.relative / sensor.sigma_n } else { 0.0 };
     // the likeliest noise without a wave lies between those of the grid: a wave must not stand for the difference
@@ -91,7 +91,7 @@ pub(super) fn of(design: &Design, curves: &[Curve], sensor: &SensorNoise, adequa
             let sums: Option<Vec<Sums>> = few
                 .iter()
                 .zip(&columns)
-                .map(|(contrast, columns)| Sums::of(design, curves, contrast, (&waves, columns), unit))
+                .map(|(contrast, columns)| Sums::of(contrast, (&waves, columns), unit))
                 .collect();
             let sums = sums?;
             let none = deviance(&sums, None, count).0;
@@ -135,15 +135,9 @@ fn deviance(sums: &[Sums], wave: Option<(usize, f64)>, count: f64) -> (f64, f64)
 }
 
 impl Sums {
-    fn of(
-        design: &Design,
-        curves: &[Curve],
-        contrast: &Contrast,
-        (waves, columns): (&[Wave], &DMatrix<f64>),
-        unit: &SensorNoise,
-    ) -> Option<Self> {
-        let nodes = &design.series[contrast.series].nodes;
-        let factor = unit.factor(nodes, &curves[contrast.series].force_n)?;
+    fn of(contrast: &Contrast<'_>, (waves, columns): (&[Wave], &DMatrix<f64>), unit: &SensorNoise) -> Option<Self> {
+        let nodes = contrast.nodes;
+        let factor = unit.factor(nodes, &contrast.force_n)?;
         let whitened = |columns: &DMatrix<f64>| factor.l_dirty().solve_lower_triangular(columns);
         let free = whitened(&contrast.shapes)?.qr();
         let q = free.q();
@@ -199,13 +193,12 @@ fn waves(design: &Design) -> Vec<Wave> {
 }
 
 /// Cosine and sine of every wave and its harmonics as means over a run's windows. In a hold nothing slips.
-fn shapes(series: &Series, waves: &[Wave]) -> DMatrix<f64> {
-    let nodes = &series.nodes;
+fn shapes(nodes: &[Node], waves: &[Wave]) -> DMatrix<f64> {
     let parts: Vec<(Over, f64, f64)> =
         waves.iter().flat_map(|w| w.parts().map(|(times, size)| (w.over, times * w.frequency, size))).collect();
     let mut columns = DMatrix::zeros(nodes.len(), 2 * parts.len());
     for (k, node) in nodes.iter().enumerate() {
-        let rate = if series.nodes.len() > 1 { rate(series, k) } else { 0.0 };
+        let rate = rate(nodes, k);
         for (j, (over, frequency, size)) in parts.iter().enumerate() {
             let (phase, length) = match over {
                 Over::Time => (frequency * node.time_s, frequency * node.length_s),
@@ -228,8 +221,7 @@ fn shapes(series: &Series, waves: &[Wave]) -> DMatrix<f64> {
 }
 
 /// Rate at a node, mm/s.
-fn rate(series: &Series, k: usize) -> f64 {
-    let nodes = &series.nodes;
+fn rate(nodes: &[Node], k: usize) -> f64 {
     let same = |i: usize| nodes.get(i).filter(|n| n.branch == nodes[k].branch);
     let two = same(k + 1).map(|n| (n, &nodes[k])).or(k.checked_sub(1).and_then(same).map(|n| (&nodes[k], n)));
     two.map_or(0.0, |(a, b)| (a.depth_mm - b.depth_mm) / (a.time_s - b.time_s).max(1e-9))

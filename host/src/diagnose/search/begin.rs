@@ -51,7 +51,7 @@ impl Search<'_> {
         // an exponent that what is missing has bent would keep what comes from being found
         let bent = from.at_bound
             || !from.candidates.is_empty()
-            || matches!(candidate.effect.stage, Stage::Specimen | Stage::Material | Stage::Contact);
+            || matches!(candidate.effect.stage, Stage::Specimen | Stage::Material | Stage::Contact | Stage::Machine);
         let alphas: Vec<f64> = std::iter::once(from.x[1]).chain(bent.then_some(MIDDLE.ln())).collect();
         let fits = alphas.into_iter().flat_map(|alpha| {
             let place = |i: usize, values: &[f64]| match i {

@@ -171,7 +171,8 @@ impl<'a> Found<'a> {
         charged.min(free) > RATIO_100 + self.doubt(rival, best)
     }
 
-    /// What the forms of twins may be wrong by, as a part of what telling them apart rests on: the square of a signature is wrong by twice what it is wrong by.
+    /// What the forms of twins may be wrong by, as a part of what telling them apart rests on: the square of a signature is wrong by twice what it is wrong by. What coupons tell
+    /// rests on no form.
     fn doubt(&self, rival: &Explanation, best: &Explanation) -> f64 {
         let only = |of: &Fit, other: &Fit| -> Vec<Candidate> {
             of.candidates.iter().filter(|c| !other.candidates.contains(c)).copied().collect()
@@ -182,10 +183,23 @@ impl<'a> Found<'a> {
                 let shared: Vec<Candidate> = best.fit.candidates.iter().filter(|c| *c != b).copied().collect();
                 let without = self.singles.iter().find(|e| e.fit.candidates == shared);
                 let gain = without.map_or(best.gain, |e| e.fit.discounted - best.fit.discounted);
-                2.0 * gain * (form_error::mean_share(a, &rival.fit) + form_error::mean_share(b, &best.fit))
+                let told = gain * self.outside_coupons(without.map_or(&self.search.base, |e| &e.fit), &best.fit);
+                2.0 * told * (form_error::mean_share(a, &rival.fit) + form_error::mean_share(b, &best.fit))
             }
             _ => 0.0,
         }
+    }
+
+    /// Part of what one fit explains beyond another that does not lie in the rows of coupons.
+    fn outside_coupons(&self, before: &Fit, after: &Fit) -> f64 {
+        let problem = &self.search.problem;
+        let coupons = problem.design.checks.iter().enumerate().filter(|(_, check)| check.coupon().is_some());
+        let fall = |rows: std::ops::Range<usize>| -> f64 {
+            rows.map(|row| before.residual[row].powi(2) - after.residual[row].powi(2)).sum()
+        };
+        let within: f64 = coupons.map(|(at, _)| fall(problem.rows_of_check(at))).sum();
+        let all = before.square - after.square;
+        if all > 0.0 { (1.0 - within / all).clamp(0.0, 1.0) } else { 1.0 }
     }
 
     /// Places of the other forms of a single effect that are clearly not noise.

@@ -412,6 +412,9 @@ fn sorted(mut list: Vec<Explanation>) -> Vec<Explanation> {
 fn left_out(design: &Design, fit: &Fit, problem: &Problem<'_>) -> f64 {
     let whole = fit.jacobian.tr_mul(&fit.jacobian) + known_before(&fit.coordinates);
     let log_whole = log_determinant(&whole);
+    // what was fitted with errors of its effects allowed for is not where these residuals are least: a slope that is left would pass for a parameter that one group alone moves
+    let step = whole.clone().cholesky().map(|c| c.solve(&fit.jacobian.tr_mul(&fit.residual)));
+    let least = step.map_or_else(|| fit.residual.clone(), |step| &fit.residual - &fit.jacobian * step);
     let mut sum = 0.0;
     for group in 0..design.groups {
         let rows: Vec<usize> = design
@@ -422,7 +425,7 @@ fn left_out(design: &Design, fit: &Fit, problem: &Problem<'_>) -> f64 {
             .flat_map(|(s, series)| problem.whitening.first(s)..problem.whitening.first(s) + series.nodes.len())
             .collect();
         let own = DMatrix::from_fn(rows.len(), fit.jacobian.ncols(), |i, j| fit.jacobian[(rows[i], j)]);
-        let residual = DVector::from_fn(rows.len(), |i, _| fit.residual[rows[i]]);
+        let residual = DVector::from_fn(rows.len(), |i, _| least[rows[i]]);
         let rest = &whole - own.tr_mul(&own);
         let right = own.tr_mul(&residual);
         // without the group the residual is (I + J A J')r with a covariance of I + J A J', where A is what the rest leaves open

@@ -98,18 +98,20 @@ impl Search<'_> {
 
     /// Of elastic laws there is no end, so that one of those with a name must be ten times likelier than any, and so must what is told with one in a set; two elastic effects together
     /// imitate many, and must be a hundred times. Likelihoods are marginal ones, over the amounts that each might have had: the parts of a departure without a name cost what these data
-    /// could have told of them. A wrong radius, or a machine that gives way, has one form, and is told from it as from any rival: three times likelier, parameters charged. What a form may
-    /// be wrong by is allowed for or not, whichever is better for it: a departure without a name has none to be wrong by.
+    /// could have told of them. A wrong radius, friction, or a machine that gives way, has one form, and is told from it as from any rival: three times likelier, its parts charged as
+    /// parameters, or as what these data tell of them where that is more: beside a coupon they tell much. What a form may be wrong by is allowed for or not, whichever is better for it: a
+    /// departure without a name has none to be wrong by.
     fn beyond_elastic(&self, best: &Explanation, a_law: bool) -> f64 {
         let nameless = self.extended(&self.base, &NAMELESS);
         let likelier = f64::max(nameless.discounted - best.fit.discounted, nameless.square - best.fit.square);
         let together = best.fit.candidates.len() > 1;
+        let parts = self.signatures.last().map_or(0.0, |parts| self.price(parts));
+        let dearer = parts - self.price_of(&best.fit);
         if !a_law && !together {
             let more = nameless.coordinates.len() as f64 - best.fit.coordinates.len() as f64;
-            return likelier + CHARGE * more - RATIO_3;
+            return likelier + f64::max(CHARGE * more, dearer) - RATIO_3;
         }
-        let parts = self.signatures.last().map_or(0.0, |parts| self.price(parts));
-        likelier + parts - self.price_of(&best.fit) - if together { RATIO_100 } else { RATIO_10 }
+        likelier + dearer - if together { RATIO_100 } else { RATIO_10 }
     }
 
     /// What the freedom of an explanation costs: the amount of each effect, and a charge for every parameter beside it.

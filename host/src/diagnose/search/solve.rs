@@ -32,6 +32,9 @@ const LEFT: f64 = 0.05;
 const NOISY: f64 = 1.1;
 /// How far behind what is sure more solves must promise to end for them not to be made: two likelihood ratios of a hundred.
 const BEHIND: f64 = 2.0 * RATIO_100;
+/// What rounds may yet gain, as a part of what the last promises: rounds that each bring two thirds of the way that the one before did gain twice as much. A second term that crept towards a score
+/// was left four short of it with once.
+const MORE: f64 = 2.0;
 /// Solves of the likeliest explanation, which must end where its solve is.
 const SETTLES: usize = 5;
 /// A fit near a solve may promise this much less than what was left at the solve; of one that promises more only that is believed.
@@ -57,9 +60,9 @@ impl Solved {
         self.here.discounted - self.near.discounted
     }
 
-    /// True where more solves, the next gaining as much as this one promises, would come near a score.
+    /// True where more solves, that gain [`MORE`] times what this one promises, would come near a score.
     fn may_reach(&self, best: f64) -> bool {
-        score(&self.near) - self.promise().max(0.0) < best + BEHIND
+        score(&self.near) - MORE * self.promise().max(0.0) < best + BEHIND
     }
 
     /// Where the next round begins after this one, which was made after another.
