@@ -11,6 +11,10 @@ use palpate::diagnose::fit;
 use palpate::simulate::{self, Noise, Solver, Spec, simulate};
 use tests::hidden;
 
+/// What two meshes leave of a second term and of a Poisson's ratio, as a part of what they add.
+const SECOND_TERM: f64 = 0.0025;
+const POISSON: f64 = 0.004;
+
 /// A D36 experiment without noise, of a foam whose exponent is large, and the force models that fit it.
 struct Bench {
     case: hidden::Case,
@@ -83,13 +87,47 @@ fn relaxation_is_met_on_the_way_back_too() {
     }
 }
 
-/// Two forces that are added share no deformation; finite elements do.
+/// Two forces that are added share no deformation; finite elements do. Ratios of raw forces of one mesh waved by 0.5 % of what the term adds, and a diagnosis preferred another law to the true
+/// one; smooth curves of both miss less than half of that.
 #[test]
 fn a_second_term_is_one_law() {
-    let hidden = simulate::Effect::SecondTerm { mu2_ratio: 0.3, alpha2: 2.0 };
-    let [chain, whole] = misses(hidden, &effect::second_term::EFFECT, &[0.3, 2.0]);
-    assert!(chain[0] > 0.05, "{chain:?}");
-    assert!(whole.iter().all(|miss| *miss < 0.005), "{whole:?}");
+    for (mu2_ratio, alpha2) in [(0.3, 2.0), (0.12, 2.0)] {
+        let hidden = simulate::Effect::SecondTerm { mu2_ratio, alpha2 };
+        let [chain, whole] = misses(hidden, &effect::second_term::EFFECT, &[mu2_ratio, alpha2]);
+        assert!(chain[0] > 0.05, "{chain:?}");
+        assert!(whole.iter().all(|miss| *miss < SECOND_TERM), "{whole:?}");
+    }
+}
+
+/// A Poisson's ratio needs no finite elements of its own: force models over it and over the exponent have it. With four nodes even in the ratio 0.9 % of it was missed, 0.3 % of the force.
+#[test]
+fn a_poisson_ratio_is_that_of_the_force_models() {
+    for nu in [0.05, 0.1, 0.3] {
+        let [chain, _] = misses(simulate::Effect::Poisson { nu }, &effect::poisson::EFFECT, &[nu]);
+        assert!(chain.iter().all(|miss| *miss < POISSON), "{nu}: {chain:?}");
+    }
+}
+
+/// The force itself, as a part of itself: what is left are two meshes. On the standard mesh alone, with stations no closer than its lines, it was 0.05 %.
+#[test]
+fn the_force_is_that_of_a_finer_mesh() {
+    let Bench { case, solver, models } = &*BENCH;
+    let spec = Spec { noise: Noise::default(), ..case.spec() };
+    let experiment = simulate(&spec, solver, &|_, _, _| {}).unwrap().experiment();
+    let design = Design::of(&experiment, &experiment.specimens[0].material).unwrap();
+    let chain = Chain { library: models.of(&design.geometries, &|_, _| {}).unwrap(), passages: design.passages() };
+    let truth = case.truth().foam;
+    let predicted =
+        fit::predicted(&design, &chain, &Model::base(truth.mu_mpa, truth.alpha), &vec![0.0; design.series.len()]);
+    let (mut missed, mut all) = (0.0, 0.0);
+    for (series, predicted) in design.series.iter().zip(&predicted) {
+        for (node, force_n) in series.nodes.iter().zip(predicted).filter(|(n, _)| !n.lifted) {
+            missed += (node.force_n - force_n).powi(2);
+            all += node.force_n.powi(2);
+        }
+    }
+    println!("force: {:.5} %", 100.0 * (missed / all).sqrt());
+    assert!((missed / all).sqrt() < 2.5e-4, "{}", (missed / all).sqrt());
 }
 
 /// Every material point remembers its own largest energy; the chain has one memory for the contact.

@@ -324,7 +324,7 @@ impl Diagnosis {
             ripple: ripple.as_ref(),
             uneven: verdict::unevenness(&search.noise),
             slipping: fault::slipping(&self.faults, design.series.len()),
-            nameless: is_nameless(beyond_nameless),
+            nameless: held.first().filter(|_| is_nameless(beyond_nameless)).map(|best| search::rival(best, &design)),
         };
         verdict::conclude(self, experiment, seen, &held, held_out.as_ref());
         let Search { noise, base, curves: base_curves, adequacy, margins, .. } = search;

@@ -1,6 +1,6 @@
 //! From explanations to a verdict with names.
 
-use lut_gen::effect::Owner;
+use lut_gen::effect::{Owner, radius};
 
 use super::Diagnosis;
 use super::check::Kind;
@@ -9,7 +9,7 @@ use super::evidence::{Gauge, Panel};
 use super::held_out::HeldOut;
 use super::noise::{Noise, Source};
 use super::ripple::{Over, Ripple, SPOILS};
-use super::search::{self, Explanation, Search};
+use super::search::{Explanation, RATIO_100, Search};
 use crate::experiment::Experiment;
 
 /// The stable word of an answer.
@@ -126,8 +126,8 @@ pub(super) struct Seen<'a> {
     pub uneven: Option<f64>,
     /// Runs in which the force drops at once, where that is no accident.
     pub slipping: Option<usize>,
-    /// A departure without a name is too likely beside the best that holds.
-    pub nameless: bool,
+    /// The departure without a name that is too likely beside the best that holds, in words.
+    pub nameless: Option<&'static str>,
 }
 
 /// Fills in verdict and findings.
@@ -172,15 +172,14 @@ pub(super) fn conclude(
     }
     // a large ripple makes the noise another one than was assumed, and names with it; so do slips
     let spoilt = ripple.is_some_and(|r| r.share > SPOILS) || slipping.is_some();
-    if let Some(best) = held.first().filter(|_| nameless) {
+    if let Some((best, other)) = held.first().zip(nameless) {
         let codes: Vec<&str> = best.fit.codes().collect();
-        let other = search::rival(best);
         diagnosis.messages.push(format!(
             "{} explains it best of the catalogue, but not so much better than {other}",
             codes.join(" with ")
         ));
     }
-    let best = held.first().filter(|_| visible && gains && !spoilt && !nameless);
+    let best = held.first().filter(|_| visible && gains && !spoilt && nameless.is_none());
     let Some(best) = best else {
         if visible && diagnosis.shows_in.is_empty() {
             diagnosis.messages.push(
@@ -204,6 +203,13 @@ pub(super) fn conclude(
             parameters,
             ambiguous_with: others(best, at, held),
         });
+    }
+    let last = best.fit.candidates.last().map(|c| c.effect.code);
+    if last == Some(radius::EFFECT.code) && best.beyond_causeless < RATIO_100 {
+        diagnosis.messages.push(
+            "a gain of the force under one ball alone, whatever its cause, explains this about as well as that ball's radius does, which is the only cause of the catalogue for it: gauge the ball"
+                .to_owned(),
+        );
     }
     let named = |code: &&str| diagnosis.findings.iter().any(|f| f.code == *code || f.ambiguous_with.contains(code));
     diagnosis.blind_to = diagnosis.blind_to.iter().filter(|code| !named(code)).copied().collect();

@@ -43,6 +43,8 @@ pub(super) struct Family {
     pub geometry: Geometry,
     /// Over exponent and height.
     height: ForceModel,
+    /// Over exponent at the declared height, on a finer mesh; none where that of the others is as fine.
+    fine: Option<ForceModel>,
     /// Over exponent and Poisson's ratio, at the declared height.
     poisson: Option<ForceModel>,
     /// What a base that slides changes: over exponent, at the declared height.
@@ -80,13 +82,16 @@ const RUBBER_ALPHA: (f64, f64, usize) = (1.8, 12.0, 8);
 const HEIGHTS: (f64, f64, usize) = (0.6, 2.0, 3);
 /// Least of them where the specimen hardly changes its volume: a thinner one locks the ball.
 const RUBBER_HEIGHT: f64 = 0.8;
-/// Depth, in ball radii, below which the forces are solved with elements smaller by [`FINE`]: a contact of few elements makes the force wave as one after the other comes into it,
+/// Depth, in ball radii, below which all forces are solved with elements smaller by [`FINE`], not those at the declared height alone: a contact of few elements makes the force wave as one after the other comes into it,
 /// by 0.08 % of itself (root of the mean square; 0.37 at most) at 0.4 radii on the standard mesh, by 0.03 % on this one, as deep presses do on the standard one.
 const FINE_BELOW: f64 = 0.5;
 const FINE: f64 = 1.4;
 /// Poisson's ratios.
-const NUS: (f64, f64, usize) = (0.0, 0.38, 4);
-const NU_ALPHAS: usize = 6;
+const NUS: (f64, f64, usize) = (0.0, 0.38, 5);
+/// Exponents at which is solved what something changes of the force.
+const FEW_ALPHAS: usize = 6;
+/// Divisor of the elements there: with twice the stations of the standard mesh (`Simulation`), which decide.
+const CLOSER: f64 = 1.1;
 
 /// Force models of all geometries of an experiment.
 #[derive(Debug, Clone)]
@@ -97,6 +102,7 @@ pub struct Library {
 
 enum Part {
     Height(ForceModel),
+    Fine(ForceModel),
     Poisson(ForceModel),
     Sliding(ForceModel),
     Friction(Rubbed),
@@ -117,9 +123,9 @@ impl Library {
         progress: &(dyn Fn(usize, usize) + Send + Sync),
     ) -> Result<Self, LibraryError> {
         let mut plan: Vec<(usize, usize)> = Vec::new();
-        let parts = if need.effects { 3 + (COEFFICIENTS.len() + 1) * RUBBED_ALPHA.len() } else { 1 };
-        for at in 0..geometries.len() {
-            plan.extend((0..parts).map(|part| (at, part)));
+        let parts = if need.effects { 4 + (COEFFICIENTS.len() + 1) * RUBBED_ALPHA.len() } else { 1 };
+        for (at, geometry) in geometries.iter().enumerate() {
+            plan.extend((0..parts).filter(|part| *part != 3 || geometry.is_deep()).map(|part| (at, part)));
         }
         let done = AtomicUsize::new(0);
         let built: Vec<Result<Part, SolveError>> = plan
@@ -144,11 +150,16 @@ impl Library {
                     families.push(Family {
                         geometry,
                         height,
+                        fine: None,
                         poisson: None,
                         sliding: None,
                         friction: Vec::new(),
                         memory: Vec::new(),
                     });
+                }
+                (Part::Fine(model), Some(family)) => {
+                    solves += model.solves();
+                    family.fine = Some(model);
                 }
                 (Part::Poisson(model), Some(family)) => {
                     solves += model.solves();
@@ -219,24 +230,31 @@ impl Geometry {
                 let least = if self.nu > 0.0 { RUBBER_HEIGHT } else { HEIGHTS.0 };
                 let low = (least * h).max(1.3 * self.depth_mm).min(h);
                 let heights_mm = need.effects.then_some((low, HEIGHTS.1 * h, HEIGHTS.2));
-                Ok(Part::Height(ForceModel::build(&ModelSpec { heights_mm, ..one }, &silent)?))
+                let alpha_nodes = if self.is_deep() && need.effects { FEW_ALPHAS } else { one.alpha_nodes };
+                Ok(Part::Height(ForceModel::build(&ModelSpec { heights_mm, alpha_nodes, ..one }, &silent)?))
             }
             // of a base that hardly changes its volume another Poisson's ratio is no effect
             1 if self.nu > 0.0 => {
                 Err(SolveError::parameter("nu of the base", self.nu, "must be 0 where it is to vary"))
             }
             1 => {
-                let spec = ModelSpec { nus: Some(NUS), alpha_nodes: NU_ALPHAS, ..one };
+                let resolution = self.change_resolution();
+                let spec = ModelSpec { nus: Some(NUS), alpha_nodes: FEW_ALPHAS, resolution, ..one };
                 Ok(Part::Poisson(ForceModel::build(&spec, &silent)?))
             }
             2 => {
                 let specimen = Specimen { base: Base::Sliding, ..self.specimen };
                 // as the bonded one that it is compared with
-                let spec = ModelSpec { alpha_nodes: NU_ALPHAS, specimen, ..one };
+                let resolution = self.change_resolution();
+                let spec = ModelSpec { alpha_nodes: FEW_ALPHAS, specimen, resolution, ..one };
                 Ok(Part::Sliding(ForceModel::build(&spec, &silent)?))
             }
+            3 => {
+                let spec = ModelSpec { resolution: Resolution::Refined(FINE), ..one };
+                Ok(Part::Fine(ForceModel::build(&spec, &silent)?))
+            }
             _ => {
-                let at = part - 3;
+                let at = part - 4;
                 if at >= COEFFICIENTS.len() * RUBBED_ALPHA.len() {
                     return self.carried(self.rubbed_alpha()[at - COEFFICIENTS.len() * RUBBED_ALPHA.len()]);
                 }
@@ -246,9 +264,19 @@ impl Geometry {
         }
     }
 
-    /// Mesh of the elastic forces.
+    /// False where all forces need the fine mesh.
+    fn is_deep(&self) -> bool {
+        self.depth_mm >= FINE_BELOW * self.ball_mm
+    }
+
+    /// Mesh of the elastic forces over exponent and height.
     fn resolution(&self) -> Resolution {
-        if self.depth_mm < FINE_BELOW * self.ball_mm { Resolution::Refined(FINE) } else { Resolution::Standard }
+        if self.is_deep() { Resolution::Standard } else { Resolution::Refined(FINE) }
+    }
+
+    /// Mesh of what another Poisson's ratio, or a base that slides, changes. The contact has another size then, so that the waves of a mesh do not cancel.
+    fn change_resolution(&self) -> Resolution {
+        Resolution::Refined(if self.is_deep() { CLOSER } else { FINE })
     }
 
     /// Exponents at which friction and memory are solved.
@@ -306,8 +334,14 @@ impl Geometry {
 impl Family {
     /// Force of a unit modulus over depth.
     pub fn slice(&self, alpha: f64, nu: f64, height_mm: f64, sliding: f64) -> ForceSlice {
-        let mut slice = self.height.slice(alpha, 0.0, height_mm);
         let declared = self.geometry.specimen.height_mm;
+        let at_height = self.height.slice(alpha, 0.0, height_mm);
+        let mut slice = match &self.fine {
+            // what another height changes is the difference of one mesh
+            Some(fine) if height_mm == declared => fine.slice(alpha, 0.0, declared),
+            Some(fine) => fine.slice(alpha, 0.0, declared).moved(&self.height.slice(alpha, 0.0, declared), &at_height),
+            None => at_height,
+        };
         if let (Some(poisson), true) = (&self.poisson, nu != 0.0) {
             slice = slice.moved(&poisson.slice(alpha, 0.0, declared), &poisson.slice(alpha, nu, declared));
         }

@@ -1,5 +1,8 @@
 //! Chebyshev polynomials on an axis of a parameter.
 
+use faer::Mat;
+use faer::linalg::solvers::SolveLstsq;
+
 /// The coordinate in which a parameter is resolved evenly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
@@ -9,7 +12,13 @@ pub enum Scale {
     Log,
     /// Its reciprocal.
     Reciprocal,
+    /// The logarithm of 1 and five times it, for Poisson's ratios from 0 on: the logarithm of a foam's force bends most at small ones, the more so the larger its exponent. With five nodes up to 0.38
+    /// what such a ratio changes is met to 0.01 to 0.1 % (exponents to 15; 0.3 % at 22), as with six that are even in the ratio itself.
+    Poisson,
 }
+
+/// See [`Scale::Poisson`].
+const BENT: f64 = 5.0;
 
 impl Scale {
     fn to(self, v: f64) -> f64 {
@@ -17,6 +26,7 @@ impl Scale {
             Self::Linear => v,
             Self::Log => v.ln(),
             Self::Reciprocal => 1.0 / v,
+            Self::Poisson => (BENT * v).ln_1p(),
         }
     }
 
@@ -25,6 +35,7 @@ impl Scale {
             Self::Linear => t,
             Self::Log => t.exp(),
             Self::Reciprocal => 1.0 / t,
+            Self::Poisson => t.exp_m1() / BENT,
         }
     }
 
@@ -33,6 +44,7 @@ impl Scale {
             Self::Linear => 1.0,
             Self::Log => 1.0 / v,
             Self::Reciprocal => -1.0 / (v * v),
+            Self::Poisson => BENT / (1.0 + BENT * v),
         }
     }
 }
@@ -125,6 +137,24 @@ pub fn clenshaw_and_slope(coefficients: &[f64], x: f64) -> (f64, f64) {
     (x * one - two + coefficients.first().copied().unwrap_or(0.0), one + x * by_one - by_two)
 }
 
+/// Coefficients of the sum of so many polynomials that comes closest to points `(x, y)` with weights, `x` in -1..1: fewer where there are fewer points.
+#[must_use]
+pub fn least_squares(points: &[(f64, f64, f64)], terms: usize) -> Vec<f64> {
+    let terms = terms.min(points.len());
+    let mut matrix = Mat::<f64>::zeros(points.len(), terms);
+    let mut right = Mat::<f64>::zeros(points.len(), 1);
+    let (mut value, mut slope) = (vec![0.0; terms], vec![0.0; terms]);
+    for (i, (x, y, weight)) in points.iter().enumerate() {
+        polynomials(*x, &mut value, &mut slope);
+        for (k, t) in value.iter().enumerate() {
+            matrix[(i, k)] = weight * t;
+        }
+        right[(i, 0)] = weight * y;
+    }
+    let solution = matrix.qr().solve_lstsq(&right);
+    (0..terms).map(|k| solution[(k, 0)]).collect()
+}
+
 /// `T_0 .. T_{n-1}` and their derivatives at `x`, into the given slices.
 pub fn polynomials(x: f64, value: &mut [f64], slope: &mut [f64]) {
     for k in 0..value.len() {
@@ -159,5 +189,36 @@ mod tests {
         assert_eq!(clenshaw_and_slope(&[], 0.5), (0.0, 0.0));
         assert_eq!(clenshaw_and_slope(&[2.0], 0.5), (2.0, 0.0));
         assert_eq!(clenshaw_and_slope(&[2.0, 3.0], 0.5), (3.5, 3.0));
+    }
+
+    /// A polynomial is met exactly, to rounding; a wave beside it, one point on each of its crests, is left out as far as the points lie evenly about it.
+    #[test]
+    fn what_is_smooth_is_kept_and_waves_are_not() {
+        let smooth = |x: f64| 1.3 + 0.4 * x - 0.2 * x * x + 0.1 * x.powi(3);
+        let x = |k: i32| f64::from(k) / 20.0 - 1.0;
+        let exact: Vec<(f64, f64, f64)> = (0..=40).map(|k| (x(k), smooth(x(k)), 1.0 + 0.5 * x(k))).collect();
+        let found = least_squares(&exact, 6);
+        assert!(exact.iter().all(|(x, y, _)| (clenshaw(&found, *x) - y).abs() < 1e-12));
+        let waved: Vec<(f64, f64, f64)> =
+            exact.iter().enumerate().map(|(k, p)| (p.0, p.1 + if k % 2 == 0 { 1e-3 } else { -1e-3 }, p.2)).collect();
+        let found = least_squares(&waved, 6);
+        // inside: of 41 points of alternating sign six terms keep a sixth at most
+        let inside = exact.iter().filter(|(x, ..)| x.abs() < 0.9);
+        assert!(inside.into_iter().all(|(x, y, _)| (clenshaw(&found, *x) - y).abs() < 1.7e-4));
+        assert_eq!(least_squares(&exact[..2], 6).len(), 2);
+    }
+
+    /// Every scale is undone by its inverse, and its slope is that of a difference quotient.
+    #[test]
+    fn scales_are_undone_and_slope_as_they_say() {
+        for scale in [Scale::Linear, Scale::Log, Scale::Reciprocal, Scale::Poisson] {
+            for v in [0.01, 0.2, 0.38] {
+                assert!((scale.from(scale.to(v)) - v).abs() < 1e-14, "{scale:?} {v}");
+                let step = 1e-6 * v;
+                let quotient = (scale.to(v + step) - scale.to(v - step)) / (2.0 * step);
+                assert!((scale.slope(v) / quotient - 1.0).abs() < 1e-8, "{scale:?} {v}");
+            }
+        }
+        assert_eq!(Scale::Poisson.to(0.0), 0.0);
     }
 }

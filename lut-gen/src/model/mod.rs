@@ -1,7 +1,7 @@
 //! Forward models of the indentation experiment: one curve, and the continuous
 //! force model over the exponent (and the height) built from many.
 
-mod chebyshev;
+pub(crate) mod chebyshev;
 mod compression;
 mod curve;
 mod expansion;

@@ -61,7 +61,7 @@ impl ModelSpec {
         let axis = |(low, high, nodes), scale| Axis { low, high, nodes, scale };
         let height_mm = self.specimen.height_mm;
         [
-            axis(self.nus.unwrap_or((self.nu, self.nu, 1)), Scale::Linear),
+            axis(self.nus.unwrap_or((self.nu, self.nu, 1)), Scale::Poisson),
             axis(self.heights_mm.unwrap_or((height_mm, height_mm, 1)), Scale::Reciprocal),
             axis((self.alpha.0, self.alpha.1, self.alpha_nodes), Scale::Log),
         ]

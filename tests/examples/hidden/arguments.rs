@@ -16,7 +16,7 @@ pub struct Arguments {
     pub these: Vec<u64>,
     /// Designs.
     pub designs: Vec<Design>,
-    /// One code, or all.
+    /// One code, or several with commas between them; else all.
     pub only: Option<String>,
     /// Seed of the first case of each design.
     pub first_seed: u64,

@@ -1,6 +1,6 @@
 //! Scores the diagnosis on experiments with hidden effects: `cargo run --release -p tests --example hidden -- --cases 100`.
 //!
-//! Without `--design` all four designs are scored, with `--cases` of each (100 unless stated). `--only CODE` scores one code ("clean",
+//! Without `--design` all four designs are scored, with `--cases` of each (100 unless stated). `--only CODE` scores one code, or several with commas between them ("clean",
 //! "matched", "mismatched", "pairs", "placebos", "deleted" or an effect) at all levels by turns, `--seed` moves the first seed, `--skip` leaves
 //! out the first cases of each design, `--these 20003,20027` all but those seeds, `--verbose` tells every case on a line, `--json FILE` writes every case, `--write` puts the tables into docs/hidden-effects.md.
 
@@ -99,13 +99,19 @@ fn cases(arguments: &Arguments) -> Result<Vec<Case>, String> {
     for design in &arguments.designs {
         let (count, first) = (arguments.cases, arguments.first_seed);
         let own = match &arguments.only {
-            None => suite::cases(*design, count, first),
-            Some(code) => {
-                suite::cases_of(code, *design, count, first).ok_or_else(|| format!("--only {code}: no such code"))?
+            None => suite::cases(*design, count, first).into_iter().skip(arguments.skip).collect(),
+            Some(codes) => {
+                let of = |code: &str| {
+                    let all = suite::cases_of(code, *design, count, first);
+                    all.map(|all| all.into_iter().skip(arguments.skip))
+                        .ok_or_else(|| format!("--only {code}: no such code"))
+                };
+                let each: Vec<_> = codes.split(',').map(of).collect::<Result<_, _>>()?;
+                each.into_iter().flatten().collect::<Vec<Case>>()
             }
         };
         let wanted = |case: &Case| arguments.these.is_empty() || arguments.these.contains(&case.seed);
-        list.extend(own.into_iter().skip(arguments.skip).filter(wanted));
+        list.extend(own.into_iter().filter(wanted));
     }
     Ok(list)
 }

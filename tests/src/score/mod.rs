@@ -232,17 +232,18 @@ fn known_models(experiment: &Experiment, models: &Models) -> Result<(), LibraryE
 /// How many of the likeliest single effects a line tells.
 const TOLD: usize = 4;
 
-/// For each of the likeliest effects alone: the fall of the sum of squares, the largest reading that is left over its threshold, and
+/// For each of the likeliest effects alone: the fall of the sum of squares, the largest reading that is left over its threshold, by how much it is likelier than what has no cause, and
 /// what it passes (n: noise, p: prediction, b: placebos; B: at a bound). Estimates stand before what is true.
 fn detail(e: &Evidence, spec: &Spec) -> String {
     let letter = |on: bool, letter: &'static str| if on { letter } else { "-" };
     let top = |s: &Explanation| {
         let codes: Vec<&str> = s.fit.codes().collect();
         format!(
-            "{}:{:.0}/{:.2}{}{}{}{}",
+            "{}:{:.0}/{:.2}/{:+.1}{}{}{}{}",
             codes.join("+"),
             e.base.square - s.fit.square,
             s.adequacy.worst(),
+            s.beyond_causeless,
             letter(s.beats_noise, "n"),
             letter(s.predicts, "p"),
             letter(s.beats_placebo, "b"),

@@ -6,7 +6,6 @@ use nalgebra::DVector;
 use super::super::coordinate::{Candidate, Coordinate};
 use super::super::fit::{Fit, Problem};
 use super::before::Before;
-use super::nameless::claims_a_law;
 use super::{CHARGE, Explanation, RATIO_100, Search, allowed, form_error, score, sorted};
 
 /// By how much two effects must be better than one, as a difference of sums of squares: a likelihood ratio of a thousand. There are twenty times as many pairs as effects. In
@@ -102,7 +101,7 @@ impl<'a> Found<'a> {
 
     /// The same with what a departure without a name does in the place of the best that holds. Where an elastic law is not excluded beside that, no other one is either.
     fn against_nameless(mut self) -> Self {
-        let law = self.held.iter().skip(1).find(|rival| claims_a_law(rival));
+        let law = self.held.iter().skip(1).find(|rival| self.search.claims_a_law(rival));
         let of = |e: &Explanation| self.search.beyond_nameless(e, &self.held, (&self.singles, &self.pairs));
         self.beyond_nameless = self.held.first().and_then(of).or_else(|| law.and_then(of));
         self

@@ -56,6 +56,8 @@ pub struct Explanation {
     pub predicts: bool,
     /// It beats placebo effects.
     pub beats_placebo: bool,
+    /// By how much (sum of squares, parameters charged) it is likelier than what has no cause in its place.
+    pub beyond_causeless: f64,
     /// By how much its last effect lowers the sum of squares, what those before it may be wrong by discounted.
     pub gain: f64,
 }
@@ -245,11 +247,13 @@ impl Search<'_> {
         let gain = before.gain_of(&fit);
         let placebo = before.placebo(&self.problem, fit.coordinates.len() - before.fit.coordinates.len());
         let design = self.problem.design;
+        // what has no cause has no form to be wrong by: what a form may be wrong by is allowed for or not, whichever is better for it
+        let beyond_causeless = before.nameless - score(&fit).min(plain(&fit));
         Explanation {
             beats_noise: space.0.of_gain(space.1, gain) > self.spaces.threshold,
             predicts: left_out(design, &fit, &self.problem) < before.left_out,
-            // what has no cause has no form to be wrong by: what a form may be wrong by is allowed for or not, whichever is better for it
-            beats_placebo: gain > placebo && score(&fit).min(plain(&fit)) < before.nameless,
+            beats_placebo: gain > placebo && beyond_causeless > 0.0,
+            beyond_causeless,
             adequacy,
             gain,
             fit,

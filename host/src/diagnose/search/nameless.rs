@@ -1,12 +1,13 @@
 //! Whether an explanation does better than a departure that has no name: an elastic one, or relaxation in more times than the catalogue has.
 
 use lut_gen::effect::{
-    Quantity, adhesion, compliance, contact_offset, friction, nameless, numerics, poisson, radius, relaxation,
-    second_term, sensor_gain, sensor_nonlinearity, thickness,
+    Quantity, adhesion, compliance, contact_offset, friction, lag, nameless, numerics, poisson, radius, relaxation,
+    second_term, sensor_creep, sensor_gain, sensor_nonlinearity, thickness,
 };
 use nalgebra::DMatrix;
 
 use super::super::coordinate::Candidate;
+use super::super::design::{Branch, Design, Node};
 use super::super::evidence::{basis, rest_of};
 use super::super::fit::{Allowed, Fit, Problem};
 use super::{CHARGE, Explanation, RATIO_100, Search, changes, score};
@@ -49,18 +50,16 @@ const STATIC: [&str; 9] = [
     numerics::EFFECT.code,
 ];
 
-/// True where an explanation has a part that claims a form of the elastic law, and none that is not elastic.
-pub(super) fn claims_a_law(explanation: &Explanation) -> bool {
-    is_elastic(explanation) && explanation.fit.codes().any(|code| LAWS.contains(&code))
-}
+/// Effects of time that are functions of the depth where all ramps have one rate and nothing stands or goes back.
+const TIMED: [&str; 3] = [relaxation::ONE.code, lag::FILTER.code, sensor_creep::CREEP.code];
 
 fn relaxes(explanation: &Explanation) -> bool {
     explanation.fit.codes().any(|code| code == relaxation::ONE.code)
 }
 
 /// What an explanation is not clearly better than, where [`Search::beyond_nameless`] says so.
-pub fn rival(explanation: &Explanation) -> &'static str {
-    if relaxes(explanation) {
+pub fn rival(explanation: &Explanation, design: &Design) -> &'static str {
+    if relaxes(explanation) && tells_time(design) {
         "relaxation in a spectrum of times does that it could be named: a power law of time would look like this"
     } else {
         "an elastic departure without a name does that it could be named: another law, a skin or a gradient would look like this"
@@ -73,11 +72,25 @@ fn beside_two_times(explanation: &Explanation) -> Option<&Candidate> {
     candidates.iter().find(|c| *c.effect == relaxation::TWO).filter(|_| candidates.len() > 1)
 }
 
-fn is_elastic(explanation: &Explanation) -> bool {
-    explanation.fit.codes().all(|code| LAWS.contains(&code) || STATIC.contains(&code))
+/// True where runs tell time from depth.
+fn tells_time(design: &Design) -> bool {
+    let more = |nodes: &[Node]| nodes.iter().any(|node| node.branch != Branch::Loading);
+    design.rates_mm_per_s.len() > 1 || design.series.iter().any(|s| s.cycle > 1 || more(&s.nodes))
 }
 
 impl Search<'_> {
+    /// True where an explanation does what an elastic departure might, as far as these runs can tell.
+    fn is_elastic(&self, explanation: &Explanation) -> bool {
+        let timed = !tells_time(self.problem.design);
+        let one = |code| LAWS.contains(&code) || STATIC.contains(&code) || timed && TIMED.contains(&code);
+        explanation.fit.codes().all(one)
+    }
+
+    /// True where an explanation has a part that claims a form of the elastic law, and none that is not elastic.
+    pub(super) fn claims_a_law(&self, explanation: &Explanation) -> bool {
+        self.is_elastic(explanation) && explanation.fit.codes().any(|code| LAWS.contains(&code))
+    }
+
     /// By how much (sum of squares, parameters charged) an explanation is likelier than it must be against a departure without a name in its place; none where no such
     /// departure is known for it. `held` is what holds beside it, `singles` are the explanations by one effect, `pairs` those by two.
     #[must_use]
@@ -87,8 +100,8 @@ impl Search<'_> {
         held: &[Explanation],
         (singles, pairs): (&[Explanation], &[Explanation]),
     ) -> Option<f64> {
-        if is_elastic(best) {
-            return Some(self.beyond_elastic(best, held.iter().any(claims_a_law)));
+        if self.is_elastic(best) {
+            return Some(self.beyond_elastic(best, held.iter().any(|e| self.claims_a_law(e))));
         }
         [self.beyond_spectrum(best), self.beyond_more_times(best, singles, pairs)]
             .into_iter()

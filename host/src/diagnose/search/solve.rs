@@ -132,7 +132,7 @@ impl Search<'_> {
             suit(&self.problem, (&list, &fit.candidates), &measured(&self.problem), &mut x);
             x
         });
-        let starts: Vec<DVector<f64>> = others.chain([fit.x.clone()]).collect();
+        let starts: Vec<DVector<f64>> = others.chain([larger_first(fit)]).collect();
         let valleys = starts.par_iter().filter_map(|x| self.solve_at(&fit.candidates, x, Detail::Valleys));
         let mut solves: Vec<Solved> = valleys.collect();
         solves.sort_by(|a, b| a.near.discounted.total_cmp(&b.near.discounted));
@@ -154,7 +154,8 @@ impl Search<'_> {
         // without a history a solve is one ramp
         let (most, rounds) = if candidates.len() == 1 { (solves.len(), SETTLES) } else { (FOLLOWED, SOLVES - 1) };
         let worth: Vec<&Solved> = solves.iter().take(most).filter(|v| v.near.discounted < deepest + NEAR).collect();
-        let followed = worth.par_iter().filter_map(|v| self.rounds_at(candidates, &v.near.x, (rounds, SAME), best));
+        let followed =
+            worth.par_iter().filter_map(|v| self.rounds_at(candidates, &larger_first(&v.near), (rounds, SAME), best));
         let followed: Vec<Fit> = followed.collect();
         followed.into_iter().min_by(|a, b| a.discounted.total_cmp(&b.discounted))
     }
@@ -330,6 +331,27 @@ fn mixed(
     second.1 - share * (second.1 - first.1)
 }
 
+/// Where a fit lies, of two terms the larger as the first: the same law told the other way round ends at a bound of their ratio.
+fn larger_first(fit: &Fit) -> DVector<f64> {
+    let mut x = fit.x.clone();
+    let term = fit.candidates.last().filter(|c| is_term(c));
+    if let (Some(_), Some(at)) = (term, x.len().checked_sub(2)) {
+        let list = &fit.coordinates;
+        let (ratio, second) = (list[at].value(x[at]), list[at + 1].value(x[at + 1]));
+        if ratio > 1.0 {
+            let law = other_way_round([x[0].exp(), x[1].exp(), ratio, second]);
+            (x[0], x[1]) = (law[0].ln(), law[1].ln());
+            (x[at], x[at + 1]) = (list[at].of(law[2]), list[at + 1].of(law[3]));
+        }
+    }
+    x
+}
+
+/// A law of two terms, modulus and exponent of the first, and ratio and exponent of the second, told the other way round.
+fn other_way_round([mu_mpa, alpha, ratio, second]: [f64; 4]) -> [f64; 4] {
+    [mu_mpa * ratio, second, ratio.recip(), alpha]
+}
+
 /// True where an effect that the chain has only roughly seems behind the best score, but explains so much of what is left without it that it may be the best.
 fn may_be_best(explanation: &Explanation, before: &Fit, best: f64) -> bool {
     let rough = is_far_off(&explanation.fit);
@@ -362,6 +384,16 @@ fn is_term(candidate: &Candidate) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Both terms keep modulus and exponent, and twice round is where it began.
+    #[test]
+    fn two_terms_are_one_law_either_way() {
+        let law = [0.02, 4.0, 2.5, 16.0];
+        let other = other_way_round(law);
+        assert_eq!(other, [0.05, 16.0, 0.4, 4.0]);
+        let back = other_way_round(other);
+        assert!(law.iter().zip(back).all(|(a, b)| (a - b).abs() < 1e-15));
+    }
 
     /// Rounds that go to and fro, and such that creep, end at once where each leads as much too far, or too little, as the one before it did.
     #[test]

@@ -137,7 +137,15 @@ fn explanation(code: &str, square: f64) -> Explanation {
     let candidate = Candidate { effect: effect::find(code, None).unwrap(), owner: 0 };
     let adequacy = Adequacy { readings: vec![0.4, -1.1], threshold: 3.5, shows_in: Vec::new() };
     let fit = fit(vec![candidate], square);
-    Explanation { fit, adequacy, beats_noise: true, predicts: true, beats_placebo: true, gain: 100.0 }
+    Explanation {
+        fit,
+        adequacy,
+        beats_noise: true,
+        predicts: true,
+        beats_placebo: true,
+        beyond_causeless: 10.0,
+        gain: 100.0,
+    }
 }
 
 fn evidence(held: Vec<Explanation>) -> Evidence {
