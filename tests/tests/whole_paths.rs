@@ -35,11 +35,10 @@ fn misses(hidden: simulate::Effect, effect: &'static Effect, values: &[f64]) -> 
     misses_of(vec![hidden], &[Setting { effect, owner: 0, values: values.to_vec() }], 0)
 }
 
-/// The same of several effects together, where every second run lacks its first readings.
-fn misses_of(hidden: Vec<simulate::Effect>, settings: &[Setting], late: usize) -> [[f64; 3]; 2] {
+/// The experiment with some effects, where every second run lacks its first readings, and the chain of its force models.
+fn recorded(hidden: Vec<simulate::Effect>, late: usize) -> (Design, Chain) {
     let Bench { case, solver, models } = &*BENCH;
     let spec = Spec { noise: Noise::default(), effects: hidden, ..case.spec() };
-    let truth = case.truth().foam;
     let mut experiment = simulate(&spec, solver, &|_, _, _| {}).unwrap().experiment();
     for run in experiment.runs.iter_mut().step_by(2) {
         let recording = &mut run.recording;
@@ -49,6 +48,13 @@ fn misses_of(hidden: Vec<simulate::Effect>, settings: &[Setting], late: usize) -
     }
     let design = Design::of(&experiment, &experiment.specimens[0].material).unwrap();
     let chain = Chain { library: models.of(&design.geometries, &|_, _| {}).unwrap(), passages: design.passages() };
+    (design, chain)
+}
+
+/// The same of several effects together, where every second run lacks its first readings.
+fn misses_of(hidden: Vec<simulate::Effect>, settings: &[Setting], late: usize) -> [[f64; 3]; 2] {
+    let truth = BENCH.case.truth().foam;
+    let (design, chain) = recorded(hidden, late);
     let base = Model::base(truth.mu_mpa, truth.alpha);
     let mut rough = base.clone();
     rough.settings.extend_from_slice(settings);
@@ -111,12 +117,8 @@ fn a_poisson_ratio_is_that_of_the_force_models() {
 /// The force itself, as a part of itself: what is left are two meshes. On the standard mesh alone, with stations no closer than its lines, it was 0.05 %.
 #[test]
 fn the_force_is_that_of_a_finer_mesh() {
-    let Bench { case, solver, models } = &*BENCH;
-    let spec = Spec { noise: Noise::default(), ..case.spec() };
-    let experiment = simulate(&spec, solver, &|_, _, _| {}).unwrap().experiment();
-    let design = Design::of(&experiment, &experiment.specimens[0].material).unwrap();
-    let chain = Chain { library: models.of(&design.geometries, &|_, _| {}).unwrap(), passages: design.passages() };
-    let truth = case.truth().foam;
+    let (design, chain) = recorded(Vec::new(), 0);
+    let truth = BENCH.case.truth().foam;
     let predicted =
         fit::predicted(&design, &chain, &Model::base(truth.mu_mpa, truth.alpha), &vec![0.0; design.series.len()]);
     let (mut missed, mut all) = (0.0, 0.0);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::contact::{Ball, Interface};
 use crate::effect::relaxation;
 use crate::law::{Hyperfoam, PronyTerm, Term};
-use crate::model::{ForceModel, ForceSlice, ModelSpec, Resolution, Simulation, Specimen};
+use crate::model::{CLOSER, ForceModel, ForceSlice, ModelSpec, Resolution, Simulation, Specimen};
 use crate::solve::{Base, Motion, SolveError};
 
 /// A ball on a specimen.
@@ -90,8 +90,6 @@ const FINE: f64 = 1.4;
 const NUS: (f64, f64, usize) = (0.0, 0.38, 5);
 /// Exponents at which is solved what something changes of the force.
 const FEW_ALPHAS: usize = 6;
-/// Divisor of the elements there: with twice the stations of the standard mesh (`Simulation`), which decide.
-const CLOSER: f64 = 1.1;
 
 /// Force models of all geometries of an experiment.
 #[derive(Debug, Clone)]
@@ -335,12 +333,12 @@ impl Family {
     /// Force of a unit modulus over depth.
     pub fn slice(&self, alpha: f64, nu: f64, height_mm: f64, sliding: f64) -> ForceSlice {
         let declared = self.geometry.specimen.height_mm;
-        let at_height = self.height.slice(alpha, 0.0, height_mm);
+        let at = |model: &ForceModel, height_mm: f64| model.slice(alpha, 0.0, height_mm);
         let mut slice = match &self.fine {
+            Some(fine) if height_mm == declared => at(fine, declared),
             // what another height changes is the difference of one mesh
-            Some(fine) if height_mm == declared => fine.slice(alpha, 0.0, declared),
-            Some(fine) => fine.slice(alpha, 0.0, declared).moved(&self.height.slice(alpha, 0.0, declared), &at_height),
-            None => at_height,
+            Some(fine) => at(fine, declared).moved(&at(&self.height, declared), &at(&self.height, height_mm)),
+            None => at(&self.height, height_mm),
         };
         if let (Some(poisson), true) = (&self.poisson, nu != 0.0) {
             slice = slice.moved(&poisson.slice(alpha, 0.0, declared), &poisson.slice(alpha, nu, declared));

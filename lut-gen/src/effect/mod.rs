@@ -191,6 +191,13 @@ pub fn find(code: &str, form: Option<&str>) -> Option<&'static Effect> {
     CATALOGUE.into_iter().find(|effect| effect.code == code && form.is_none_or(|form| form == effect.form))
 }
 
+/// What a first-order memory keeps over a time of `x` of its own, `exp(-x)`, and what it has at the end of something that comes in evenly meanwhile, `(1 - exp(-x)) / x`.
+fn fading(x: f64) -> (f64, f64) {
+    let faded = -(-x).exp_m1();
+    // the limit is 1 for x -> 0
+    (1.0 - faded, if x < 1e-9 { 1.0 } else { faded / x })
+}
+
 impl Quantity {
     /// An amplitude searched evenly from one start.
     pub(crate) const fn amplitude(

@@ -1,6 +1,6 @@
 //! Relaxation of the material: Prony terms (thesis Eqs. 10 to 13), the same part of shear and bulk.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Owner, Quantity, Stage, fading};
 
 const TIMES: &[f64] = &[0.05, 0.3, 1.5, 8.0, 40.0];
 
@@ -96,11 +96,8 @@ fn remember(time_s: &[f64], shape: &[f64], terms: &[(f64, f64)], force_n: &mut [
         let stress = force_n[i] / shape[i];
         let mut memory = 0.0;
         for (q, (g, tau_s)) in kept.iter_mut().zip(terms) {
-            let x = dt / tau_s;
-            let faded = -(-x).exp_m1();
-            // its limit 1 for x -> 0
-            let share = if x < 1e-9 { 1.0 } else { faded / x };
-            *q = *q * (1.0 - faded) + (stress - before) * share;
+            let (left, share) = fading(dt / tau_s);
+            *q = *q * left + (stress - before) * share;
             memory += g * *q * shape[i];
         }
         before = stress;

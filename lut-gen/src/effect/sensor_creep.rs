@@ -1,6 +1,6 @@
 //! A force sensor that creeps, or has a loop of its own.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Owner, Quantity, Stage, fading};
 
 /// A part of the reading follows the force late.
 pub const CREEP: Effect = Effect {
@@ -38,10 +38,7 @@ pub fn creep(time_s: &[f64], force_n: &mut [f64], (amplitude, tau_s): (f64, f64)
     for i in 0..force_n.len() {
         let dt = if i == 0 { 0.0 } else { (time_s[i] - time_s[i - 1]).max(0.0) };
         let now = force_n[i];
-        let x = dt / tau_s;
-        let faded = -(-x).exp_m1();
-        let kept = 1.0 - faded;
-        let share = if x < 1e-9 { 1.0 } else { faded / x };
+        let (kept, share) = fading(dt / tau_s);
         // response of a first-order filter to a straight piece
         late = late * kept + before * (share - kept) + now * (1.0 - share);
         before = now;

@@ -29,6 +29,7 @@ pub use profile::{DepthProfile, MAX_TERMS, Sample};
 pub use record::Record;
 pub use relaxed::RampRelaxation;
 pub use sensitivity::{Sensitivity, Tracker};
+pub(crate) use simulation::CLOSER;
 pub use simulation::{Simulation, Watcher};
 pub use slice::ForceSlice;
 pub use specimen::{Resolution, Specimen};

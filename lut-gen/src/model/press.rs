@@ -1,10 +1,7 @@
 //! A ball that goes down at a constant rate and then may stand: the force and its derivatives on
 //! fixed grids, as identification wants them.
 
-use faer::Mat;
-use faer::linalg::solvers::SolveLstsq;
-
-use super::chebyshev::polynomials;
+use super::chebyshev::{clenshaw, least_squares};
 use super::{Axis, Compression, Record, Scale, Sensitivity, Simulation, Tracker};
 use crate::law::Parameter;
 use crate::solve::{Motion, SolveError, Target};
@@ -169,23 +166,10 @@ fn smoothed(record: &Record, values: &[f64], end_s: f64, depth_max_mm: f64, term
         .filter(|(_, (force, _))| **force > 0.0)
         .map(|(station, (_, value))| ((station.depth_mm / depth_max_mm).sqrt(), *value))
         .collect();
-    let terms = terms.min(stations.len());
-    let (mut value, mut unused) = ([0.0; RAMP_NODES], [0.0; RAMP_NODES]);
-    let mut matrix = Mat::zeros(stations.len(), terms);
-    let mut right = Mat::zeros(stations.len(), 1);
-    for (row, (s, by)) in stations.iter().enumerate() {
-        // The scatter of the contact's edge falls with the contact's size.
-        polynomials(2.0 * s - 1.0, &mut value[..terms], &mut unused[..terms]);
-        for (column, value) in value[..terms].iter().enumerate() {
-            matrix[(row, column)] = s * value;
-        }
-        right[(row, 0)] = s * by;
-    }
-    let solution = matrix.qr().solve_lstsq(&right);
-    let mut at = |s: f64| -> f64 {
-        polynomials(2.0 * s - 1.0, &mut value[..terms], &mut unused[..terms]);
-        (0..terms).map(|j| solution[(j, 0)] * value[j]).sum()
-    };
+    // The scatter of the contact's edge falls with the contact's size.
+    let points: Vec<(f64, f64, f64)> = stations.iter().map(|(s, by)| (2.0 * s - 1.0, *by, *s)).collect();
+    let coefficients = least_squares(&points, terms);
+    let at = |s: f64| clenshaw(&coefficients, 2.0 * s - 1.0);
     let axis = Press::ramp_axis();
     let nodes = (0..RAMP_NODES).map(|k| at(axis.node(k))).collect();
     let square = stations.iter().map(|(s, by)| (s * (at(*s) - by)).powi(2)).sum::<f64>();

@@ -1,9 +1,6 @@
 //! Force over depth as one smooth function with the exact Hertz limit.
 
-use faer::Mat;
-use faer::linalg::solvers::SolveLstsq;
-
-use super::chebyshev::{clenshaw_and_slope, polynomials};
+use super::chebyshev::{clenshaw_and_slope, least_squares};
 use super::relaxed::RampRelaxation;
 
 /// Largest number of terms a profile can have.
@@ -51,22 +48,13 @@ impl DepthProfile {
         terms: usize,
         from_mm: f64,
     ) -> (Self, f64) {
-        let terms = terms.min(MAX_TERMS).min(samples.len());
-        let mut matrix = Mat::<f64>::zeros(samples.len(), terms);
-        let mut right = Mat::<f64>::zeros(samples.len(), 1);
-        let (mut value, mut slope) = ([0.0; MAX_TERMS], [0.0; MAX_TERMS]);
-        for (i, p) in samples.iter().enumerate() {
+        let point = |p: &Sample| {
             let s = (p.depth_mm / depth_max_mm).sqrt();
-            polynomials(2.0 * s - 1.0, &mut value[..terms], &mut slope[..terms]);
             let g = p.force_n / (relaxation.factor(p.depth_mm).0 * p.depth_mm.powf(1.5));
-            let weight = 1.0 / (p.error * g);
-            for (k, t) in value[..terms].iter().enumerate() {
-                matrix[(i, k)] = weight * s * t;
-            }
-            right[(i, 0)] = weight * (g - hertz);
-        }
-        let solution = matrix.qr().solve_lstsq(&right);
-        let coefficients = (0..terms).map(|k| solution[(k, 0)]).collect();
+            (2.0 * s - 1.0, (g - hertz) / s, s / (p.error * g))
+        };
+        let points: Vec<(f64, f64, f64)> = samples.iter().map(point).collect();
+        let coefficients = least_squares(&points, terms.min(MAX_TERMS));
         let profile = Self { depth_max_mm, hertz, coefficients, relaxation };
         let misses: Vec<f64> = samples
             .iter()

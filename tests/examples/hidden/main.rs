@@ -98,20 +98,15 @@ fn cases(arguments: &Arguments) -> Result<Vec<Case>, String> {
     let mut list = Vec::new();
     for design in &arguments.designs {
         let (count, first) = (arguments.cases, arguments.first_seed);
-        let own = match &arguments.only {
-            None => suite::cases(*design, count, first).into_iter().skip(arguments.skip).collect(),
-            Some(codes) => {
-                let of = |code: &str| {
-                    let all = suite::cases_of(code, *design, count, first);
-                    all.map(|all| all.into_iter().skip(arguments.skip))
-                        .ok_or_else(|| format!("--only {code}: no such code"))
-                };
-                let each: Vec<_> = codes.split(',').map(of).collect::<Result<_, _>>()?;
-                each.into_iter().flatten().collect::<Vec<Case>>()
-            }
+        let of = |code: &str| {
+            suite::cases_of(code, *design, count, first).ok_or_else(|| format!("--only {code}: no such code"))
+        };
+        let suites = match &arguments.only {
+            None => vec![suite::cases(*design, count, first)],
+            Some(codes) => codes.split(',').map(of).collect::<Result<_, _>>()?,
         };
         let wanted = |case: &Case| arguments.these.is_empty() || arguments.these.contains(&case.seed);
-        list.extend(own.into_iter().filter(wanted));
+        list.extend(suites.into_iter().flat_map(|suite| suite.into_iter().skip(arguments.skip)).filter(wanted));
     }
     Ok(list)
 }

@@ -4,7 +4,7 @@
 //! these marks do not cancel in a ratio: a second term of sixteen standard deviations was missed by ten, and a Poisson's ratio, which is told from smooth
 //! force models, was likelier than the truth. The ratio itself is smooth.
 
-use super::{Curve, Detail, Job, is_shape, plain};
+use super::{Curve, Detail, Job, first_term, plain};
 use crate::chain::{Chain, Model, Passage};
 use crate::model::Simulation;
 use crate::model::chebyshev::{clenshaw, least_squares};
@@ -60,9 +60,7 @@ impl Chain {
         let depth_mm: Vec<f64> = sizes.map(|s| s * s * deepest_mm).collect();
         let time_s: Vec<f64> = depth_mm.iter().map(|d| d / deepest_mm).collect();
         let moved = Passage { depth_mm, time_s, pressed_before_mm: 0.0, ..passage.clone() };
-        let shapes = bare.settings.iter().filter(|s| is_shape(s.effect.code)).cloned().collect();
-        let base = Model { settings: shapes, ..bare.clone() };
-        let (with, without) = (self.on_ball(bare, &moved), self.on_ball(&base, &moved));
+        let (with, without) = (self.on_ball(bare, &moved), self.on_ball(&first_term(bare), &moved));
         let ratio_at = |depth_mm: f64| clenshaw(&ratio, 2.0 * (depth_mm / beyond_mm).sqrt() - 1.0);
         let each = with.iter().zip(without).zip(&moved.depth_mm);
         let added = each.map(|((with, without), depth_mm)| without * ratio_at(*depth_mm) - with);

@@ -17,7 +17,7 @@ use crate::effect::{
     Effect, adhesion, friction, lag, numerics, poisson, radius, relaxation, second_term, softening, thickness,
 };
 use crate::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
-use crate::model::{Record, Resolution, Simulation, Specimen};
+use crate::model::{CLOSER, Record, Resolution, Simulation, Specimen};
 use crate::solve::{Motion, SolveError};
 use law::Beside;
 use path::{alike, along, between, divided, later, motion, smooth, straight_pieces, turns};
@@ -419,8 +419,7 @@ impl Chain {
         let depth_mm = time_s.iter().map(|t| between(&job.path, *t)).collect();
         let pressed_before_mm = job.before_mm;
         let moved = Passage { depth_mm, time_s, pressed_before_mm, ..passage.clone() };
-        let shapes = bare.settings.iter().filter(|s| is_shape(s.effect.code)).cloned().collect();
-        let base = Model { settings: shapes, ..bare.clone() };
+        let base = first_term(bare);
         let curve = |force_n: Vec<f64>| -> Curve { moved.time_s.iter().copied().zip(force_n).collect() };
         let (with, without) = (curve(self.on_ball(bare, &moved)), curve(self.on_ball(&base, &moved)));
         let least_n = SHALLOW * elastic.force_n(elastic.deepest_mm);
@@ -479,7 +478,7 @@ impl Chain {
             interface: Interface { friction: model.first(&friction::EFFECT, 0), ..Interface::default() },
             motion,
             resolution: match detail {
-                Detail::Names if History::of(model) == History::None => Resolution::Refined(LAW),
+                Detail::Names if History::of(model) == History::None => Resolution::Refined(CLOSER),
                 Detail::Names if has(model, &friction::EFFECT) => Resolution::Standard,
                 Detail::Names if has(model, &second_term::EFFECT) => Resolution::Refined(FINER),
                 _ => Resolution::Refined(COARSE),
@@ -505,8 +504,6 @@ fn softness(elastic: &Record) -> Vec<(f64, f64)> {
 /// Divisor of the element sizes for histories, which are a difference of two solves on one mesh: what they add is met by 0.2 % less well than on
 /// the standard mesh, in a third of the time.
 const COARSE: f64 = 0.6;
-/// The same where nothing remembers, so that smooth curves can be laid through forces (`law.rs`): of a second term 0.02 to 0.2 % is missed, as on a mesh finer by 1.3 in twice the time.
-const LAW: f64 = 1.1;
 /// The same for a second term with a history, which is half of the force itself: 0.32 % of what it adds is missed, as against 0.26 % on the standard mesh, in 60 % of the time
 /// (tests/whole_paths.rs).
 const FINER: f64 = 0.8;
@@ -536,6 +533,12 @@ fn a_second_a_millimetre(turns: &[(f64, f64)]) -> Vec<(f64, f64)> {
             (at_s, *depth_mm)
         })
         .collect()
+}
+
+/// What the chain has exactly of a model: its first term, elastic, with the shapes of ball and block.
+fn first_term(model: &Model) -> Model {
+    let settings = model.settings.iter().filter(|s| is_shape(s.effect.code)).cloned().collect();
+    Model { settings, ..model.clone() }
 }
 
 /// Effects that only change the numbers of the elastic solve, which the chain's force models contain exactly.
