@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         }
     }
     let progress = Progress::new();
-    let models = Models::default();
+    let models = Models::kept();
     let found = diagnose::diagnose(&experiment, &models, &|what: &str, done, total| progress.set(what, done, total));
     progress.end();
     let found = found.map_err(|cause| miette::miette!("{cause}"))?;

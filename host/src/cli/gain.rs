@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         options.truth = Some(truth(file, &experiment, &model.material)?);
     }
     let progress = Progress::new();
-    let found = gain::gain(&experiment, &model, &options, &Models::default(), &|what: &str, done, total| {
+    let found = gain::gain(&experiment, &model, &options, &Models::kept(), &|what: &str, done, total| {
         progress.set(what, done, total);
     });
     progress.end();

@@ -219,7 +219,7 @@ fn with_model(arguments: &Arguments, file: &Path) -> miette::Result<()> {
     let model = ExtendedModel::read(file)?;
     let progress = Progress::new();
     let tell = |what: &str, done, total| progress.set(what, done, total);
-    let found = extended::identify::identify(&experiment, &model, arguments.free_effects, &Models::default(), &tell);
+    let found = extended::identify::identify(&experiment, &model, arguments.free_effects, &Models::kept(), &tell);
     progress.end();
     let found = found.into_diagnostic()?;
     for message in &found.messages {

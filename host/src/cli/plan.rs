@@ -28,7 +28,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let experiment = experiment::read(&arguments.experiment)?;
     let progress = Progress::new();
-    let found = diagnose::diagnose(&experiment, &Models::default(), &|what: &str, done, total| {
+    let found = diagnose::diagnose(&experiment, &Models::kept(), &|what: &str, done, total| {
         progress.set(what, done, total);
     });
     progress.end();

@@ -15,6 +15,7 @@ pub mod fit;
 pub mod held_out;
 pub mod jitter;
 pub mod margin;
+mod models;
 pub mod noise;
 mod placebo;
 pub mod plan;
@@ -27,12 +28,11 @@ mod tests;
 mod verdict;
 pub mod whiten;
 
-use std::sync::Mutex;
 use std::time::Instant;
 
 use crate::experiment::Experiment;
 use crate::identify;
-use lut_gen::chain::{Chain, Geometry, Library, LibraryError, Need};
+use lut_gen::chain::{Chain, LibraryError};
 
 use design::Design;
 use evidence::Adequacy;
@@ -45,6 +45,7 @@ use plan::Proposal;
 use ripple::Ripple;
 use search::{Explanation, Found, Search};
 
+pub use models::{FOLDER_VARIABLE, Models};
 pub use prepared::Prepared;
 pub(crate) use verdict::Z95;
 pub use verdict::{Finding, Verdict};
@@ -76,38 +77,6 @@ pub enum DiagnoseError {
     /// A force model could not be made.
     #[error("no force model: {0}")]
     Model(#[from] LibraryError),
-}
-
-/// Force models that were made before, to be shared by many diagnoses.
-#[derive(Debug, Default)]
-pub struct Models(Mutex<Option<Library>>);
-
-impl Models {
-    /// A library of the wanted geometries; what is missing is solved.
-    ///
-    /// # Errors
-    /// The first force model that fails.
-    pub fn of(
-        &self,
-        wanted: &[Geometry],
-        progress: &(dyn Fn(usize, usize) + Send + Sync),
-    ) -> Result<Library, LibraryError> {
-        let mut known = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let has = |g: &Geometry| known.as_ref().is_some_and(|library| library.of(&[*g]).is_some());
-        let missing: Vec<Geometry> = wanted.iter().filter(|g| !has(g)).copied().collect();
-        if !missing.is_empty() {
-            let more = Library::build(&missing, Need { effects: true }, progress)?;
-            match known.as_mut() {
-                Some(library) => library.extend(more),
-                None => *known = Some(more),
-            }
-        }
-        known.as_ref().and_then(|library| library.of(wanted)).ok_or_else(|| LibraryError::Parameter {
-            parameter: "geometries",
-            value: wanted.len() as f64,
-            expected: "must have been solved".to_owned(),
-        })
-    }
 }
 
 /// What was found about one material.

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::{Ball, Interface};
 use crate::effect::relaxation;
@@ -11,7 +12,7 @@ use crate::model::{CLOSER, ForceModel, ForceSlice, ModelSpec, Resolution, Simula
 use crate::solve::{Base, Motion, SolveError};
 
 /// A ball on a specimen.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Geometry {
     /// The block as declared.
     pub specimen: Specimen,
@@ -38,7 +39,7 @@ pub struct Need {
 pub type LibraryError = SolveError;
 
 /// Forces of one geometry.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Family {
     pub geometry: Geometry,
     /// Over exponent and height.
@@ -53,10 +54,12 @@ pub(super) struct Family {
     friction: Vec<Rubbed>,
     /// How far the deformation carries the memory of a relaxing material along: exponent and `carried` of [`relaxation::relaxed`].
     memory: Vec<(f64, f64)>,
+    /// Finite-element solves that were spent on it.
+    solves: usize,
 }
 
 /// Force with friction over force without, on the way down and on the way up.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Rubbed {
     coefficient: f64,
     alpha: f64,
@@ -70,6 +73,8 @@ const RUBBED: usize = 21;
 const COEFFICIENTS: [f64; 2] = [0.2, 0.6];
 const RUBBED_ALPHA: [f64; 2] = [5.0, 15.0];
 const RUBBED_RUBBER_ALPHA: [f64; 2] = [3.0, 9.0];
+/// Number of the first part that is friction at one exponent; the one after it is memory there, and so on for the other exponents.
+const FIRST_RUBBED: usize = 4;
 /// The relaxing material whose press measures how memory is carried: its part, its time as a share of the ramp's, and the hold
 /// after it in ramps. The result depends little on them (g 0.3 to 0.6, tau 0.07 to 7 ramps: 12 % of it).
 const RELAXING: (f64, f64, f64) = (0.3, 0.33, 1.0);
@@ -92,10 +97,9 @@ const NUS: (f64, f64, usize) = (0.0, 0.38, 5);
 const FEW_ALPHAS: usize = 6;
 
 /// Force models of all geometries of an experiment.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Library {
     pub(super) families: Vec<Family>,
-    solves: usize,
 }
 
 enum Part {
@@ -103,7 +107,7 @@ enum Part {
     Fine(ForceModel),
     Poisson(ForceModel),
     Sliding(ForceModel),
-    Friction(Rubbed),
+    Friction(Vec<Rubbed>),
     Memory(f64, f64),
 }
 
@@ -121,7 +125,7 @@ impl Library {
         progress: &(dyn Fn(usize, usize) + Send + Sync),
     ) -> Result<Self, LibraryError> {
         let mut plan: Vec<(usize, usize)> = Vec::new();
-        let parts = if need.effects { 4 + (COEFFICIENTS.len() + 1) * RUBBED_ALPHA.len() } else { 1 };
+        let parts = if need.effects { FIRST_RUBBED + 2 * RUBBED_ALPHA.len() } else { 1 };
         for (at, geometry) in geometries.iter().enumerate() {
             plan.extend((0..parts).filter(|part| *part != 3 || geometry.is_deep()).map(|part| (at, part)));
         }
@@ -135,50 +139,18 @@ impl Library {
             })
             .collect();
         let mut families: Vec<Family> = Vec::new();
-        let mut solves = 0;
         for ((at, which), part) in plan.iter().zip(built) {
             let part = match part {
                 Err(_) if *which > 0 => continue,
                 other => other?,
             };
             match (part, families.last_mut()) {
-                (Part::Height(height), _) => {
-                    solves += height.solves();
-                    let geometry = geometries[*at];
-                    families.push(Family {
-                        geometry,
-                        height,
-                        fine: None,
-                        poisson: None,
-                        sliding: None,
-                        friction: Vec::new(),
-                        memory: Vec::new(),
-                    });
-                }
-                (Part::Fine(model), Some(family)) => {
-                    solves += model.solves();
-                    family.fine = Some(model);
-                }
-                (Part::Poisson(model), Some(family)) => {
-                    solves += model.solves();
-                    family.poisson = Some(model);
-                }
-                (Part::Sliding(model), Some(family)) => {
-                    solves += model.solves();
-                    family.sliding = Some(model);
-                }
-                (Part::Friction(rubbed), Some(family)) => {
-                    solves += 1;
-                    family.friction.push(rubbed);
-                }
-                (Part::Memory(alpha, carried), Some(family)) => {
-                    solves += 2;
-                    family.memory.push((alpha, carried));
-                }
+                (Part::Height(height), _) => families.push(Family::new(geometries[*at], height)),
+                (part, Some(family)) => family.add(part),
                 (_, None) => {}
             }
         }
-        Ok(Self { families, solves })
+        Ok(Self { families })
     }
 
     /// What it covers.
@@ -192,19 +164,18 @@ impl Library {
     pub fn of(&self, wanted: &[Geometry]) -> Option<Self> {
         let found = |w: &Geometry| self.families.iter().find(|f| f.geometry == *w).cloned();
         let families = wanted.iter().map(found).collect::<Option<Vec<_>>>()?;
-        Some(Self { families, solves: self.solves })
+        Some(Self { families })
     }
 
     /// Puts two libraries together.
     pub fn extend(&mut self, other: Self) {
-        self.solves += other.solves;
         self.families.extend(other.families);
     }
 
     /// Finite-element solves that were spent.
     #[must_use]
     pub fn solves(&self) -> usize {
-        self.solves
+        self.families.iter().map(|family| family.solves).sum()
     }
 }
 
@@ -252,12 +223,9 @@ impl Geometry {
                 Ok(Part::Fine(ForceModel::build(&spec, &silent)?))
             }
             _ => {
-                let at = part - 4;
-                if at >= COEFFICIENTS.len() * RUBBED_ALPHA.len() {
-                    return self.carried(self.rubbed_alpha()[at - COEFFICIENTS.len() * RUBBED_ALPHA.len()]);
-                }
-                let coefficient = COEFFICIENTS[at % COEFFICIENTS.len()];
-                self.rubbed(coefficient, self.rubbed_alpha()[at / COEFFICIENTS.len()]).map(Part::Friction)
+                let (at, rubs) = ((part - FIRST_RUBBED) / 2, (part - FIRST_RUBBED).is_multiple_of(2));
+                let alpha = self.rubbed_alpha()[at];
+                if rubs { self.rubbed(alpha).map(Part::Friction) } else { self.carried(alpha) }
             }
         }
     }
@@ -313,23 +281,62 @@ impl Geometry {
         Ok(Part::Memory(alpha, least(miss, (0.0, 4.0))))
     }
 
-    /// Down and up again with and without friction, on the same mesh.
-    fn rubbed(&self, coefficient: f64, alpha: f64) -> Result<Rubbed, SolveError> {
+    /// Down and up again without friction and with each coefficient, on the same mesh.
+    fn rubbed(&self, alpha: f64) -> Result<Vec<Rubbed>, SolveError> {
         let free = self.pressed(alpha, Motion::ramp(self.depth_mm, 1.0).to_depth(0.0, 1.0))?;
-        let rough = Simulation { interface: Interface { friction: coefficient, ..free.interface }, ..free.clone() };
-        let (without, with) = (free.solve()?, rough.solve()?);
-        let at = |record: &crate::model::Record, time_s: f64| record.force_at(time_s);
-        let ratio = |time_s: f64| at(&with, time_s) / at(&without, time_s).max(f64::MIN_POSITIVE);
-        let share = |k: usize| k as f64 / (RUBBED - 1) as f64;
-        // the first and last steps touch with a few points only: the next station stands for them
-        let seen = |k: usize| share(k.max(2)) * self.depth_mm;
-        let down = std::array::from_fn(|k| ratio(seen(k)));
-        let up = std::array::from_fn(|k| ratio(2.0 * self.depth_mm - seen(k)));
-        Ok(Rubbed { coefficient, alpha, down, up })
+        let without = free.solve()?;
+        let of = |coefficient: f64| -> Result<Rubbed, SolveError> {
+            let rough = Simulation { interface: Interface { friction: coefficient, ..free.interface }, ..free.clone() };
+            let with = rough.solve()?;
+            let ratio = |time_s: f64| with.force_at(time_s) / without.force_at(time_s).max(f64::MIN_POSITIVE);
+            let share = |k: usize| k as f64 / (RUBBED - 1) as f64;
+            // the first and last steps touch with a few points only: the next station stands for them
+            let seen = |k: usize| share(k.max(2)) * self.depth_mm;
+            let down = std::array::from_fn(|k| ratio(seen(k)));
+            let up = std::array::from_fn(|k| ratio(2.0 * self.depth_mm - seen(k)));
+            Ok(Rubbed { coefficient, alpha, down, up })
+        };
+        COEFFICIENTS.into_iter().map(of).collect()
     }
 }
 
 impl Family {
+    fn new(geometry: Geometry, height: ForceModel) -> Self {
+        Self {
+            geometry,
+            solves: height.solves(),
+            height,
+            fine: None,
+            poisson: None,
+            sliding: None,
+            friction: Vec::new(),
+            memory: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, part: Part) {
+        let (place, model) = match part {
+            Part::Height(model) => {
+                self.solves += model.solves();
+                self.height = model;
+                return;
+            }
+            Part::Fine(model) => (&mut self.fine, model),
+            Part::Poisson(model) => (&mut self.poisson, model),
+            Part::Sliding(model) => (&mut self.sliding, model),
+            Part::Friction(rubbed) => {
+                self.solves += 1 + rubbed.len();
+                return self.friction.extend(rubbed);
+            }
+            Part::Memory(alpha, carried) => {
+                self.solves += 2;
+                return self.memory.push((alpha, carried));
+            }
+        };
+        self.solves += model.solves();
+        *place = Some(model);
+    }
+
     /// Force of a unit modulus over depth.
     pub fn slice(&self, alpha: f64, nu: f64, height_mm: f64, sliding: f64) -> ForceSlice {
         let declared = self.geometry.specimen.height_mm;

@@ -5,6 +5,7 @@
 //! path is tested in `tests/chain.rs`.
 
 mod coupon;
+mod kept;
 mod library;
 mod passage;
 mod predict;

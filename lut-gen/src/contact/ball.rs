@@ -1,11 +1,13 @@
 //! The rigid indenter: a ball on a shank of its own radius.
 
+use serde::{Deserialize, Serialize};
+
 use crate::scalar::Real;
 
 /// A rigid ball. Above its equator it continues as a cylindrical shank of the
 /// same radius, so depths beyond the radius are defined and the profile stays
 /// smooth (sphere and cylinder share the tangent at the equator).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ball<T = f64> {
     /// Radius `R` (mm).
     pub radius_mm: T,

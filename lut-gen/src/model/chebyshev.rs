@@ -2,9 +2,10 @@
 
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
+use serde::{Deserialize, Serialize};
 
 /// The coordinate in which a parameter is resolved evenly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Scale {
     /// The value itself.
     Linear,
@@ -50,7 +51,7 @@ impl Scale {
 }
 
 /// A parameter axis with `n` Chebyshev nodes (of the first kind) between two ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Lower end of the range.
     pub low: f64,

@@ -1,11 +1,13 @@
 //! A Chebyshev expansion over Poisson's ratio, height, exponent and depth.
 
+use serde::{Deserialize, Serialize};
+
 use super::Axis;
 use super::chebyshev::polynomials;
 use super::profile::MAX_TERMS;
 
 /// `q = sum c T(nu) T(1/h) T(ln alpha) T(2 s - 1)`, `s = sqrt(d / d_max)`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Expansion {
     /// Poisson's ratio, height, exponent.
     pub axes: [Axis; 3],

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::expansion::Expansion;
 use super::plan::{Job, ModelSpec, check, checks};
@@ -13,7 +14,7 @@ use crate::solve::SolveError;
 use crate::verify::hertz_force_n;
 
 /// Error of the forces, relative to the force at the largest depth unless said otherwise.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ErrorBound {
     /// Finite elements against a refined mesh.
     pub discretisation: f64,
@@ -55,7 +56,7 @@ pub struct ForceGradient {
 /// The logarithm, since forces of confined foams span decades: for Poisson's ratio it was measured
 /// to need two nodes less than the force, for the other parameters as many.
 /// Force is exactly linear in `mu` for one frictionless term, so `mu` is no axis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ForceModel {
     spec: ModelSpec,
     expansion: Expansion,

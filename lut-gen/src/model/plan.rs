@@ -1,12 +1,14 @@
 //! What a force model covers, and the solves it is made from and checked with.
 
+use serde::{Deserialize, Serialize};
+
 use super::profile::MAX_TERMS;
 use super::{Axis, Resolution, Scale, Specimen};
 use crate::contact::Ball;
 use crate::solve::SolveError;
 
 /// What a force model covers.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelSpec {
     /// The block; its height is the only one unless `heights_mm` is given.
     pub specimen: Specimen,

@@ -1,10 +1,12 @@
 //! The block, and how finely it is resolved.
 
+use serde::{Deserialize, Serialize};
+
 use crate::mesh::Sizes;
 use crate::solve::{Base, SolveError};
 
 /// A cylindrical block with free sides.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Specimen {
     /// Height `h` (mm).
     pub height_mm: f64,
@@ -23,7 +25,7 @@ impl Specimen {
 }
 
 /// How finely an indentation is resolved.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Resolution {
     /// One mesh: within 0.25 % of a mesh refined 2.5 times from 0.25 mm on for a 4 mm depth (docs/physics.md).
     Standard,

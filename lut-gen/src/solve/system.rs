@@ -1,5 +1,7 @@
 //! The block as a system of equations: residual, stiffness and history at a displacement.
 
+use serde::{Deserialize, Serialize};
+
 use super::matrix::Matrix;
 use super::sparse::HELD;
 use super::{SolveError, constraint};
@@ -10,7 +12,7 @@ use crate::mesh::BlockMesh;
 use crate::scalar::Real;
 
 /// How the bottom of the block is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Base {
     /// Glued: neither axial nor radial motion.
     #[default]

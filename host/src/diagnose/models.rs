@@ -1,0 +1,131 @@
+//! Force models that are made once: for the diagnoses of one call, and in a folder for those of later calls.
+
+use std::fs;
+use std::io;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+use lut_gen::chain::{Geometry, Library, LibraryError, Need};
+
+/// Force models that were made before, to be shared by many diagnoses.
+#[derive(Debug, Default)]
+pub struct Models {
+    known: Mutex<Option<Library>>,
+    folder: Option<PathBuf>,
+}
+
+/// Names the folder of kept force models; empty, none is kept.
+pub const FOLDER_VARIABLE: &str = "PALPATE_CACHE";
+
+impl Models {
+    /// Force models that later calls of the program find again, in the folder that `PALPATE_CACHE` names or in the user's own for such files (`~/.cache/palpate` on Linux). Those of one ball on one
+    /// specimen take some ten kilobytes. A folder that cannot be used is none.
+    #[must_use]
+    pub fn kept() -> Self {
+        let own = || dirs::cache_dir().map(|folder| folder.join("palpate"));
+        let folder = match std::env::var_os(FOLDER_VARIABLE) {
+            Some(folder) => (!folder.is_empty()).then(|| PathBuf::from(folder)),
+            None => own(),
+        };
+        folder.map_or_else(Self::default, Self::kept_in)
+    }
+
+    /// The same in a folder, which is made when the first of them is.
+    #[must_use]
+    pub fn kept_in(folder: PathBuf) -> Self {
+        Self { known: Mutex::default(), folder: Some(folder) }
+    }
+
+    /// A library of the wanted geometries; what is missing is solved.
+    ///
+    /// # Errors
+    /// The first force model that fails.
+    pub fn of(
+        &self,
+        wanted: &[Geometry],
+        progress: &(dyn Fn(usize, usize) + Send + Sync),
+    ) -> Result<Library, LibraryError> {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let library = known.get_or_insert_default();
+        let mut missing: Vec<Geometry> = Vec::new();
+        for geometry in wanted {
+            if library.of(&[*geometry]).is_none() {
+                match self.read(geometry) {
+                    Some(kept) => library.extend(kept),
+                    None => missing.push(*geometry),
+                }
+            }
+        }
+        if !missing.is_empty() {
+            let more = Library::build(&missing, Need { effects: true }, progress)?;
+            for geometry in &missing {
+                // what cannot be kept is made again next time
+                let _ = self.keep(geometry, &more);
+            }
+            library.extend(more);
+        }
+        library.of(wanted).ok_or_else(|| LibraryError::Parameter {
+            parameter: "geometries",
+            value: wanted.len() as f64,
+            expected: "must have been solved".to_owned(),
+        })
+    }
+
+    fn read(&self, geometry: &Geometry) -> Option<Library> {
+        let bytes = fs::read(self.folder.as_ref()?.join(Library::file_name(geometry))).ok()?;
+        Library::from_bytes(&bytes, geometry)
+    }
+
+    /// Under its name only once it is whole: two calls at a time may write the same file.
+    fn keep(&self, geometry: &Geometry, library: &Library) -> io::Result<()> {
+        let (Some(folder), Some(bytes)) = (&self.folder, library.to_bytes(geometry)) else { return Ok(()) };
+        fs::create_dir_all(folder)?;
+        let name = Library::file_name(geometry);
+        let part = folder.join(format!("{name}.{}", std::process::id()));
+        let written = fs::write(&part, bytes).and_then(|()| fs::rename(&part, folder.join(name)));
+        if written.is_err() {
+            let _ = fs::remove_file(&part);
+        }
+        written
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use lut_gen::model::Specimen;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// Solves counted by the progress of making models.
+    fn made(models: &Models, geometry: Geometry) -> usize {
+        let parts = AtomicUsize::new(0);
+        let count = |_: usize, _: usize| {
+            parts.fetch_add(1, Ordering::Relaxed);
+        };
+        let library = models.of(&[geometry], &count).unwrap();
+        assert_eq!(library.geometries(), [geometry]);
+        parts.into_inner()
+    }
+
+    #[test]
+    fn kept_models_are_read_damaged_ones_are_made_again_and_a_folder_that_is_none_does_no_harm() {
+        let folder = tempfile::tempdir().unwrap();
+        let within = folder.path().join("force models");
+        let geometry = Geometry { specimen: Specimen::of_height(12.7), ball_mm: 4.0, depth_mm: 1.0, nu: 0.0 };
+        assert!(made(&Models::kept_in(within.clone()), geometry) > 0);
+        let again = Models::kept_in(within.clone());
+        assert_eq!(made(&again, geometry), 0);
+        assert_eq!(made(&again, geometry), 0);
+
+        let files: Vec<PathBuf> = fs::read_dir(&within).unwrap().map(|entry| entry.unwrap().path()).collect();
+        let [file] = &files[..] else { panic!("{files:?}") };
+        let whole = fs::read(file).unwrap();
+        fs::write(file, &whole[..whole.len() / 2]).unwrap();
+        assert!(made(&Models::kept_in(within), geometry) > 0);
+        assert_eq!(fs::read(file).unwrap(), whole);
+
+        // a file where the folder should be
+        assert!(made(&Models::kept_in(file.join("below")), geometry) > 0);
+    }
+}
