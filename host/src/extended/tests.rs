@@ -192,6 +192,10 @@ mod board {
         assert_eq!(other.spec.used, Some(UsedSpot { loss: 0.25, scale: 0.4 }));
         assert_eq!((other.spec.specimen.height_mm, other.spec.ball.radius_mm), (25.4, 6.0));
         assert!(other.left_out.iter().any(|s| s.ends_with("the board's ball is another one")), "{:?}", other.left_out);
+        // heights that are all wrong by the same are so on every specimen of the model, and on no other
+        let all = super::model(vec![added("thickness", "every-height", None, &[-1.5])]);
+        let height_mm = |declared_mm: f64| all.on_board(&grid(declared_mm, 4.0), 1).unwrap().spec.specimen.height_mm;
+        assert_eq!((height_mm(12.7), height_mm(25.4)), (11.2, 25.4));
         let codes: Vec<&str> = model.rig().iter().map(|s| s.effect.code).collect();
         assert_eq!(codes, ["contact-offset", "compliance", "lag", "sensor-gain", "drift"]);
     }

@@ -79,7 +79,7 @@ fn effect(
     let v = &added.values;
     let one = v[0];
     let made = match (added.effect.code, added.effect.form) {
-        ("thickness", "height") => Effect::Thickness { height_error_mm: one },
+        ("thickness", "height" | "every-height") => Effect::Thickness { height_error_mm: one },
         ("thickness", _) => {
             if one != 0.0 && one != 1.0 {
                 sentences.push(format!(

@@ -6,7 +6,7 @@
 //! [`crate::homogeneous::Coupon::follow`]).
 
 use super::Model;
-use crate::effect::{compliance, poisson, relaxation, second_term, softening, thickness};
+use crate::effect::{compliance, poisson, relaxation, second_term, softening};
 use crate::homogeneous::Mode;
 use crate::law::OgdenRoxburgh;
 
@@ -114,7 +114,7 @@ impl Model {
     /// Readings (N) of a coupon that is shortened, one a place. `contact_mm` is what its first touch adds to the recorded depth of touch.
     #[must_use]
     pub fn shortened(&self, run: &Shortening, contact_mm: f64) -> Vec<f64> {
-        let height_mm = run.height_mm + self.first(&thickness::HEIGHT, run.specimen);
+        let height_mm = run.height_mm + self.height_error_mm(run.specimen);
         let nu = self.first(&poisson::EFFECT, 0);
         let mut terms = vec![(self.mu_mpa, self.alpha)];
         terms.extend(self.of(&second_term::EFFECT).filter_map(|s| match s.values[..] {

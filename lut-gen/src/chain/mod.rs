@@ -19,7 +19,7 @@ pub use whole::{Detail, Whole, Window, is_rough};
 
 use std::sync::Arc;
 
-use crate::effect::Effect;
+use crate::effect::{Effect, thickness};
 
 /// An effect with values of its parameters.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +55,11 @@ impl Model {
     /// Settings of one form of an effect.
     pub(crate) fn of<'a>(&'a self, effect: &'a Effect) -> impl Iterator<Item = &'a Setting> {
         self.settings.iter().filter(move |s| s.effect.code == effect.code && s.effect.form == effect.form)
+    }
+
+    /// By how much a specimen is higher than declared, mm.
+    pub(crate) fn height_error_mm(&self, specimen: usize) -> f64 {
+        self.first(&thickness::HEIGHT, specimen) + self.first(&thickness::EVERY_HEIGHT, 0)
     }
 
     /// First value of the setting of one owner; the null value when there is none.

@@ -133,7 +133,7 @@ impl Chain {
         let family = &self.library.families[passage.geometry];
         let geometry = &family.geometry;
         let scale = (geometry.ball_mm + model.first(&radius::EFFECT, passage.indenter)) / geometry.ball_mm;
-        let height = geometry.specimen.height_mm + model.first(&thickness::HEIGHT, passage.specimen);
+        let height = geometry.specimen.height_mm + model.height_error_mm(passage.specimen);
         let sliding = model.first(&thickness::SLIDING, passage.specimen);
         let nu = model.first(&poisson::EFFECT, 0);
         let slice = |alpha: f64| family.slice(alpha, nu, height / scale, sliding);

@@ -162,8 +162,9 @@ pub struct Effect {
 }
 
 /// All effects of an indentation, in physical order.
-pub static CATALOGUE: [&Effect; 20] = [
+pub static CATALOGUE: [&Effect; 21] = [
     &thickness::HEIGHT,
+    &thickness::EVERY_HEIGHT,
     &thickness::SLIDING,
     &poisson::EFFECT,
     &second_term::EFFECT,

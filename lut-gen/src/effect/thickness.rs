@@ -15,6 +15,15 @@ pub const HEIGHT: Effect = Effect {
     owner: Owner::Specimen,
 };
 
+/// The heights of all specimens are wrong by the same: the gauge that measured them was, or the table gives way by a layer that they all lie on.
+pub const EVERY_HEIGHT: Effect = Effect {
+    form: "every-height",
+    assumption: "specimens are as high as declared",
+    separated_by: "a specimen of another height; the gauge on a block of known height",
+    owner: Owner::All,
+    ..HEIGHT
+};
+
 /// The base gives way sideways: 1 is a base that slides freely.
 pub const SLIDING: Effect = Effect {
     code: "thickness",

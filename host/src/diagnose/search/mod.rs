@@ -178,6 +178,14 @@ pub fn candidates(design: &Design) -> Vec<Candidate> {
         all.dedup();
         all
     };
+    // a coupon has no base, but a height that may be wrong
+    let measured = || {
+        let mut all = owners(&|s| s.specimen);
+        all.extend(design.checks.iter().filter_map(Check::coupon_of));
+        all.sort_unstable();
+        all.dedup();
+        all
+    };
     for effect in CATALOGUE {
         let possible = match effect.code {
             "drift" => clock,
@@ -191,6 +199,8 @@ pub fn candidates(design: &Design) -> Vec<Candidate> {
             continue;
         }
         match effect.owner {
+            // of one specimen it is that specimen's
+            Owner::All if *effect == thickness::EVERY_HEIGHT && measured().len() < 2 => {}
             Owner::All => list.push(Candidate { effect, owner: 0 }),
             Owner::Indenter => {
                 let balls = owners(&|s| s.indenter);
@@ -199,13 +209,7 @@ pub fn candidates(design: &Design) -> Vec<Candidate> {
                 }
             }
             Owner::Specimen => {
-                let mut specimens = owners(&|s| s.specimen);
-                if *effect == thickness::HEIGHT {
-                    // a coupon has no base, but a height that may be wrong
-                    specimens.extend(design.checks.iter().filter_map(Check::coupon_of));
-                    specimens.sort_unstable();
-                    specimens.dedup();
-                }
+                let specimens = if *effect == thickness::HEIGHT { measured() } else { owners(&|s| s.specimen) };
                 list.extend(specimens.into_iter().map(|owner| Candidate { effect, owner }));
             }
         }

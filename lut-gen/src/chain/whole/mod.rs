@@ -470,7 +470,7 @@ impl Chain {
             let (r, m, beta) = softening::of_points(soft.values[0], soft.values[1]);
             material = material.softening(OgdenRoxburgh::new(r, m * model.mu_mpa, beta)?);
         }
-        let height_mm = geometry.specimen.height_mm + model.first(&thickness::HEIGHT, passage.specimen);
+        let height_mm = geometry.specimen.height_mm + model.height_error_mm(passage.specimen);
         Ok(Simulation {
             material,
             specimen: Specimen { height_mm, ..geometry.specimen },
