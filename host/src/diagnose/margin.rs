@@ -137,18 +137,19 @@ struct Builder<'a, 'b> {
 impl Builder<'_, '_> {
     /// A direction in proportion to the force where the condition holds.
     fn add(&mut self, variable: Variable, label: String, within: impl Fn(&Series, &Node) -> bool) {
-        self.weigh(variable, label, |s, n, force_n| if within(s, n) { force_n } else { 0.0 });
+        self.weigh(variable, label, |s, n, (force_n, _)| if within(s, n) { force_n } else { 0.0 });
     }
 
-    fn weigh(&mut self, variable: Variable, label: String, weight: impl Fn(&Series, &Node, f64) -> f64) {
+    /// A direction of a weight at every node; of force (N) and slope (N/mm) there.
+    fn weigh(&mut self, variable: Variable, label: String, weight: impl Fn(&Series, &Node, (f64, f64)) -> f64) {
         let problem = self.problem;
         let mut direction = DVector::zeros(problem.whitening.residuals());
         let mut entries = Vec::new();
         for (s, (series, curve)) in problem.design.series.iter().zip(self.curves).enumerate() {
-            for (k, (node, force_n)) in series.nodes.iter().zip(&curve.force_n).enumerate() {
+            for (k, node) in series.nodes.iter().enumerate() {
                 let at = problem.whitening.first(s) + k;
                 if problem.used[at] {
-                    direction[at] = weight(series, node, *force_n);
+                    direction[at] = weight(series, node, (curve.force_n[k], curve.slope_n_per_mm[k]));
                     if direction[at] != 0.0 {
                         entries.push(at);
                     }
@@ -167,6 +168,13 @@ impl Builder<'_, '_> {
         cycles.dedup();
         if cycles.len() < 2 {
             return;
+        }
+        // what a spot keeps of the presses before: its surface lies lower, or its contact comes later
+        for later in cycles.windows(2) {
+            let (before, cycle) = (later[0], later[1]);
+            self.weigh(Variable::Cycle, format!("contact from cycle {cycle} on"), |s, _, (_, slope_n_per_mm)| {
+                if s.cycle > before { slope_n_per_mm } else { 0.0 }
+            });
         }
         for cycle in cycles {
             for (branch, name) in [(Branch::Loading, "loading"), (Branch::Unloading, "unloading")] {

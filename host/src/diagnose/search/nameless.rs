@@ -118,6 +118,10 @@ impl Search<'_> {
         let nameless = self.extended(&self.base, &NAMELESS);
         let likelier = f64::max(nameless.discounted - best.fit.discounted, nameless.square - best.fit.square);
         let together = best.fit.candidates.len() > 1;
+        if together && !tells_time(self.problem.design) {
+            // all that is known is one curve a ball: two shapes that both follow it make nearly any
+            return f64::NEG_INFINITY;
+        }
         let parts = self.signatures.last().map_or(0.0, |parts| self.price(parts));
         let dearer = parts - self.price_of(&best.fit);
         if !a_law && !together {
