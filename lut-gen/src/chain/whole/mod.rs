@@ -3,8 +3,11 @@
 //! The chain puts effects together stage by stage: a second term is a second force, relaxation a convolution. Finite elements of the same
 //! path at one point of the parameters tell what that misses; near that point the difference hardly changes, so it is added as it is.
 
+mod history;
 mod law;
 mod path;
+mod twin;
+mod window;
 
 use std::sync::Arc;
 
@@ -17,10 +20,13 @@ use crate::effect::{
     Effect, adhesion, friction, lag, numerics, poisson, radius, relaxation, second_term, softening, thickness,
 };
 use crate::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
-use crate::model::{CLOSER, Record, Resolution, Simulation, Specimen};
+use crate::model::{CLOSER, Resolution, Simulation, Specimen};
 use crate::solve::{Motion, SolveError};
+use history::{History, a_second_a_millimetre};
 use law::Beside;
-use path::{alike, along, between, divided, later, motion, smooth, straight_pieces, turns};
+use path::{alike, between, divided, later, motion, smooth, straight_pieces};
+use twin::Twin;
+pub use window::Window;
 
 /// How finely a path is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -161,71 +167,8 @@ struct Job {
     added: Curve,
 }
 
-/// What a force depends on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum History {
-    /// The depth alone.
-    None,
-    /// The depths at which the motion turned.
-    Turns,
-    /// Everything, at its time.
-    Time,
-}
-
-impl History {
-    fn of(model: &Model) -> Self {
-        match (has(model, &relaxation::ONE), has(model, &softening::EFFECT) || has(model, &friction::EFFECT)) {
-            (true, _) => Self::Time,
-            (false, true) => Self::Turns,
-            (false, false) => Self::None,
-        }
-    }
-
-    /// What of straight pieces has to be solved.
-    fn path(self, pieces: Curve) -> Curve {
-        match self {
-            Self::Time => pieces,
-            Self::Turns => turned(&pieces),
-            Self::None => {
-                let deepest = pieces.iter().map(|p| p.1).fold(0.0, f64::max);
-                vec![(0.0, 0.0), (1.0, deepest)]
-            }
-        }
-    }
-
-    /// Where on such a path a point (s, mm) lies.
-    fn place(self, path: &[(f64, f64)], (time_s, depth_mm): (f64, f64)) -> f64 {
-        match self {
-            Self::Time => time_s,
-            Self::Turns => along(path, (time_s, depth_mm.max(0.0))),
-            Self::None => depth_mm / path.last().map_or(1.0, |p| p.1).max(f64::MIN_POSITIVE),
-        }
-    }
-}
-
 /// Ball and block: geometry, specimen, ball.
 type Block = (usize, usize, usize);
-
-/// The first term alone, without history, pressed once on the mesh of the paths: its force depends on the depth only, and the marks that the lines
-/// of the mesh leave in a force cancel where it is taken off.
-struct Twin {
-    block: Block,
-    deepest_mm: f64,
-    record: Record,
-    /// What the softness of the penalty takes from a force, over its square (1/N), by depth (mm).
-    softness: Curve,
-}
-
-impl Twin {
-    /// Force (N) at a depth (mm).
-    fn force_n(&self, depth_mm: f64) -> f64 {
-        // a piece of the ramp a second
-        self.record.force_at(RAMP as f64 * (depth_mm / self.deepest_mm).clamp(0.0, 1.0))
-    }
-}
-
-/// Pieces of an elastic ramp: straight between their ends, its force is met to 0.12/40^2, less than one in ten thousand.
-const RAMP: usize = 40;
 
 /// What was solved for the first run of a kind, as another run of it sees it.
 struct Added<'a> {
@@ -365,30 +308,6 @@ impl Chain {
         (p.geometry, p.specimen, p.indenter)
     }
 
-    /// The elastic ramps of the balls and blocks of some paths, each as deep as any of them.
-    fn twins(&self, (bare, detail): (&Model, Detail), jobs: &[Job]) -> Result<Vec<Twin>, SolveError> {
-        let mut deepest: Vec<(Block, usize, f64)> = Vec::new();
-        for job in jobs {
-            let own = job.path.iter().map(|p| p.1).fold(job.before_mm, f64::max);
-            match deepest.iter_mut().find(|(block, ..)| *block == self.block(job.run)) {
-                Some((.., depth_mm)) => *depth_mm = depth_mm.max(own),
-                None => deepest.push((self.block(job.run), job.run, own)),
-            }
-        }
-        let pressed = deepest.into_par_iter().filter(|(.., depth_mm)| *depth_mm > 0.0);
-        let solve = |(block, run, deepest_mm): (Block, usize, f64)| {
-            let passage = &self.passages[run];
-            let place = |k: usize| deepest_mm * (k + 1) as f64 / RAMP as f64;
-            let motion = (0..RAMP).fold(Motion::from_touch(), |m, k| m.to_depth_within(place(k), 1.0));
-            let rich = self.simulation((bare, detail), passage, motion)?;
-            let material = plain(bare, self.nu(bare, passage))?;
-            let record = Simulation { material, interface: Interface::default(), ..rich }.solve()?;
-            let softness = softness(&record);
-            Ok(Twin { block, deepest_mm, record, softness })
-        };
-        pressed.map(solve).collect()
-    }
-
     /// What finite elements of a path add to the chain along it, N.
     fn added(
         &self,
@@ -487,20 +406,6 @@ impl Chain {
     }
 }
 
-/// What the softness of the penalty takes from a force, over its square (1/N), by depth (mm), from the way down of an elastic solve. The record
-/// of a path differentiates the penalty's energy by depth, which is not its share of the force where the ball turns and a memory relaxes.
-fn softness(elastic: &Record) -> Vec<(f64, f64)> {
-    let each = elastic.stations.iter().zip(&elastic.force_n).filter(|(s, _)| s.force_n > 0.0);
-    let mut deepest = 0.0;
-    let down = each.filter(|(s, _)| {
-        // a hold stays where it is but for rounding
-        let deeper = s.depth_mm > deepest * (1.0 + 1e-6);
-        deepest = s.depth_mm.max(deepest);
-        deeper
-    });
-    down.map(|(s, f)| (s.depth_mm, (f - s.force_n) / s.force_n.powi(2))).collect()
-}
-
 /// Divisor of the element sizes for histories, which are a difference of two solves on one mesh: what they add is met by 0.2 % less well than on
 /// the standard mesh, in a third of the time.
 const COARSE: f64 = 0.6;
@@ -514,27 +419,6 @@ const REST_S: f64 = 1e5;
 /// Least loss that a material point is given.
 const LEAST_LOSS: f64 = 1e-4;
 
-/// The turns of straight pieces, from the touch on and never above it.
-fn turned(pieces: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mut own = turns(pieces);
-    own.iter_mut().for_each(|p| p.1 = p.1.max(0.0));
-    own.iter_mut().take(1).for_each(|p| p.1 = 0.0);
-    own
-}
-
-fn a_second_a_millimetre(turns: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mut at_s = 0.0;
-    let mut before = None;
-    turns
-        .iter()
-        .map(|(_, depth_mm)| {
-            at_s += before.map_or(0.0, |b: f64| (depth_mm - b).abs());
-            before = Some(*depth_mm);
-            (at_s, *depth_mm)
-        })
-        .collect()
-}
-
 /// What the chain has exactly of a model: its first term, elastic, with the shapes of ball and block.
 fn first_term(model: &Model) -> Model {
     let settings = model.settings.iter().filter(|s| is_shape(s.effect.code)).cloned().collect();
@@ -544,52 +428,6 @@ fn first_term(model: &Model) -> Model {
 /// Effects that only change the numbers of the elastic solve, which the chain's force models contain exactly.
 fn is_shape(code: &str) -> bool {
     [poisson::EFFECT.code, thickness::HEIGHT.code, radius::EFFECT.code].contains(&code)
-}
-
-/// The first term of a model's law alone, without memory.
-fn plain(model: &Model, nu: f64) -> Result<Material, SolveError> {
-    Ok(Hyperfoam::new(vec![Term { mu_mpa: model.mu_mpa, alpha: model.alpha, nu }])?.into())
-}
-
-/// Samples that a reading is the mean of, evenly over a length of time.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Window {
-    /// Samples times their distance (s).
-    pub length_s: f64,
-    /// Samples; up to 1 for an instant.
-    pub samples: usize,
-}
-
-/// Readings that stand for a window of more samples.
-const READINGS: usize = 8;
-
-impl Window {
-    /// Times (s) of its readings: those of the samples themselves where they are few, because next to a turn of the ball half a sample counts.
-    fn times_s(self, middle_s: f64) -> impl Iterator<Item = f64> {
-        let count = self.samples.clamp(1, READINGS);
-        (0..count).map(move |k| middle_s + self.length_s * ((k as f64 + 0.5) / count as f64 - 0.5))
-    }
-
-    fn mean(self, curve: &[(f64, f64)], middle_s: f64) -> f64 {
-        let count = self.samples.clamp(1, READINGS) as f64;
-        self.times_s(middle_s).map(|t| between(curve, t)).sum::<f64>() / count
-    }
-}
-
-impl Passage {
-    /// The same motion with places for the readings of every window.
-    fn refined(&self, windows: &[Window]) -> Self {
-        let path: Vec<(f64, f64)> = self.time_s.iter().copied().zip(self.depth_mm.iter().copied()).collect();
-        let (first, last) = (self.time_s.first().copied().unwrap_or(0.0), self.time_s.last().copied().unwrap_or(0.0));
-        let mut time_s = self.time_s.clone();
-        for (t, window) in self.time_s.iter().zip(windows) {
-            time_s.extend(window.times_s(*t).filter(|t| *t > first && *t < last));
-        }
-        time_s.sort_by(f64::total_cmp);
-        time_s.dedup_by(|b, a| *b - *a < 1e-5);
-        let depth_mm = time_s.iter().map(|t| between(&path, *t)).collect();
-        Self { time_s, depth_mm, ..self.clone() }
-    }
 }
 
 #[cfg(test)]
