@@ -97,6 +97,13 @@ fn what_is_strong_is_named() {
     all_are(Outcome::InSet, &[hiding(Design::D18, 31_014, "compliance", 4)]);
 }
 
+/// A machine that gives way by a millimetre adds far more than is seen of it beside another modulus. It is written down exactly: what its form might be wrong by is no price to pay, for which a radius with
+/// a sensor that is not linear was likelier though it left 26 more.
+#[test]
+fn what_is_written_down_exactly_pays_for_no_freedom() {
+    all_are(Outcome::Exact, &[hiding(Design::D36, 495_005, "compliance", 4)]);
+}
+
 /// An elastic law has twins, and departures without a name look like it: it is the name, in the set that is told, or unknown, and never its twin alone.
 #[test]
 fn another_elastic_law_is_not_named_by_its_twins_alone() {

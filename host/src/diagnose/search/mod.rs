@@ -93,9 +93,10 @@ pub(super) fn plain(fit: &Fit) -> f64 {
     fit.square + CHARGE * fit.coordinates.len() as f64
 }
 
-/// Discounted sum of squares of a fit with the charge for its parameters.
+/// The same with what the effects may be wrong by allowed for and paid for, where that is likelier: an effect that is written down exactly needs no such freedom, and the price of that grows with all
+/// that it adds, not with what is seen of it.
 pub(super) fn score(fit: &Fit) -> f64 {
-    fit.discounted + CHARGE * fit.coordinates.len() as f64
+    fit.discounted.min(fit.square) + CHARGE * fit.coordinates.len() as f64
 }
 
 /// Data, noise and base, with all that a search among effects needs of them.
@@ -252,7 +253,7 @@ impl Search<'_> {
         let placebo = before.placebo(&self.problem, fit.coordinates.len() - before.fit.coordinates.len());
         let design = self.problem.design;
         // what has no cause has no form to be wrong by: what a form may be wrong by is allowed for or not, whichever is better for it
-        let beyond_causeless = before.nameless - score(&fit).min(plain(&fit));
+        let beyond_causeless = before.nameless - score(&fit);
         Explanation {
             beats_noise: space.0.of_gain(space.1, gain) > self.spaces.threshold,
             predicts: left_out(design, &fit, &self.problem) < before.left_out,
