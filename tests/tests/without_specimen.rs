@@ -94,7 +94,7 @@ fn a_mass_tells_the_gain_from_the_modulus() {
 /// A machine that yields looks like a wrong radius of one ball, until it presses on something that does not.
 #[test]
 fn a_stiff_block_tells_a_yielding_machine_from_a_wrong_ball() {
-    let mut spec = Case::new(Design::D18, 31_014).hiding(What::Catalogue("compliance", 4)).spec();
+    let mut spec = Case::new(Design::D6, 495_027).hiding(What::Catalogue("compliance", 4)).spec();
     let without = experiment(&spec);
     assert_eq!(diagnosed(&without).verdict, Verdict::Ambiguous);
     spec = on_block(spec, largest_n(&without));
