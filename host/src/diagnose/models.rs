@@ -10,7 +10,7 @@ use lut_gen::chain::{Geometry, Library, LibraryError, Need};
 /// Force models that were made before, to be shared by many diagnoses.
 #[derive(Debug, Default)]
 pub struct Models {
-    known: Mutex<Option<Library>>,
+    known: Mutex<Library>,
     folder: Option<PathBuf>,
 }
 
@@ -22,10 +22,9 @@ impl Models {
     /// specimen take some ten kilobytes. A folder that cannot be used is none.
     #[must_use]
     pub fn kept() -> Self {
-        let own = || dirs::cache_dir().map(|folder| folder.join("palpate"));
         let folder = match std::env::var_os(FOLDER_VARIABLE) {
             Some(folder) => (!folder.is_empty()).then(|| PathBuf::from(folder)),
-            None => own(),
+            None => dirs::cache_dir().map(|folder| folder.join("palpate")),
         };
         folder.map_or_else(Self::default, Self::kept_in)
     }
@@ -45,8 +44,7 @@ impl Models {
         wanted: &[Geometry],
         progress: &(dyn Fn(usize, usize) + Send + Sync),
     ) -> Result<Library, LibraryError> {
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let library = known.get_or_insert_default();
+        let mut library = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let mut missing: Vec<Geometry> = Vec::new();
         for geometry in wanted {
             if library.of(&[*geometry]).is_none() {
