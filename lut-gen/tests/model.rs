@@ -109,6 +109,8 @@ fn senseless_specs_are_refused_by_name() {
         "alpha = 3 must be positive and below the upper end of its range"
     );
     assert_eq!(say(ModelSpec { alpha_nodes: 1, ..spec() }), "alpha_nodes = 1 must lie in 2..=24");
+    let slopes = ModelSpec { alpha_nodes: 13, alpha_slopes: true, ..spec() };
+    assert_eq!(say(slopes), "alpha_nodes = 13 must not exceed 12 with slopes");
     let grid = GridSpec { alpha: vec![4.0, 3.0], ..GridSpec::thesis(Specimen::of_height(12.7), BALL) };
     let text = ForceGrid::build(&grid, &|_, _| {}).unwrap_err().to_string();
     assert_eq!(text, "alpha = 3 must be a rising list of positive values");

@@ -1,7 +1,7 @@
 //! Chebyshev polynomials on an axis of a parameter.
 
 use faer::Mat;
-use faer::linalg::solvers::SolveLstsq;
+use faer::linalg::solvers::{Solve, SolveLstsq};
 use serde::{Deserialize, Serialize};
 
 /// The coordinate in which a parameter is resolved evenly.
@@ -98,6 +98,39 @@ impl Axis {
         clenshaw(coefficients, self.local(v).0)
     }
 
+    /// Coefficients of the polynomial with these values and derivatives by the parameter at the nodes: twice as many.
+    #[must_use]
+    pub fn osculating(&self, values: &[f64], slopes: &[f64]) -> Vec<f64> {
+        let n = self.nodes;
+        let mut matrix = Mat::<f64>::zeros(2 * n, 2 * n);
+        let mut right = Mat::<f64>::zeros(2 * n, 1);
+        let (mut value, mut slope) = (vec![0.0; 2 * n], vec![0.0; 2 * n]);
+        for k in 0..n {
+            let (x, dx) = self.local(self.node(k));
+            polynomials(x, &mut value, &mut slope);
+            for j in 0..2 * n {
+                matrix[(2 * k, j)] = value[j];
+                matrix[(2 * k + 1, j)] = slope[j] * dx;
+            }
+            right[(2 * k, 0)] = values[k];
+            right[(2 * k + 1, 0)] = slopes[k];
+        }
+        let solution = matrix.partial_piv_lu().solve(&right);
+        (0..2 * n).map(|j| solution[(j, 0)]).collect()
+    }
+
+    /// Derivatives at the nodes of the interpolant of the values there.
+    #[must_use]
+    pub fn derivatives(&self, values: &[f64]) -> Vec<f64> {
+        let coefficients = self.coefficients(values);
+        (0..self.nodes)
+            .map(|k| {
+                let (x, dx) = self.local(self.node(k));
+                clenshaw_and_slope(&coefficients, x).1 * dx
+            })
+            .collect()
+    }
+
     /// Coefficients of the interpolant of the values at the nodes.
     #[must_use]
     pub fn coefficients(&self, values: &[f64]) -> Vec<f64> {
@@ -190,6 +223,24 @@ mod tests {
         assert_eq!(clenshaw_and_slope(&[], 0.5), (0.0, 0.0));
         assert_eq!(clenshaw_and_slope(&[2.0], 0.5), (2.0, 0.0));
         assert_eq!(clenshaw_and_slope(&[2.0, 3.0], 0.5), (3.5, 3.0));
+    }
+
+    /// Values and slopes at three nodes give a polynomial of six terms, over a logarithm as well; values alone give the slopes of one of three. To rounding.
+    #[test]
+    fn a_polynomial_is_known_from_its_values_and_slopes() {
+        let axis = Axis { low: 1.8, high: 26.0, nodes: 3, scale: Scale::Log };
+        let coefficients = [0.3, -1.2, 0.7, 0.2, 0.11, -0.05];
+        let at = |c: &[f64], v: f64| {
+            let (x, dx) = axis.local(v);
+            let (value, slope) = clenshaw_and_slope(c, x);
+            (value, slope * dx)
+        };
+        let sampled = |c: &[f64]| -> (Vec<f64>, Vec<f64>) { (0..3).map(|k| at(c, axis.node(k))).unzip() };
+        let (values, slopes) = sampled(&coefficients);
+        let found = axis.osculating(&values, &slopes);
+        assert!(found.len() == 6 && found.iter().zip(coefficients).all(|(f, c)| (f - c).abs() < 1e-12), "{found:?}");
+        let (values, slopes) = sampled(&coefficients[..3]);
+        assert!(axis.derivatives(&values).iter().zip(&slopes).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 
     /// A polynomial is met exactly, to rounding; a wave beside it, one point on each of its crests, is left out as far as the points lie evenly about it.

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::{DepthProfile, RampRelaxation, Record, Sample, Simulation};
+use super::{DepthProfile, RampRelaxation, Record, Sample, Simulation, Watcher};
 use crate::law::Law;
 use crate::solve::{SolveError, Target};
 
@@ -62,6 +62,14 @@ impl Simulation {
     /// [`SolveError::Parameter`] when the motion is more than a ramp, when
     /// there is adhesion (its curve does not start like Hertz's), or a depth lies beyond the ramp.
     pub fn curve(&self, depths: &[f64]) -> Result<Curve, SolveError> {
+        self.curve_watched(depths, &mut ())
+    }
+
+    /// As [`Simulation::curve`]; the observer sees the equilibria of every mesh, that of the finest last.
+    ///
+    /// # Errors
+    /// As [`Simulation::curve`], and what the observer returns.
+    pub(super) fn curve_watched(&self, depths: &[f64], observer: &mut impl Watcher) -> Result<Curve, SolveError> {
         let depth_max_mm = self.ramp()?;
         for &d in depths {
             if d.is_nan() || d > depth_max_mm * (1.0 + 1e-9) {
@@ -73,7 +81,7 @@ impl Simulation {
         let mut stats = Stats::default();
         let mut fits = Vec::new();
         for refinement in self.resolution.refinements() {
-            let (path, unknowns) = self.path(refinement, &mut ())?;
+            let (path, unknowns) = self.path(refinement, observer)?;
             let record = Record::new(path);
             stats.unknowns = unknowns;
             stats.iterations += record.iterations;

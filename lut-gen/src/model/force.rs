@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::expansion::Expansion;
 use super::plan::{Job, ModelSpec, check, checks};
+use super::potential::{Potential, Ramp, slopes};
 use super::slice::ForceSlice;
-use super::{Axis, DepthProfile, Indentation, Scale, Specimen};
-use crate::law::{Hyperfoam, Term};
+use super::{Axis, DepthProfile, Indentation, MAX_TERMS, Scale, Specimen};
+use crate::law::{Hyperfoam, Parameter, Term};
 use crate::solve::SolveError;
 use crate::verify::hertz_force_n;
 
@@ -66,6 +67,8 @@ pub struct ForceModel {
 
 /// Terms in depth.
 const TERMS: usize = 12;
+/// `s = sqrt(d / d_max)`.
+const DEPTH: Axis = Axis { low: 0.0, high: 1.0, nodes: TERMS, scale: Scale::Linear };
 
 impl ForceModel {
     /// Builds the model; solves run in parallel, the result does not depend on their order.
@@ -78,6 +81,11 @@ impl ForceModel {
         let axes = spec.axes();
         check(&axes)?;
         let [nu, height, alpha] = &axes;
+        let terms = if spec.alpha_slopes { 2 * alpha.nodes } else { alpha.nodes };
+        if terms > MAX_TERMS {
+            let most = format!("must not exceed {} with slopes", MAX_TERMS / 2);
+            return Err(SolveError::parameter("alpha_nodes", alpha.nodes as f64, &most));
+        }
         let mut plan: Vec<Job> = Vec::new();
         for i in 0..nu.nodes {
             for j in 0..height.nodes {
@@ -88,15 +96,20 @@ impl ForceModel {
         if spec.checked {
             plan.extend(checks(&axes, spec.resolution));
         }
-        let profiles = solve_all(spec, &plan, progress)?;
-        let depths = profiles[..nodes].iter().flat_map(logarithm).collect();
+        let ramps = solve_all(spec, &plan, progress)?;
+        let depths = if spec.alpha_slopes {
+            ramps[..nodes].chunks_exact(alpha.nodes).flat_map(|line| osculating(line, alpha)).collect()
+        } else {
+            ramps[..nodes].iter().flat_map(|ramp| DEPTH.coefficients(&logarithm(&ramp.profile))).collect()
+        };
+        let alpha = Axis { nodes: terms, ..*alpha };
         let mut model = Self {
             spec: spec.clone(),
-            expansion: Expansion::through(axes, TERMS, depths),
+            expansion: Expansion::through([*nu, *height, alpha], TERMS, depths),
             error: ErrorBound::default(),
             solves: plan.len(),
         };
-        model.error = model.compare(&plan[nodes..], &profiles[nodes..]);
+        model.error = model.compare(&plan[nodes..], &ramps[nodes..]);
         Ok(model)
     }
 
@@ -212,13 +225,13 @@ impl ForceModel {
 
     /// Interpolation from left-out solves on the same mesh; discretisation from
     /// the pairs on a refined mesh at the same parameters.
-    fn compare(&self, plan: &[Job], profiles: &[DepthProfile]) -> ErrorBound {
+    fn compare(&self, plan: &[Job], ramps: &[Ramp]) -> ErrorBound {
         if !self.spec.checked {
             return ErrorBound { discretisation: f64::NAN, interpolation: f64::NAN };
         }
         let mut error = ErrorBound::default();
         let depths: Vec<f64> = (1..=40).map(|i| self.spec.depth_mm * f64::from(i) / 40.0).collect();
-        for ((at, resolution), profile) in plan.iter().zip(profiles) {
+        for ((at, resolution), Ramp { profile, .. }) in plan.iter().zip(ramps) {
             let scale = profile.force_n(self.spec.depth_mm);
             let [nu, height, alpha] = *at;
             let model: Vec<f64> = depths.iter().map(|&d| self.gradient_of(1.0, alpha, nu, d, height).force_n).collect();
@@ -232,7 +245,7 @@ impl ForceModel {
             if let Some(twin) = twin {
                 let worst = depths
                     .iter()
-                    .map(|&d| (profiles[twin].force_n(d) - profile.force_n(d)).abs() / scale)
+                    .map(|&d| (ramps[twin].profile.force_n(d) - profile.force_n(d)).abs() / scale)
                     .fold(0.0, f64::max);
                 error.discretisation = error.discretisation.max(worst);
             }
@@ -244,34 +257,54 @@ impl ForceModel {
 /// Least force over Hertz's whose logarithm is taken: below every solve, it only keeps a failed fit finite.
 const LEAST: f64 = 1e-9;
 
-/// Coefficients in depth of `ln(F / (H d^1.5)) / s` of a profile.
+/// `ln(F / (H d^1.5)) / s` of a profile at the nodes of [`DEPTH`].
 fn logarithm(profile: &DepthProfile) -> Vec<f64> {
-    let axis = Axis { low: 0.0, high: 1.0, nodes: TERMS, scale: Scale::Linear };
-    let values: Vec<f64> = (0..TERMS)
-        .map(|k| {
-            let s = axis.node(k);
-            let d = s * s * profile.depth_max_mm;
-            (profile.force_n(d) / (profile.hertz * d * d.sqrt())).max(LEAST).ln() / s
-        })
-        .collect();
-    axis.coefficients(&values)
+    let at = |s: f64| {
+        let d = s * s * profile.depth_max_mm;
+        (profile.force_n(d) / (profile.hertz * d * d.sqrt())).max(LEAST).ln() / s
+    };
+    (0..TERMS).map(|k| at(DEPTH.node(k))).collect()
+}
+
+/// Coefficients in depth of the same, of a line of ramps over the exponent with their slopes by it: at the nodes of an axis with twice as many.
+fn osculating(line: &[Ramp], alpha: &Axis) -> Vec<f64> {
+    let s: Vec<f64> = (0..TERMS).map(|k| DEPTH.node(k)).collect();
+    let by = slopes(line, |values| alpha.derivatives(values), &s);
+    let values: Vec<Vec<f64>> = line.iter().map(|ramp| logarithm(&ramp.profile)).collect();
+    let twice = Axis { nodes: 2 * alpha.nodes, ..*alpha };
+    let mut rows = vec![[0.0; TERMS]; twice.nodes];
+    for (k, s) in s.iter().enumerate() {
+        let value: Vec<f64> = values.iter().map(|q| q[k]).collect();
+        let slope: Vec<f64> = by.iter().zip(&value).map(|(by, q)| by[k] * (-s * q).exp() / s).collect();
+        let coefficients = alpha.osculating(&value, &slope);
+        for (j, row) in rows.iter_mut().enumerate() {
+            row[k] = twice.evaluate(&coefficients, twice.node(j));
+        }
+    }
+    rows.iter().flat_map(|row| DEPTH.coefficients(row)).collect()
 }
 
 fn solve_all(
     spec: &ModelSpec,
     plan: &[Job],
     progress: &(dyn Fn(usize, usize) + Send + Sync),
-) -> Result<Vec<DepthProfile>, SolveError> {
+) -> Result<Vec<Ramp>, SolveError> {
     let done = AtomicUsize::new(0);
-    let solved: Vec<Result<DepthProfile, SolveError>> = plan
+    let solved: Vec<Result<Ramp, SolveError>> = plan
         .par_iter()
         .map(|&([nu, height_mm, alpha], resolution)| {
             let law = Hyperfoam::new(vec![Term { mu_mpa: 1.0, alpha, nu }])?;
             let specimen = Specimen { height_mm, ..spec.specimen };
             let problem = Indentation { law, specimen, ball: spec.ball, depth_mm: spec.depth_mm, resolution };
-            let curve = problem.solve_at(&[])?;
+            let ramp = if spec.alpha_slopes {
+                let mut energy = Potential::of(Parameter::Alpha(0));
+                let curve = problem.simulation().curve_watched(&[], &mut energy)?;
+                energy.ramp(curve.profile)
+            } else {
+                Ramp::alone(problem.solve_at(&[])?.profile)
+            };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, plan.len());
-            Ok(curve.profile)
+            Ok(ramp)
         })
         .collect();
     solved.into_iter().collect()

@@ -9,6 +9,7 @@ mod fields;
 mod force;
 mod indentation;
 mod plan;
+mod potential;
 mod press;
 mod profile;
 mod record;
