@@ -36,6 +36,7 @@ fn record(s: &Scored) -> Value {
         "alpha": s.truth.foam.alpha,
         "effects": s.truth.effects.iter().map(palpate::simulate::Effect::to_toml).collect::<Vec<_>>(),
         "strength": s.strength,
+        "strength_of_told_noise": s.told,
         "verdict": s.answer.verdict.word(),
         "reason": s.answer.reason,
         "findings": findings,

@@ -8,10 +8,10 @@ use crate::hidden::{CATALOGUE, LEVELS, OUTSIDE, What};
 use super::outcome::Outcome;
 use super::rate::{lower95, share, upper95};
 use super::table::{Score, is_catalogue, is_outside};
-use super::{Scored, oracle};
+use super::{Scored, strength};
 
 /// Edges between the classes of strength, in standard deviations; one is where an effect counts as visible.
-const EDGES: [f64; 4] = [2.0, oracle::SEEN, 8.0, 20.0];
+const EDGES: [f64; 4] = [2.0, strength::SEEN, 8.0, 20.0];
 
 impl Score<'_> {
     /// Truth against answer.

@@ -8,7 +8,7 @@ use palpate::simulate::{Effect, RunTemplate, SimulatedExperiment, Solver, TrueLa
 use crate::hidden::Case;
 
 use super::outcome::Outcome;
-use super::{Answer, ScoreError, known_models, oracle};
+use super::{Answer, ScoreError, known_models, strength};
 
 /// Most runs that are made, one after the other.
 pub const MOST_RUNS: usize = 2;
@@ -75,7 +75,7 @@ impl Followed {
 /// True when every name is single and that of an effect which is there, and every effect that could be seen before has one.
 fn is_resolved(codes: &[&str], strength: Option<&[f64]>, answer: &Answer) -> bool {
     let names: Vec<&str> = answer.findings.iter().map(|f| f.code).collect();
-    let seen = |at: usize| strength.is_none_or(|s| s.get(at).is_none_or(|s| *s > oracle::SEEN));
+    let seen = |at: usize| strength.is_none_or(|s| s.get(at).is_none_or(|s| *s > strength::SEEN));
     answer.verdict == Verdict::Named
         && names.iter().all(|name| codes.contains(name))
         && codes.iter().enumerate().all(|(at, code)| !seen(at) || names.contains(code))
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn names_must_be_right_and_complete() {
         let pair = ["thickness", "lag"];
-        let seen = [0.7, oracle::SEEN + 1.0];
+        let seen = [0.7, strength::SEEN + 1.0];
         let resolved = |verdict, codes: &[&'static str]| is_resolved(&pair, Some(&seen), &answer(verdict, codes));
         assert!(resolved(Verdict::Named, &["lag"]) && resolved(Verdict::Named, &["lag", "thickness"]));
         assert!(!resolved(Verdict::Named, &["thickness"]) && !resolved(Verdict::Named, &["lag", "drift"]));

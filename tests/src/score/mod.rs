@@ -1,7 +1,7 @@
 //! The score of a diagnosis on hidden cases: what was true, what could be seen of it, what was answered, and how good that is.
 //!
 //! A [`suite`] lists cases; [`Scored::of`] makes one, has it diagnosed and judges the answer; a [`table::Score`] adds them up.
-//! What can be seen is decided without the diagnosis' verdict, from forces without noise ([`oracle`]).
+//! What can be seen is decided without the diagnosis' verdict, from forces without noise ([`mod@strength`]).
 
 pub mod control;
 pub mod coverage;
@@ -10,6 +10,7 @@ pub mod follow;
 pub mod oracle;
 pub mod outcome;
 pub mod rate;
+pub mod strength;
 pub mod suite;
 pub mod table;
 
@@ -25,6 +26,7 @@ use coverage::Hit;
 use follow::Followed;
 use oracle::Gain;
 use outcome::Outcome;
+use strength::Strength;
 
 /// A case that could not be scored.
 #[derive(Debug, thiserror::Error)]
@@ -103,6 +105,8 @@ pub struct Scored {
     pub truth: Truth,
     /// How far each effect moves the data, in standard deviations of the noise along it; `None` where no run could be used.
     pub strength: Option<Vec<f64>>,
+    /// The same to one who has to tell the noise from repeats, see [`Strength::told`].
+    pub told: Option<Vec<f64>>,
     /// What was answered.
     pub answer: Answer,
     /// How good that is.
@@ -138,9 +142,11 @@ impl Scored {
         let [diagnosis] = diagnoses.as_slice() else { return Err(ScoreError::Answers(diagnoses.len())) };
         let answer = Answer::of(diagnosis);
         let strength = match &diagnosis.evidence {
-            Some(evidence) => Some(oracle::strength(&made, evidence, models, solver)?),
+            Some(evidence) => Some(strength::strength(&made, evidence, models, solver)?),
             None => None,
         };
+        let of = |which: fn(&Strength) -> f64| strength.as_ref().map(|each| each.iter().map(which).collect::<Vec<_>>());
+        let (strength, told) = (of(|s| s.known), of(|s| s.told));
         let outcome = Outcome::of(&truth, strength.as_deref(), &answer);
         let gain = oracle::gain(&truth, diagnosis, &experiment, models);
         let followed =
@@ -157,6 +163,7 @@ impl Scored {
             seed: case.seed,
             truth,
             strength,
+            told,
             answer,
             outcome,
             gain,
@@ -170,13 +177,19 @@ impl Scored {
     /// True when every effect shows; false when there is none.
     #[must_use]
     pub fn all_visible(&self) -> bool {
-        self.strength.as_ref().is_some_and(|s| !s.is_empty() && s.iter().all(|s| *s > oracle::SEEN))
+        self.strength.as_ref().is_some_and(|s| !s.is_empty() && s.iter().all(|s| *s > strength::SEEN))
+    }
+
+    /// True when an effect shows to one who has to tell the noise from repeats.
+    #[must_use]
+    pub fn any_told(&self) -> bool {
+        self.told.as_ref().is_some_and(|s| s.iter().any(|s| *s > strength::SEEN))
     }
 
     /// True when an effect shows.
     #[must_use]
     pub fn any_visible(&self) -> bool {
-        self.strength.as_ref().is_some_and(|s| s.iter().any(|s| *s > oracle::SEEN))
+        self.strength.as_ref().is_some_and(|s| s.iter().any(|s| *s > strength::SEEN))
     }
 
     /// Design, seed, truth, answer and score on one line.

@@ -4,7 +4,7 @@ use palpate::diagnose::{Finding, Verdict};
 
 use crate::hidden::{Truth, What};
 
-use super::{Answer, oracle};
+use super::{Answer, strength};
 
 /// How good an answer is, from the kind of truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -52,7 +52,7 @@ impl Outcome {
         if matches!(answer.verdict, Verdict::Refused | Verdict::TooFewData) {
             return Self::Refused;
         }
-        let visible = strength.is_some_and(|s| s.iter().any(|s| *s > oracle::SEEN));
+        let visible = strength.is_some_and(|s| s.iter().any(|s| *s > strength::SEEN));
         let silent = answer.verdict == Verdict::Clean;
         match &truth.what {
             What::Clean if silent => Self::CleanRight,

@@ -128,6 +128,14 @@ impl Score<'_> {
             measured,
             judged(cases, percent(unknown, cases) >= 90.0),
         );
+        let outside = |s: &Scored| is_outside(s) && s.any_told();
+        let (cases, unknown) =
+            (self.count(outside), self.count(|s| outside(s) && s.outcome == Outcome::OutsideUnknown));
+        row(
+            "the same, visible with a noise that must be told from repeats: unknown >= 90 %",
+            share(unknown, cases),
+            judged(cases, percent(unknown, cases) >= 90.0),
+        );
         let deleted = |s: &Scored| matches!(s.truth.what, What::Deleted(..)) && s.any_visible();
         let (cases, unknown) =
             (self.count(deleted), self.count(|s| deleted(s) && s.outcome == Outcome::OutsideUnknown));
