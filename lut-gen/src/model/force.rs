@@ -9,7 +9,7 @@ use super::expansion::Expansion;
 use super::plan::{Job, ModelSpec, check, checks};
 use super::potential::{Potential, Ramp, slopes};
 use super::slice::ForceSlice;
-use super::{Axis, DepthProfile, Indentation, MAX_TERMS, Scale, Specimen};
+use super::{Axis, DepthProfile, Indentation, Scale, Specimen};
 use crate::law::{Hyperfoam, Parameter, Term};
 use crate::solve::SolveError;
 use crate::verify::hertz_force_n;
@@ -68,7 +68,7 @@ pub struct ForceModel {
 /// Terms in depth.
 const TERMS: usize = 12;
 /// `s = sqrt(d / d_max)`.
-const DEPTH: Axis = Axis { low: 0.0, high: 1.0, nodes: TERMS, scale: Scale::Linear };
+pub(super) const DEPTH: Axis = Axis { low: 0.0, high: 1.0, nodes: TERMS, scale: Scale::Linear };
 
 impl ForceModel {
     /// Builds the model; solves run in parallel, the result does not depend on their order.
@@ -79,13 +79,8 @@ impl ForceModel {
     /// The first failing solve (in the order of the plan) or a parameter out of range.
     pub fn build(spec: &ModelSpec, progress: &(dyn Fn(usize, usize) + Send + Sync)) -> Result<Self, SolveError> {
         let axes = spec.axes();
-        check(&axes)?;
+        check(spec, &axes)?;
         let [nu, height, alpha] = &axes;
-        let terms = if spec.alpha_slopes { 2 * alpha.nodes } else { alpha.nodes };
-        if terms > MAX_TERMS {
-            let most = format!("must not exceed {} with slopes", MAX_TERMS / 2);
-            return Err(SolveError::parameter("alpha_nodes", alpha.nodes as f64, &most));
-        }
         let mut plan: Vec<Job> = Vec::new();
         for i in 0..nu.nodes {
             for j in 0..height.nodes {
@@ -102,7 +97,7 @@ impl ForceModel {
         } else {
             ramps[..nodes].iter().flat_map(|ramp| DEPTH.coefficients(&logarithm(&ramp.profile))).collect()
         };
-        let alpha = Axis { nodes: terms, ..*alpha };
+        let alpha = Axis { nodes: spec.alpha_terms(), ..*alpha };
         let mut model = Self {
             spec: spec.clone(),
             expansion: Expansion::through([*nu, *height, alpha], TERMS, depths),

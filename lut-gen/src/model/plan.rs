@@ -62,6 +62,11 @@ impl ModelSpec {
 pub(super) type Job = ([f64; 3], Resolution);
 
 impl ModelSpec {
+    /// Terms over the exponent.
+    pub(super) fn alpha_terms(&self) -> usize {
+        if self.alpha_slopes { 2 * self.alpha_nodes } else { self.alpha_nodes }
+    }
+
     /// Poisson's ratio, height, exponent.
     pub(super) fn axes(&self) -> [Axis; 3] {
         let axis = |(low, high, nodes), scale| Axis { low, high, nodes, scale };
@@ -76,7 +81,7 @@ impl ModelSpec {
 
 /// # Errors
 /// [`SolveError::Parameter`] for a range or a number of nodes that makes no sense.
-pub(super) fn check([nu, height, alpha]: &[Axis; 3]) -> Result<(), SolveError> {
+pub(super) fn check(spec: &ModelSpec, [nu, height, alpha]: &[Axis; 3]) -> Result<(), SolveError> {
     let bad = |parameter, value, expected: &str| {
         Err(SolveError::Parameter { parameter, value, expected: expected.to_owned() })
     };
@@ -85,6 +90,9 @@ pub(super) fn check([nu, height, alpha]: &[Axis; 3]) -> Result<(), SolveError> {
     }
     if !(2..=MAX_TERMS).contains(&alpha.nodes) {
         return bad("alpha_nodes", alpha.nodes as f64, "must lie in 2..=24");
+    }
+    if spec.alpha_terms() > MAX_TERMS {
+        return bad("alpha_nodes", alpha.nodes as f64, &format!("must not exceed {} with slopes", MAX_TERMS / 2));
     }
     if !(1..=MAX_TERMS).contains(&height.nodes) {
         return bad("height nodes", height.nodes as f64, "must lie in 1..=24");

@@ -2,12 +2,13 @@
 //! fixed grids, as identification wants them.
 
 use super::chebyshev::{clenshaw, least_squares};
-use super::{Axis, Compression, Record, Scale, Sensitivity, Simulation, Tracker};
+use super::force::DEPTH;
+use super::{Axis, Compression, Record, Sensitivity, Simulation, Tracker};
 use crate::law::Parameter;
 use crate::solve::{Motion, SolveError, Target};
 
 /// Chebyshev nodes of a ramp, over `s = sqrt(d / d_max)`: as many as the terms of the continuous force model.
-pub const RAMP_NODES: usize = 12;
+pub const RAMP_NODES: usize = DEPTH.nodes;
 
 /// Times of a hold, see [`Press::hold_times`].
 pub const HOLD_NODES: usize = 24;
@@ -50,7 +51,7 @@ impl Press {
     /// The axis of a ramp's nodes: `s = sqrt(d / d_max)` from 0 to 1.
     #[must_use]
     pub fn ramp_axis() -> Axis {
-        Axis { low: 0.0, high: 1.0, nodes: RAMP_NODES, scale: Scale::Linear }
+        DEPTH
     }
 
     /// Times (s) since the peak at which a hold is given: evenly in `ln(1 + t / (0.001 T))`, the last one is its end.

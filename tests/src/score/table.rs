@@ -118,32 +118,18 @@ impl Score<'_> {
             share(wrong, cases),
             judged(cases, percent(wrong, cases) <= 2.0),
         );
+        let mut unknown = |goal: &str, of: fn(&Scored) -> bool, more: &str| {
+            let (cases, unknown) = (self.count(of), self.count(|s| of(s) && s.outcome == Outcome::OutsideUnknown));
+            row(goal, share(unknown, cases) + more, judged(cases, percent(unknown, cases) >= 90.0));
+        };
         let outside = |s: &Scored| is_outside(s) && s.any_visible();
-        let (cases, unknown) =
-            (self.count(outside), self.count(|s| outside(s) && s.outcome == Outcome::OutsideUnknown));
         let other = self.count(|s| outside(s) && s.outcome == Outcome::OtherForm);
-        let measured = format!("{}; {other} more have the right cause in another form", share(unknown, cases));
-        row(
-            "outside the catalogue and visible: unknown >= 90 %",
-            measured,
-            judged(cases, percent(unknown, cases) >= 90.0),
-        );
-        let outside = |s: &Scored| is_outside(s) && s.any_told();
-        let (cases, unknown) =
-            (self.count(outside), self.count(|s| outside(s) && s.outcome == Outcome::OutsideUnknown));
-        row(
-            "the same, visible with a noise that must be told from repeats: unknown >= 90 %",
-            share(unknown, cases),
-            judged(cases, percent(unknown, cases) >= 90.0),
-        );
+        let more = format!("; {other} more have the right cause in another form");
+        unknown("outside the catalogue and visible: unknown >= 90 %", outside, &more);
+        let goal = "the same, visible with a noise that must be told from repeats: unknown >= 90 %";
+        unknown(goal, |s| is_outside(s) && s.any_told(), "");
         let deleted = |s: &Scored| matches!(s.truth.what, What::Deleted(..)) && s.any_visible();
-        let (cases, unknown) =
-            (self.count(deleted), self.count(|s| deleted(s) && s.outcome == Outcome::OutsideUnknown));
-        row(
-            "deleted from the catalogue and visible: unknown >= 90 %",
-            share(unknown, cases),
-            judged(cases, percent(unknown, cases) >= 90.0),
-        );
+        unknown("deleted from the catalogue and visible: unknown >= 90 %", deleted, "");
         let placebo = |s: &Scored| matches!(s.truth.what, What::Placebo(_));
         let (cases, placebos) = (self.count(placebo), self.count(|s| placebo(s) && s.outcome == Outcome::Wrong));
         row("placebos named <= 1 %", share(placebos, cases), judged(cases, percent(placebos, cases) <= 1.0));
