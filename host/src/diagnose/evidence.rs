@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::fit::Fit;
 use super::margin::{Margin, Variable};
 use super::noise::{Jitter, Noise};
+use super::product::inner;
 use super::spike::{self, SPIKE};
 use super::whiten::Whitening;
 
@@ -93,7 +94,7 @@ pub fn basis(columns: &DMatrix<f64>) -> DMatrix<f64> {
 /// Takes off a matrix what a basis explains.
 #[must_use]
 pub fn rest_of(columns: &DMatrix<f64>, basis: &DMatrix<f64>) -> DMatrix<f64> {
-    columns - basis * basis.tr_mul(columns)
+    columns - basis * inner(basis, columns)
 }
 
 /// Directions with what they measure in clean twins before any parameter is taken off.
@@ -114,7 +115,7 @@ impl Panel {
     /// Of any directions, one a column.
     #[must_use]
     pub fn of(raw: DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
-        let of_twins = raw.tr_mul(twins);
+        let of_twins = inner(&raw, twins);
         Self { raw, of_twins }
     }
 }
@@ -124,9 +125,9 @@ impl Gauge {
     #[must_use]
     pub fn new(panel: &Panel, parameters: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
         let explained = basis(parameters);
-        let shares = explained.tr_mul(&panel.raw);
+        let shares = inner(&explained, &panel.raw);
         let mut directions = &panel.raw - &explained * &shares;
-        let mut values = &panel.of_twins - shares.tr_mul(&explained.tr_mul(twins));
+        let mut values = &panel.of_twins - inner(&shares, &inner(&explained, twins));
         for (j, whole) in panel.raw.column_iter().enumerate() {
             let (own, before) = (directions.column(j).norm(), whole.norm());
             // a direction that the parameters take up whole says nothing
@@ -149,7 +150,7 @@ impl Gauge {
 
     /// Adds to every direction's scatter what errors along some columns, each with unit variance, make of it.
     pub fn widen(&mut self, errors: &DMatrix<f64>) {
-        let along = self.directions.tr_mul(errors);
+        let along = inner(&self.directions, errors);
         for (scatter, row) in self.scatter.iter_mut().zip(along.row_iter()).filter(|(s, _)| **s > 0.0) {
             *scatter = scatter.hypot(row.norm());
         }
@@ -246,7 +247,7 @@ impl Spaces {
         let mut each = Vec::new();
         for signature in signatures {
             let own = basis(&visible(signature, &rest_of(signature, &explained)));
-            let values = own.tr_mul(twins);
+            let values = inner(&own, twins);
             let squares: Vec<f64> = values.column_iter().map(|c| c.norm_squared()).collect();
             let mean = squares.iter().sum::<f64>() / count;
             let space = Space { basis: own, mean };

@@ -12,6 +12,7 @@ use super::coordinate::{Candidate, Coordinate, coordinates, model};
 use super::design::Design;
 use super::evidence::exceeded;
 use super::noise::Curve;
+use super::product::inner;
 use super::whiten::{Whitening, kernel};
 
 /// Data, model and noise: what is fitted.
@@ -48,11 +49,11 @@ impl Allowed {
     /// Of columns.
     #[must_use]
     pub fn new(columns: DMatrix<f64>) -> Self {
-        let mut inner = columns.tr_mul(&columns);
-        for i in 0..inner.nrows() {
-            inner[(i, i)] += 1.0;
+        let mut freedom = inner(&columns, &columns);
+        for i in 0..freedom.nrows() {
+            freedom[(i, i)] += 1.0;
         }
-        let price = inner.cholesky().map_or(0.0, |c| 2.0 * c.l_dirty().diagonal().map(f64::ln).sum());
+        let price = freedom.cholesky().map_or(0.0, |c| 2.0 * c.l_dirty().diagonal().map(f64::ln).sum());
         let kernel = kernel(&columns);
         Self { columns, kernel, price }
     }
@@ -70,6 +71,16 @@ impl Allowed {
             return residual.clone();
         }
         residual - &self.columns * (&self.kernel * self.columns.tr_mul(residual))
+    }
+
+    /// The same of several residuals, a column each.
+    #[must_use]
+    pub fn all_discounted(&self, residuals: DMatrix<f64>) -> DMatrix<f64> {
+        if self.columns.ncols() == 0 {
+            return residuals;
+        }
+        let explained = &self.columns * (&self.kernel * inner(&self.columns, &residuals));
+        residuals - explained
     }
 }
 
@@ -148,6 +159,15 @@ impl Problem<'_> {
         match &self.allowed {
             Some(allowed) => allowed.discounted(&residual),
             None => residual,
+        }
+    }
+
+    /// Residuals (N), a column each, whitened, errors that are allowed taken off.
+    fn whitened(&self, mut residuals: DMatrix<f64>) -> DMatrix<f64> {
+        self.whitening.apply_to(&mut residuals);
+        match &self.allowed {
+            Some(allowed) => allowed.all_discounted(residuals),
+            None => residuals,
         }
     }
 
@@ -235,7 +255,7 @@ impl Problem<'_> {
             Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => (x - low).min(high - x) < 1e-3 * (high - low),
         });
         let model = self.model(&coordinates, candidates, &x);
-        let information = jacobian.tr_mul(&jacobian);
+        let information = inner(&jacobian, &jacobian);
         let candidates = candidates.to_vec();
         let discounted = square;
         let price = 0.0;
@@ -279,14 +299,20 @@ impl Problem<'_> {
         x: &DVector<f64>,
         residual: &DVector<f64>,
     ) -> DMatrix<f64> {
+        let step = |j: usize, coordinate: &Coordinate| {
+            let forth = coordinate.step();
+            if x[j] + forth > coordinate.bounds().1 { -forth } else { forth }
+        };
+        let steps: Vec<f64> = coordinates.iter().enumerate().map(|(j, coordinate)| step(j, coordinate)).collect();
         let mut out = DMatrix::zeros(self.whitening.residuals(), coordinates.len());
-        for (j, coordinate) in coordinates.iter().enumerate() {
-            let (_, high) = coordinate.bounds();
-            let step = if x[j] + coordinate.step() > high { -coordinate.step() } else { coordinate.step() };
+        for (j, step) in steps.iter().enumerate() {
             let mut moved = x.clone();
             moved[j] += step;
-            let there = self.residual(&self.model(coordinates, candidates, &moved));
-            out.set_column(j, &((residual - there) / step));
+            out.set_column(j, &self.plain(&self.model(coordinates, candidates, &moved)));
+        }
+        let mut out = self.whitened(out);
+        for (mut column, step) in out.column_iter_mut().zip(steps) {
+            column.zip_apply(residual, |there, here| *there = (here - *there) / step);
         }
         out
     }
@@ -317,7 +343,7 @@ fn damped_step(
     x: &DVector<f64>,
     bounds: &[(f64, f64)],
 ) -> Option<DVector<f64>> {
-    let mut normal = jacobian.tr_mul(jacobian);
+    let mut normal = inner(jacobian, jacobian);
     let mut right = jacobian.tr_mul(residual);
     let n = x.len();
     for i in 0..n {
@@ -370,8 +396,8 @@ impl Fit {
 
     /// Finds how far the errors of the parameters reach in clean twins, which know that the noise is an estimate.
     pub fn reach_in(&mut self, twins: &DMatrix<f64>) {
-        let Some(inverse) = self.jacobian.tr_mul(&self.jacobian).try_inverse() else { return };
-        let errors = &inverse * self.jacobian.tr_mul(twins);
+        let Some(inverse) = inner(&self.jacobian, &self.jacobian).try_inverse() else { return };
+        let errors = &inverse * inner(&self.jacobian, twins);
         for (i, reach) in self.reach.iter_mut().enumerate() {
             let own: Vec<f64> = errors.row(i).iter().map(|e| e.abs() / inverse[(i, i)].sqrt()).collect();
             let found = exceeded(own, 0.05);

@@ -20,6 +20,7 @@ pub mod noise;
 mod placebo;
 pub mod plan;
 mod prepared;
+pub mod product;
 pub mod ripple;
 pub mod search;
 mod spike;

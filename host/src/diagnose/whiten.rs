@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::design::{Design, Series};
 use super::noise::{Curve, Noise, SensorNoise};
+use super::product::{inner, turn_rows};
 use super::spike::Spike;
 
 /// A linear map of residuals (N, all runs one after the other) that makes their noise white.
@@ -20,7 +21,15 @@ pub struct Whitening {
 
 #[derive(Debug, Clone)]
 struct Factor {
-    lower: DMatrix<f64>,
+    /// Inverse of the lower factor of its covariance.
+    white: DMatrix<f64>,
+}
+
+impl Factor {
+    fn of(lower: &DMatrix<f64>) -> Option<Self> {
+        let white = lower.solve_lower_triangular(&DMatrix::identity(lower.nrows(), lower.nrows()))?;
+        Some(Self { white })
+    }
 }
 
 /// Runs on one spot and what they share.
@@ -45,7 +54,7 @@ pub(super) fn kernel(z: &DMatrix<f64>) -> DMatrix<f64> {
     if z.ncols() == 0 {
         return DMatrix::zeros(0, 0);
     }
-    let eigen = (z.transpose() * z).symmetric_eigen();
+    let eigen = inner(z, z).symmetric_eigen();
     // (1 - 1/sqrt(1 + x)) / x, its limit 1/2 for x -> 0
     let part = |x: f64| if x < 1e-9 { 0.5 } else { (1.0 - 1.0 / (1.0 + x).sqrt()) / x };
     let scaled = &eigen.eigenvectors * DMatrix::from_diagonal(&eigen.eigenvalues.map(part));
@@ -74,19 +83,19 @@ impl Whitening {
         let mut first = Vec::new();
         let mut len = 0;
         let mut runs = Vec::new();
-        for (series, curve) in design.series.iter().zip(curves) {
+        for (at, (series, curve)) in design.series.iter().zip(curves).enumerate() {
             first.push(len);
             len += series.nodes.len();
-            let lower = noise.sensor.factor(&series.nodes, &curve.force_n)?.unpack();
-            runs.push(Factor { lower });
-        }
-        for spike in spikes {
-            runs[spike.series].lower.column_mut(spike.node).scale_mut(spike.size);
+            let mut lower = noise.sensor.factor(&series.nodes, &curve.force_n)?.unpack();
+            for spike in spikes.iter().filter(|spike| spike.series == at) {
+                lower.column_mut(spike.node).scale_mut(spike.size);
+            }
+            runs.push(Factor::of(&lower)?);
         }
         for check in &design.checks {
             first.push(len);
             len += check.rows();
-            runs.push(Factor { lower: check.factor(noise)? });
+            runs.push(Factor::of(&check.factor(noise)?)?);
         }
         let shared = (DMatrix::zeros(len, 0), DMatrix::zeros(0, 0));
         let mut out = Self { runs, spots: Vec::new(), shared, first, len };
@@ -109,7 +118,7 @@ impl Whitening {
                 }
                 let rows = row - curve.force_n.len();
                 let own = jitter.rows(rows, curve.force_n.len()).into_owned();
-                let white = out.runs[s].lower.solve_lower_triangular(&own)?;
+                let white = &out.runs[s].white * own;
                 jitter.rows_mut(rows, curve.force_n.len()).copy_from(&white);
             }
             let kernel = kernel(&jitter);
@@ -118,7 +127,7 @@ impl Whitening {
         for (at, check) in design.checks.iter().enumerate() {
             let run = design.series.len() + at;
             let entries: Vec<usize> = (out.first[run]..out.first[run] + check.rows()).collect();
-            let jitter = out.runs[run].lower.solve_lower_triangular(&check.freedom(noise))?;
+            let jitter = &out.runs[run].white * check.freedom(noise);
             let kernel = kernel(&jitter);
             out.spots.push(Spot { entries, jitter, kernel, estimated: false });
         }
@@ -150,11 +159,7 @@ impl Whitening {
                 }
             }
         }
-        for j in 0..columns.ncols() {
-            let mut column = columns.column(j).into_owned();
-            self.apply(&mut column);
-            columns.set_column(j, &column);
-        }
+        self.apply_to(&mut columns);
         let kernel = kernel(&columns);
         self.shared = (columns, kernel);
     }
@@ -194,27 +199,37 @@ impl Whitening {
 
     /// Whitens residuals in place.
     pub fn apply(&self, values: &mut DVector<f64>) {
-        for (factor, first) in self.runs.iter().zip(&self.first) {
-            let mut own = values.rows_mut(*first, factor.lower.nrows());
-            factor.lower.solve_lower_triangular_mut(&mut own);
-        }
-        self.apply_spots(values);
-        self.apply_shared(values);
+        let mut column = DMatrix::from_vec(values.len(), 1, std::mem::take(values).data.into());
+        self.apply_to(&mut column);
+        *values = DVector::from_vec(column.data.into());
     }
 
-    fn apply_shared(&self, values: &mut DVector<f64>) {
+    /// Whitens residuals in place, a column each.
+    pub fn apply_to(&self, columns: &mut DMatrix<f64>) {
+        self.apply_runs(columns);
+        self.apply_spots(columns);
+        self.apply_shared(columns);
+    }
+
+    fn apply_runs(&self, columns: &mut DMatrix<f64>) {
+        for (factor, first) in self.runs.iter().zip(&self.first) {
+            turn_rows(&factor.white, columns, *first);
+        }
+    }
+
+    fn apply_shared(&self, values: &mut DMatrix<f64>) {
         let (columns, kernel) = &self.shared;
         if columns.ncols() > 0 {
-            *values -= columns * (kernel * columns.tr_mul(values));
+            *values -= columns * (kernel * inner(columns, values));
         }
     }
 
-    fn apply_spots(&self, values: &mut DVector<f64>) {
+    fn apply_spots(&self, values: &mut DMatrix<f64>) {
         for spot in &self.spots {
-            let own = DVector::from_fn(spot.entries.len(), |k, _| values[spot.entries[k]]);
-            let change = &spot.jitter * (&spot.kernel * spot.jitter.tr_mul(&own));
+            let own = values.select_rows(&spot.entries);
+            let change = &spot.jitter * (&spot.kernel * inner(&spot.jitter, &own));
             for (k, &entry) in spot.entries.iter().enumerate() {
-                values[entry] -= change[k];
+                values.row_mut(entry).zip_apply(&change.row(k), |value, change| *value -= change);
             }
         }
     }
@@ -224,7 +239,7 @@ impl Whitening {
     pub fn colours(&self, design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Option<Vec<DMatrix<f64>>> {
         let of = |((series, curve), own): ((&Series, &Curve), &Factor)| {
             let its = sensor.factor(&series.nodes, &curve.force_n)?;
-            own.lower.solve_lower_triangular(&its.l())
+            Some(&own.white * its.l())
         };
         design.series.iter().zip(curves).zip(&self.runs).map(of).collect()
     }
@@ -238,10 +253,9 @@ impl Whitening {
         jitter: [f64; 3],
         mut normal: impl FnMut() -> f64,
     ) -> DVector<f64> {
-        let mut values = DVector::from_fn(self.len, |_, _| sensor * normal());
+        let mut values = DMatrix::from_fn(self.len, 1, |_, _| sensor * normal());
         for (colour, first) in colours.iter().zip(&self.first) {
-            let own = colour * values.rows(*first, colour.nrows());
-            values.rows_mut(*first, colour.nrows()).copy_from(&own);
+            turn_rows(colour, &mut values, *first);
         }
         for spot in &self.spots {
             let size = |k: usize| if spot.estimated { jitter[k.min(2)] } else { 1.0 };
@@ -253,24 +267,21 @@ impl Whitening {
         }
         self.apply_spots(&mut values);
         let (columns, _) = &self.shared;
-        values += columns * DVector::from_fn(columns.ncols(), |_, _| normal());
+        values += columns * DMatrix::from_fn(columns.ncols(), 1, |_, _| normal());
         self.apply_shared(&mut values);
-        values
+        DVector::from_vec(values.data.into())
     }
 
     /// Contact point (mm) of every spot that residuals speak for, given the jitter: the mean of its distribution.
     #[must_use]
     pub fn contacts_mm(&self, residuals: &DVector<f64>, contact_sigma_mm: f64) -> Vec<f64> {
-        let mut half = residuals.clone();
-        for (factor, first) in self.runs.iter().zip(&self.first) {
-            let mut own = half.rows_mut(*first, factor.lower.nrows());
-            factor.lower.solve_lower_triangular_mut(&mut own);
-        }
+        let mut half = DMatrix::from_column_slice(self.len, 1, residuals.as_slice());
+        self.apply_runs(&mut half);
         self.spots
             .iter()
             .map(|spot| {
                 let own = DVector::from_fn(spot.entries.len(), |k, _| half[spot.entries[k]]);
-                let mut normal = spot.jitter.transpose() * &spot.jitter;
+                let mut normal = inner(&spot.jitter, &spot.jitter);
                 for k in 0..normal.nrows() {
                     normal[(k, k)] += 1.0;
                 }

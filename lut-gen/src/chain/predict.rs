@@ -49,7 +49,15 @@ impl Elastic {
 
     /// The forces alone at some depths.
     fn forces(&self, depth_mm: &[f64]) -> Vec<f64> {
-        depth_mm.iter().map(|d| self.force(*d)).collect()
+        let mut sum = vec![0.0; depth_mm.len()];
+        for (mu_mpa, slice) in &self.slices {
+            let mut places = sum.iter_mut();
+            let unit_n = mu_mpa * self.scale * self.scale;
+            slice.forces(depth_mm.iter().map(|d| d / self.scale), |force| {
+                places.next().into_iter().for_each(|sum| *sum += unit_n * force);
+            });
+        }
+        sum
     }
 
     /// The force alone.

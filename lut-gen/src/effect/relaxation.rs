@@ -76,7 +76,7 @@ const LIFTING: f64 = 0.42;
 pub fn relaxed(time_s: &[f64], shape: &[f64], terms: &[(f64, f64)], force_n: &mut [f64]) {
     remember(time_s, shape, terms, force_n, |straight, memory| {
         let pull = LIFTING * memory.min(0.0);
-        if pull == 0.0 { straight.max(0.0) } else { 0.5 * (straight + straight.hypot(pull)) }
+        if pull == 0.0 { straight.max(0.0) } else { 0.5 * (straight + (straight * straight + pull * pull).sqrt()) }
     });
 }
 

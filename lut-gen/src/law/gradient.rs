@@ -24,46 +24,52 @@ pub struct Response {
     pub tangent: [[f64; 5]; 5],
 }
 
-/// Signed singular values and rotations of the in-plane part:
-/// `[[Frr, Frz], [Fzr, Fzz]] = R(a) diag(s) R(b)^T`.
+/// The in-plane part as a turn and a mirror image, `F = q D + r S`, with its signed principal stretches `q + r` and `q - r`.
+///
+/// ```text
+/// D = | cos d  -sin d |     S = | cos s   sin s |     d = a - b, s = a + b for F = R(a) diag(s1, s2) R(b)^T
+///     | sin d   cos d |         | sin s  -cos s |
+/// ```
+///
+/// These two and their derivatives by the angles are orthogonal, each of square 2. No half angle and no arctangent is needed: half
+/// sums and differences of `F` are lengths times the cosines and sines.
 struct InPlane {
-    s: [f64; 2],
-    /// cosine and sine of `a`
-    left: [f64; 2],
-    /// cosine and sine of `b`
-    right: [f64; 2],
+    stretches: [f64; 2],
+    turn: Plane,
+    mirror: Plane,
 }
 
-/// Closed-form 2 x 2 singular value decomposition by half sums and differences:
-/// `s1 + s2` and `s1 - s2` are lengths, `a + b` and `a - b` are angles.
-/// `None` when the determinant or the hoop stretch is not positive.
-fn decompose(f: &Gradient) -> Option<InPlane> {
-    let det = f[0] * f[3] - f[1] * f[2];
-    if !(det > 0.0 && f[4] > 0.0 && det.is_finite()) {
-        return None;
+/// Components in the order `[rr, rz, zr, zz]`.
+type Plane = [f64; 4];
+
+impl InPlane {
+    /// `None` when the determinant or the hoop stretch is not positive.
+    fn of(f: &Gradient) -> Option<Self> {
+        let det = f[0] * f[3] - f[1] * f[2];
+        if !(det > 0.0 && f[4] > 0.0 && det.is_finite()) {
+            return None;
+        }
+        let (e, g) = (0.5 * (f[0] + f[3]), 0.5 * (f[2] - f[1]));
+        let (h, k) = (0.5 * (f[0] - f[3]), 0.5 * (f[2] + f[1]));
+        let (q, r) = ((e * e + g * g).sqrt(), (h * h + k * k).sqrt());
+        let (c, s) = (e / q, g / q);
+        // with r = 0 any angle will do
+        let (cs, ss) = if r > 0.0 { (h / r, k / r) } else { (1.0, 0.0) };
+        let larger = q + r;
+        Some(Self { stretches: [larger, det / larger], turn: [c, -s, s, c], mirror: [cs, ss, ss, -cs] })
     }
-    let (e, g) = (0.5 * (f[0] + f[3]), 0.5 * (f[2] - f[1]));
-    let (h, k) = (0.5 * (f[0] - f[3]), 0.5 * (f[2] + f[1]));
-    let q = (e * e + g * g).sqrt();
-    let r = (h * h + k * k).sqrt();
-    // a - b = atan2(g, e), a + b = atan2(k, h); with r = 0 any angle will do.
-    let (cd, sd) = (e / q, g / q);
-    let (cs, ss) = if r > 0.0 { (h / r, k / r) } else { (1.0, 0.0) };
-    let left = half_angle(cs * cd - ss * sd, ss * cd + cs * sd);
-    // b = (a + b) - a keeps the two half angles on matching branches.
-    let right = [cs * left[0] + ss * left[1], ss * left[0] - cs * left[1]];
-    let s1 = q + r;
-    Some(InPlane { s: [s1, det / s1], left, right })
-}
 
-/// Cosine and sine of half the angle whose cosine and sine are given.
-fn half_angle(c: f64, s: f64) -> [f64; 2] {
-    if c >= 0.0 {
-        let ch = (0.5 * (1.0 + c)).sqrt();
-        [ch, 0.5 * s / ch]
-    } else {
-        let sh = (0.5 * (1.0 - c)).sqrt().copysign(s);
-        [0.5 * s / sh, sh]
+    /// Derivatives of turn and mirror image by their angles.
+    fn by_angles(&self) -> [Plane; 2] {
+        let ([c, _, s, _], [cs, ss, ..]) = (self.turn, self.mirror);
+        [[-s, -c, c, -s], [-ss, cs, cs, ss]]
+    }
+
+    /// What these principal components are in the frame of the gradient, the hoop component after the others.
+    fn back(&self, p: [f64; 3]) -> [f64; 5] {
+        let (mean, half) = (0.5 * (p[0] + p[1]), 0.5 * (p[0] - p[1]));
+        let plane = |i: usize| mean * self.turn[i] + half * self.mirror[i];
+        [plane(0), plane(1), plane(2), plane(3), p[2]]
     }
 }
 
@@ -74,100 +80,71 @@ const EQUAL_STRETCH: f64 = 1e-5;
 
 /// Energy and stress only. `None` when `F` does not preserve orientation.
 pub fn first_piola(law: &impl Law, f: &Gradient) -> Option<(f64, [f64; 5])> {
-    let d = decompose(f)?;
-    let (energy, p) = law.stress([d.s[0], d.s[1], f[4]]);
-    Some((energy, rotate_back(&d, p)))
-}
-
-/// `P = R(a) diag(p) R(b)^T` plus the hoop component.
-fn rotate_back(d: &InPlane, p: [f64; 3]) -> [f64; 5] {
-    let ([ca, sa], [cb, sb]) = (d.left, d.right);
-    [
-        ca * p[0] * cb + sa * p[1] * sb,
-        ca * p[0] * sb - sa * p[1] * cb,
-        sa * p[0] * cb - ca * p[1] * sb,
-        sa * p[0] * sb + ca * p[1] * cb,
-        p[2],
-    ]
+    let plane = InPlane::of(f)?;
+    let [s1, s2] = plane.stretches;
+    let (energy, p) = law.stress([s1, s2, f[4]]);
+    Some((energy, plane.back(p)))
 }
 
 /// Energy and stress with their derivative by the parameter that law and gradient carry.
 ///
-/// In the principal frame the normal components of `dF` change the stretches, so that the
-/// law itself gives their part; the two shear components turn the frame, see [`respond`].
-/// Equal stretches need no division: there the limit is taken.
+/// Lengths of turn and mirror image change the stretches, so that the law itself gives their part; their angles
+/// turn the frame, see [`respond`]. Equal stretches need no division: there the limit is taken.
 pub fn first_piola_dual(law: &impl Law<Dual>, f: &[Dual; 5]) -> Option<(Dual, [Dual; 5])> {
-    let d = decompose(&f.map(Real::value))?;
-    let ([ca, sa], [cb, sb]) = (d.left, d.right);
+    let plane = InPlane::of(&f.map(Real::value))?;
+    let [s1, s2] = plane.stretches;
     let df = f.map(Real::derivative);
-    // R(a)^T dF R(b)
-    let rows = [[ca * df[0] + sa * df[2], ca * df[1] + sa * df[3]], [ca * df[2] - sa * df[0], ca * df[3] - sa * df[1]]];
-    let turned = rows.map(|r| [r[0] * cb + r[1] * sb, r[1] * cb - r[0] * sb]);
-    let (energy, p) = law.stress([Dual::new(d.s[0], turned[0][0]), Dual::new(d.s[1], turned[1][1]), f[4]]);
-    let (sum, difference) = (d.s[0] + d.s[1], d.s[0] - d.s[1]);
+    let along = |mode: &Plane| 0.5 * mode.iter().zip(&df).map(|(m, df)| m * df).sum::<f64>();
+    let (dq, dr) = (along(&plane.turn), along(&plane.mirror));
+    let (energy, p) = law.stress([Dual::new(s1, dq + dr), Dual::new(s2, dq - dr), f[4]]);
+    let (sum, difference) = (s1 + s2, s1 - s2);
     let x = if difference > EQUAL_STRETCH * sum {
         (p[0].value - p[1].value) / difference
     } else {
         // along (1, -1): U_11 - 2 U_12 + U_22, less what the parameter itself does
-        let along = |s: f64| law.stress([Dual::new(d.s[0], s), Dual::new(d.s[1], -s), Dual::from(f[4].value)]).1;
+        let along = |by: f64| law.stress([Dual::new(s1, by), Dual::new(s2, -by), Dual::from(f[4].value)]).1;
         let (moved, still) = (along(1.0), along(0.0));
         0.5 * (moved[0].derivative - still[0].derivative - moved[1].derivative + still[1].derivative)
     };
     let y = (p[0].value + p[1].value) / sum;
-    let (same, crossed) = (0.5 * (x + y), 0.5 * (x - y));
-    let slope = [
-        p[0].derivative,
-        same * turned[0][1] + crossed * turned[1][0],
-        crossed * turned[0][1] + same * turned[1][0],
-        p[1].derivative,
-    ];
-    // R(a) slope R(b)^T
-    let back = [
-        [ca * slope[0] - sa * slope[2], ca * slope[1] - sa * slope[3]],
-        [sa * slope[0] + ca * slope[2], sa * slope[1] + ca * slope[3]],
-    ];
-    let rate = back.map(|r| [r[0] * cb - r[1] * sb, r[0] * sb + r[1] * cb]);
-    let value = rotate_back(&d, p.map(Real::value));
-    let rate = [rate[0][0], rate[0][1], rate[1][0], rate[1][1], p[2].derivative];
+    let [by_turn, by_mirror] = plane.by_angles();
+    let (turned, mirrored) = (y * along(&by_turn), x * along(&by_mirror));
+    let value = plane.back(p.map(Real::value));
+    let mut rate = plane.back(p.map(Real::derivative));
+    (0..4).for_each(|i| rate[i] += turned * by_turn[i] + mirrored * by_mirror[i]);
     Some((energy, std::array::from_fn(|i| Dual::new(value[i], rate[i]))))
 }
 
 /// Energy, stress and exact tangent. `None` when `F` does not preserve orientation.
 ///
-/// In the principal frame the normal components couple by `d2U/dl_i dl_j`, the
-/// two shear components by (Ogden, Non-linear Elastic Deformations, 6.1.4)
-/// `A_1212 = (x + y) / 2`, `A_1221 = (x - y) / 2` with
-/// `x = (p1 - p2) / (s1 - s2)` and `y = (p1 + p2) / (s1 + s2)`;
-/// for equal stretches `x` tends to `U_11 - U_12`.
+/// With `dF = dq D + dr S + q dd D' + r ds S'` the stretches change by `dq + dr` and `dq - dr`, which couples the first two by
+/// `d2U/dl_i dl_j`; the angles give `y/2` along `D'` and `x/2` along `S'`, with (Ogden, Non-linear Elastic Deformations, 6.1.4)
+/// `x = (p1 - p2) / (s1 - s2)` and `y = (p1 + p2) / (s1 + s2)`; for equal stretches `x` tends to the mean of `U_11` and `U_22` less `U_12`.
 pub fn respond(law: &impl Tangent, f: &Gradient) -> Option<Response> {
-    let d = decompose(f)?;
-    let u = law.principal([d.s[0], d.s[1], f[4]]);
+    let plane = InPlane::of(f)?;
+    let [s1, s2] = plane.stretches;
+    let u = law.principal([s1, s2, f[4]]);
     let (p, h) = (u.stress, u.tangent);
-    let (sum, difference) = (d.s[0] + d.s[1], d.s[0] - d.s[1]);
+    let (sum, difference) = (s1 + s2, s1 - s2);
     let x =
         if difference > EQUAL_STRETCH * sum { (p[0] - p[1]) / difference } else { 0.5 * (h[0][0] + h[1][1]) - h[0][1] };
     let y = (p[0] + p[1]) / sum;
-    let (same, crossed) = (0.5 * (x + y), 0.5 * (x - y));
 
-    let ([ca, sa], [cb, sb]) = (d.left, d.right);
-    // Modes of the principal frame (n1 n1', n2 n2', n1 n2', n2 n1') in [rr, rz, zr, zz].
-    let m11 = [ca * cb, ca * sb, sa * cb, sa * sb];
-    let m22 = [sa * sb, -sa * cb, -ca * sb, ca * cb];
-    let m12 = [-ca * sb, ca * cb, -sa * sb, sa * cb];
-    let m21 = [-sa * cb, -sa * sb, ca * cb, ca * sb];
+    let (turn, mirror, [by_turn, by_mirror]) = (&plane.turn, &plane.mirror, plane.by_angles());
+    let (both, twice, apart) = (h[0][0] + h[1][1], 2.0 * h[0][1], h[0][0] - h[1][1]);
+    let (turns, crossed, mirrors) = (0.25 * (both + twice), 0.25 * apart, 0.25 * (both - twice));
+    let hoop = (0.5 * (h[0][2] + h[1][2]), 0.5 * (h[0][2] - h[1][2]));
     let mut tangent = [[0.0; 5]; 5];
     for i in 0..4 {
-        let a11 = h[0][0] * m11[i] + h[0][1] * m22[i];
-        let a22 = h[0][1] * m11[i] + h[1][1] * m22[i];
-        let a12 = same * m12[i] + crossed * m21[i];
-        let a21 = crossed * m12[i] + same * m21[i];
+        let (d, s) = (turns * turn[i] + crossed * mirror[i], crossed * turn[i] + mirrors * mirror[i]);
+        let (dd, ds) = (0.5 * y * by_turn[i], 0.5 * x * by_mirror[i]);
         for j in 0..4 {
-            tangent[i][j] = a11 * m11[j] + a22 * m22[j] + a12 * m12[j] + a21 * m21[j];
+            tangent[i][j] = d * turn[j] + s * mirror[j] + dd * by_turn[j] + ds * by_mirror[j];
         }
-        let hoop = h[0][2] * m11[i] + h[1][2] * m22[i];
+        let hoop = hoop.0 * turn[i] + hoop.1 * mirror[i];
         tangent[i][4] = hoop;
         tangent[4][i] = hoop;
     }
     tangent[4][4] = h[2][2];
-    Some(Response { energy: u.energy, stress: rotate_back(&d, p), tangent })
+    Some(Response { energy: u.energy, stress: plane.back(p), tangent })
 }

@@ -159,6 +159,17 @@ pub fn clenshaw(coefficients: &[f64], x: f64) -> f64 {
     x * one - two + coefficients.first().copied().unwrap_or(0.0)
 }
 
+/// The same at some places, to the bit: a step of the recurrence waits for the one before, those of other places do not.
+#[must_use]
+pub fn clenshaw_each<const N: usize>(coefficients: &[f64], x: [f64; N]) -> [f64; N] {
+    let (mut one, mut two) = ([0.0; N], [0.0; N]);
+    for c in coefficients.iter().skip(1).rev() {
+        (one, two) = (std::array::from_fn(|i| 2.0 * x[i] * one[i] - two[i] + c), one);
+    }
+    let first = coefficients.first().copied().unwrap_or(0.0);
+    std::array::from_fn(|i| x[i] * one[i] - two[i] + first)
+}
+
 /// The same with its derivative by `x`: the recurrence is differentiated.
 #[must_use]
 pub fn clenshaw_and_slope(coefficients: &[f64], x: f64) -> (f64, f64) {
@@ -219,6 +230,8 @@ mod tests {
             let (sum, by_x) = each.fold((0.0, 0.0), |(a, b), (v, s)| (a + v, b + s));
             assert!((value - sum).abs() < 1e-13 && (slope - by_x).abs() < 1e-11, "{t}: {value} {sum}, {slope} {by_x}");
             assert!((clenshaw(&coefficients, t.cos()) - value).abs() < 1e-15);
+            let each = [t.cos(), t.sin(), 0.0];
+            assert_eq!(clenshaw_each(&coefficients, each), each.map(|x| clenshaw(&coefficients, x)));
         }
         assert_eq!(clenshaw_and_slope(&[], 0.5), (0.0, 0.0));
         assert_eq!(clenshaw_and_slope(&[2.0], 0.5), (2.0, 0.0));

@@ -1,6 +1,6 @@
 //! The force of a unit shear modulus over depth, at one place of a force model.
 
-use super::chebyshev::{clenshaw, clenshaw_and_slope};
+use super::chebyshev::{clenshaw, clenshaw_and_slope, clenshaw_each};
 
 /// `F / mu = H d^(3/2) exp(s q(s))` with `s = sqrt(d / d_max)`: 0 for `d <= 0`, continued linearly beyond `d_max`.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +42,25 @@ impl ForceSlice {
         self.hertz * depth_mm * depth_mm.sqrt() * (s * clenshaw(&self.coefficients, 2.0 * s - 1.0)).exp()
     }
 
+    /// The same at some depths (mm), handed over one after the other.
+    pub fn forces(&self, depth_mm: impl Iterator<Item = f64>, mut take: impl FnMut(f64)) {
+        const AT_ONCE: usize = 8;
+        let mut depth_mm = depth_mm.peekable();
+        while depth_mm.peek().is_some() {
+            let mut some = [0.0; AT_ONCE];
+            let count = some.iter_mut().zip(depth_mm.by_ref()).map(|(place, d)| *place = d).count();
+            let s = some.map(|d| (d.clamp(0.0, self.depth_max_mm) / self.depth_max_mm).sqrt());
+            let q = clenshaw_each(&self.coefficients, s.map(|s| 2.0 * s - 1.0));
+            for (d, (s, q)) in some.into_iter().zip(s.into_iter().zip(q)).take(count) {
+                take(if d > 0.0 && d <= self.depth_max_mm {
+                    self.hertz * d * d.sqrt() * (s * q).exp()
+                } else {
+                    self.force(d)
+                });
+            }
+        }
+    }
+
     /// Adds `by` times the difference of two other slices of the same depth: what a parameter changes there.
     #[must_use]
     pub fn moved(mut self, from: &Self, to: &Self) -> Self {
@@ -67,5 +86,10 @@ mod tests {
             let (both, alone) = (slice.force_and_slope(depth_mm).0, slice.force(depth_mm));
             assert!((both - alone).abs() <= 1e-13 * both.abs(), "{depth_mm}: {both} {alone}");
         }
+        // some at once, to the bit: before contact, within and beyond what was solved
+        let depth_mm = || (-2..50).map(|k| 0.07 * f64::from(k));
+        let mut each = Vec::new();
+        slice.forces(depth_mm(), |force| each.push(force));
+        assert_eq!(each, depth_mm().map(|d| slice.force(d)).collect::<Vec<f64>>());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::SolveError;
 use super::krylov::gmres;
-use super::sparse::{Factor, HELD, Pattern, Stored, UnsymmetricFactor};
+use super::sparse::{Factor, HELD, Pattern, Stored, UnsymmetricFactor, elimination_order};
 use crate::contact::EdgeStiffness;
 
 /// Stiffness `K = d residual / d u` with its factor.
@@ -13,10 +13,11 @@ use crate::contact::EdgeStiffness;
 /// iteration that solves with the whole. Under a platen, where all of the surface slides, the neighbour is too far
 /// away (and seldom definite): there the whole is factorised.
 pub struct Matrix {
+    /// The lower triangle, its equations in the order of their elimination.
     lower: Pattern,
     lower_values: Vec<f64>,
     whole: Option<Whole>,
-    factor: Factor,
+    factor: Ordered,
     direct_factor: Option<UnsymmetricFactor>,
     /// Diagonal shift of the last factorisation, relative; 0 when it was positive definite.
     shift: f64,
@@ -28,6 +29,27 @@ pub struct Matrix {
     pub pull: Vec<f64>,
     /// `d force / d depth` at fixed displacement (N/mm).
     pub direct: f64,
+}
+
+/// A factor of equations that have other numbers than they are eliminated by: to move every value in every factorisation costs more than to
+/// have it at its place.
+struct Ordered {
+    factor: Factor,
+    /// Place of every equation in the elimination.
+    place: Vec<usize>,
+    x: Vec<f64>,
+}
+
+impl Ordered {
+    fn solve(&mut self, x: &mut [f64]) {
+        for (value, place) in x.iter().zip(&self.place) {
+            self.x[*place] = *value;
+        }
+        self.factor.solve(&mut self.x);
+        for (value, place) in x.iter_mut().zip(&self.place) {
+            *value = self.x[*place];
+        }
+    }
 }
 
 /// Every entry of an unsymmetric matrix.
@@ -52,15 +74,21 @@ impl Matrix {
     /// # Errors
     /// [`SolveError::Memory`].
     pub fn new(n: usize, solids: &[Vec<usize>], edges: &[Vec<usize>], symmetric: bool) -> Result<Self, SolveError> {
+        let memory = || SolveError::Memory { unknowns: n };
         let groups = solids.iter().chain(edges).map(Vec::as_slice);
-        let (lower, mut scatter) = Pattern::new(n, groups.clone(), Stored::Lower);
+        let (unordered, _) = Pattern::new(n, groups.clone(), Stored::Lower);
+        let place = elimination_order(&unordered).ok_or_else(memory)?;
+        let at = |d: &usize| if *d == HELD { HELD } else { place[*d] };
+        let placed: Vec<Vec<usize>> = groups.clone().map(|group| group.iter().map(at).collect()).collect();
+        let (lower, mut scatter) = Pattern::new(n, placed.iter().map(Vec::as_slice), Stored::Lower);
         let edge_scatter = scatter.split_off(solids.len());
         let whole = (!symmetric).then(|| {
             let (pattern, mut scatter) = Pattern::new(n, groups, Stored::All);
             let edge_scatter = scatter.split_off(solids.len());
             Whole { values: vec![0.0; pattern.entries()], pattern, solid_scatter: scatter, edge_scatter }
         });
-        let factor = Factor::new(&lower).ok_or(SolveError::Memory { unknowns: n })?;
+        let factor = Factor::new(&lower).ok_or_else(memory)?;
+        let factor = Ordered { factor, place, x: vec![0.0; n] };
         Ok(Self {
             lower_values: vec![0.0; lower.entries()],
             lower,
@@ -168,7 +196,7 @@ impl Matrix {
             return factor.factorise(&w.pattern, &w.values);
         }
         for _ in 0..8 {
-            if self.factor.factorise(&self.lower, &self.lower_values) {
+            if self.factor.factor.factorise(&self.lower, &self.lower_values) {
                 return true;
             }
             let next = if self.shift == 0.0 { 1e-3 } else { 4.0 * self.shift };
@@ -212,13 +240,26 @@ impl Matrix {
 
     /// Column `j` of the matrix as assembled, for checks.
     pub fn column(&self, j: usize, out: &mut [f64]) {
-        out.fill(0.0);
-        let (pattern, values) = match &self.whole {
-            Some(w) => (&w.pattern, &w.values),
-            None => (&self.lower, &self.lower_values),
-        };
-        for k in pattern.starts()[j]..pattern.starts()[j + 1] {
-            out[pattern.rows()[k]] = values[k];
+        let mut unit = vec![0.0; out.len()];
+        unit[j] = 1.0;
+        match &self.whole {
+            Some(w) => multiply(&w.pattern, &w.values, &unit, out),
+            None => {
+                let place = &self.factor.place;
+                let mut placed = vec![0.0; out.len()];
+                let starts = self.lower.starts();
+                for (column, range) in starts.windows(2).enumerate() {
+                    for k in range[0]..range[1] {
+                        let row = self.lower.rows()[k];
+                        if column == place[j] {
+                            placed[row] = self.lower_values[k];
+                        } else if row == place[j] {
+                            placed[column] = self.lower_values[k];
+                        }
+                    }
+                }
+                out.iter_mut().zip(place).for_each(|(out, place)| *out = placed[*place]);
+            }
         }
     }
 

@@ -117,21 +117,31 @@ pub struct Factor {
     memory: MemBuffer,
 }
 
+/// Analyses a pattern of [`Stored::Lower`]; `None` when memory does not suffice.
+fn analysed(pattern: &Pattern, ordering: SymmetricOrdering<'_, usize>) -> Option<SymbolicCholesky<usize>> {
+    let parameters = CholeskySymbolicParams {
+        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+        ..Default::default()
+    };
+    // without an ordering of its own the library analyses what it is given as the upper triangle, whatever side is said
+    let upper = pattern.symbolic.transpose().to_col_major().ok()?;
+    factorize_symbolic_cholesky(upper.as_ref(), Side::Upper, ordering, parameters).ok()
+}
+
+/// The place of every equation in an order of elimination that fills little in (approximate minimum degree), from a pattern of [`Stored::Lower`];
+/// `None` when memory does not suffice.
+#[must_use]
+pub fn elimination_order(pattern: &Pattern) -> Option<Vec<usize>> {
+    let symbolic = analysed(pattern, SymmetricOrdering::Amd)?;
+    Some(symbolic.perm()?.arrays().1.to_vec())
+}
+
 impl Factor {
-    /// Analyses a pattern of [`Stored::Lower`] (approximate minimum degree ordering); `None` when
+    /// Analyses a pattern of [`Stored::Lower`], whose equations are eliminated in their order ([`elimination_order`]); `None` when
     /// memory does not suffice.
     #[must_use]
     pub fn new(pattern: &Pattern) -> Option<Self> {
-        let symbolic = factorize_symbolic_cholesky(
-            pattern.symbolic.as_ref(),
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-                ..Default::default()
-            },
-        )
-        .ok()?;
+        let symbolic = analysed(pattern, SymmetricOrdering::Identity)?;
         let numeric = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let solve = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
         Some(Self { values: vec![0.0; symbolic.len_val()], memory: MemBuffer::new(numeric.or(solve)), symbolic })

@@ -54,22 +54,25 @@ pub(super) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
         let own = problem.rows_of_check(at);
         column.rows_range_mut(own.clone()).copy_from(&forth.rows_range(own));
         if column.norm() > 0.0 {
-            problem.whitening.apply(&mut column);
             columns.push(column);
         }
     }
     for group in 0..problem.design.groups {
         for (branch, wrong) in [(Branch::Loading, &forth), (Branch::Hold, &forth), (Branch::Unloading, &back)] {
             for shape in 0..3 {
-                let mut column = shaped(problem, wrong, (group, branch), shape);
+                let column = shaped(problem, wrong, (group, branch), shape);
                 if column.norm() > 0.0 {
-                    problem.whitening.apply(&mut column);
                     columns.push(column);
                 }
             }
         }
     }
-    if columns.is_empty() { DMatrix::zeros(len, 0) } else { DMatrix::from_columns(&columns) }
+    if columns.is_empty() {
+        return DMatrix::zeros(len, 0);
+    }
+    let mut columns = DMatrix::from_columns(&columns);
+    problem.whitening.apply_to(&mut columns);
+    columns
 }
 
 /// True for effects that may be wrong by a part of what they add to a coupon: those of machine and sensor, and memories. Another elastic law is exact there
@@ -96,14 +99,11 @@ fn beyond_base(problem: &Problem<'_>, model: &Model, here: &DVector<f64>, added:
         Model { alpha: model.alpha * (1.0 + STEP), ..model.clone() },
     ];
     let columns = DMatrix::from_columns(&moved.map(|m| (problem.plain(&m) - here) / STEP));
-    let whitened = |column: DVector<f64>| {
-        let mut column = column;
-        problem.whitening.apply(&mut column);
-        column
-    };
-    let each: Vec<DVector<f64>> = columns.column_iter().map(|c| whitened(c.into_owned())).collect();
-    let white = DMatrix::from_columns(&each);
-    let right = white.tr_mul(&whitened(added.clone()));
+    let mut white = columns.clone();
+    problem.whitening.apply_to(&mut white);
+    let mut seen = added.clone();
+    problem.whitening.apply(&mut seen);
+    let right = white.tr_mul(&seen);
     if let Some(normal) = white.tr_mul(&white).cholesky() {
         *added -= columns * normal.solve(&right);
     }

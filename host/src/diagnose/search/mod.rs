@@ -20,6 +20,7 @@ use super::fit::{Fit, Problem};
 use super::margin::{self, Margin};
 use super::noise::{self, Curve, Noise, SensorNoise};
 use super::prepared::Prepared;
+use super::product::inner;
 use before::Before;
 use begin::starts;
 pub use form_error::allowed;
@@ -419,7 +420,7 @@ fn sorted(mut list: Vec<Explanation>) -> Vec<Explanation> {
 /// Minus twice the logarithm of the density that the other groups of conditions predict every group with, to first order about the fit, less what all fits have in common.
 /// What the others do not tell of the parameters is in it: a prediction that is uncertain is no wrong one.
 fn left_out(design: &Design, fit: &Fit, problem: &Problem<'_>) -> f64 {
-    let whole = fit.jacobian.tr_mul(&fit.jacobian) + known_before(&fit.coordinates);
+    let whole = inner(&fit.jacobian, &fit.jacobian) + known_before(&fit.coordinates);
     let log_whole = log_determinant(&whole);
     // what was fitted with errors of its effects allowed for is not where these residuals are least: a slope that is left would pass for a parameter that one group alone moves
     let step = whole.clone().cholesky().map(|c| c.solve(&fit.jacobian.tr_mul(&fit.residual)));
@@ -435,7 +436,7 @@ fn left_out(design: &Design, fit: &Fit, problem: &Problem<'_>) -> f64 {
             .collect();
         let own = DMatrix::from_fn(rows.len(), fit.jacobian.ncols(), |i, j| fit.jacobian[(rows[i], j)]);
         let residual = DVector::from_fn(rows.len(), |i, _| least[rows[i]]);
-        let rest = &whole - own.tr_mul(&own);
+        let rest = &whole - inner(&own, &own);
         let right = own.tr_mul(&residual);
         // without the group the residual is (I + J A J')r with a covariance of I + J A J', where A is what the rest leaves open
         let moved = rest.clone().cholesky().map(|c| right.dot(&c.solve(&right)));
