@@ -18,6 +18,6 @@ pub use motion::{Motion, Segment, Target};
 pub use newton::{Configuration, Control, Newton, Problem, Workspace};
 pub(crate) use path::remembers;
 pub use path::{Accepted, Course, Observer, Path, Station};
-pub use sparse::{Factor, HELD, Pattern, Stored};
+pub use sparse::{Factor, HELD, Pattern, Stored, elimination_order};
 pub use stepping::Stepping;
 pub use system::{Base, History, State, Step, System};
