@@ -150,10 +150,13 @@ pub fn strength(
 fn true_curves(design: &Design, made: &SimulatedExperiment, solver: &Solver) -> Result<Vec<Curve>, SimulateError> {
     const DEEPER_MM: f64 = 0.02;
     let mut spec = made.truth.clone();
+    // a zero that drifts is no force on the ball
+    spec.effects.retain(|effect| !matches!(effect, Effect::Drift { .. }));
+    let here = simulate(&spec, solver, &|_, _, _| {})?;
     spec.effects.push(Effect::ContactOffset { offset_mm: DEEPER_MM });
     let deeper = simulate(&spec, solver, &|_, _, _| {})?;
     let curve = |series: &Series| {
-        let (run, moved) = (&made.runs[series.run], &deeper.runs[series.run]);
+        let (run, moved) = (&here.runs[series.run], &deeper.runs[series.run]);
         let force_n = over_windows(design, series, run, &run.exact_n);
         let moved_n = over_windows(design, series, run, &moved.exact_n);
         let slope_n_per_mm = moved_n.iter().zip(&force_n).map(|(moved, here)| (moved - here) / DEEPER_MM).collect();
