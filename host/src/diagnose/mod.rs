@@ -20,7 +20,7 @@ pub mod noise;
 mod placebo;
 pub mod plan;
 mod prepared;
-pub mod product;
+mod product;
 pub mod ripple;
 pub mod search;
 mod spike;

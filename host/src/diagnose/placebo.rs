@@ -17,17 +17,13 @@ const SEED: u64 = 0x706c_6163;
 /// each being as good as any other. The luckiest alone, of forty, would beat a true cause of five standard deviations every fourth time.
 #[must_use]
 pub fn gain_of_any(problem: &Problem<'_>, before: &Fit, allowed: &Allowed, parameters: usize) -> f64 {
-    let discounted = |columns: &DMatrix<f64>| {
-        let each: Vec<DVector<f64>> = columns.column_iter().map(|c| allowed.discounted(&c.into_owned())).collect();
-        if each.is_empty() { columns.clone() } else { DMatrix::from_columns(&each) }
-    };
     let mut chance = Pcg64::seed_from_u64(SEED);
-    let explained = basis(&discounted(&before.jacobian));
+    let explained = basis(&allowed.all_discounted(before.jacobian.clone()));
     let residual = allowed.discounted(&before.residual);
     let base = predicted(problem.design, problem.chain, &before.model, &problem.contacts_mm);
     let each = (0..PLACEBOS).map(|_| {
         let columns: Vec<DVector<f64>> = (0..parameters.max(1)).map(|_| placebo(problem, &base, &mut chance)).collect();
-        let rest = rest_of(&discounted(&DMatrix::from_columns(&columns)), &explained);
+        let rest = rest_of(&allowed.all_discounted(DMatrix::from_columns(&columns)), &explained);
         basis(&rest).tr_mul(&residual).norm_squared()
     });
     let gains: Vec<f64> = each.collect();

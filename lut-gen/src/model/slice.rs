@@ -39,7 +39,12 @@ impl ForceSlice {
             return 0.0;
         }
         let s = (depth_mm / self.depth_max_mm).sqrt();
-        self.hertz * depth_mm * depth_mm.sqrt() * (s * clenshaw(&self.coefficients, 2.0 * s - 1.0)).exp()
+        self.within(depth_mm, s * clenshaw(&self.coefficients, 2.0 * s - 1.0))
+    }
+
+    /// The same within what was solved, from the exponent `s q(s)` there.
+    fn within(&self, depth_mm: f64, exponent: f64) -> f64 {
+        self.hertz * depth_mm * depth_mm.sqrt() * exponent.exp()
     }
 
     /// The same at some depths (mm), handed over one after the other.
@@ -52,11 +57,8 @@ impl ForceSlice {
             let s = some.map(|d| (d.clamp(0.0, self.depth_max_mm) / self.depth_max_mm).sqrt());
             let q = clenshaw_each(&self.coefficients, s.map(|s| 2.0 * s - 1.0));
             for (d, (s, q)) in some.into_iter().zip(s.into_iter().zip(q)).take(count) {
-                take(if d > 0.0 && d <= self.depth_max_mm {
-                    self.hertz * d * d.sqrt() * (s * q).exp()
-                } else {
-                    self.force(d)
-                });
+                let solved = d > 0.0 && d <= self.depth_max_mm;
+                take(if solved { self.within(d, s * q) } else { self.force(d) });
             }
         }
     }
