@@ -253,7 +253,8 @@ impl Chain {
             return;
         }
         let family = &self.library.families[passage.geometry];
-        let carried = family.carried(model.alpha) / (family.geometry.ball_mm * elastic.scale);
+        let share = model.first(&relaxation::MEMORY, 0);
+        let carried = share * family.carried(model.alpha) / (family.geometry.ball_mm * elastic.scale);
         let shape: Vec<f64> = depth_mm.iter().map(|d| (-carried * d.max(0.0)).exp()).collect();
         relaxation::relaxed(&passage.time_s, &shape, &terms, force);
     }

@@ -45,6 +45,15 @@ pub const SPECTRUM: Effect = Effect {
     ..ONE
 };
 
+/// How a relaxing material carries its memory along, in units of what finite elements say of a Prony series ([`relaxed`]): nothing for a force that relaxes by itself. What is
+/// named beside a relaxation must do better than that. It is in no catalogue and no answer.
+pub const MEMORY: Effect = Effect {
+    code: "memory",
+    form: "carried",
+    quantities: &[Quantity::amplitude("carried", 1.0, (-1.0, 3.0), 0.0, &[0.0])],
+    ..ONE
+};
+
 /// Times of a spectrum, each [`APART`] times the one before; their parts fall as its power of the time. Three and a half decades are more than any run sees.
 const SPECTRAL: i32 = 6;
 const APART: f64 = 5.0;

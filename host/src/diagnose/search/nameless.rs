@@ -18,6 +18,9 @@ const NAMELESS: Candidate = Candidate { effect: &nameless::EFFECT, owner: 0 };
 /// Relaxation in a whole spectrum of times.
 const SPECTRUM: Candidate = Candidate { effect: &relaxation::SPECTRUM, owner: 0 };
 
+/// Memory that is carried otherwise than a Prony series carries it.
+const MEMORY: Candidate = Candidate { effect: &relaxation::MEMORY, owner: 0 };
+
 /// What a plausible amount of each of its parts changes, whitened, a column a part.
 pub(super) fn departure(problem: &Problem<'_>, at: &Fit) -> DMatrix<f64> {
     let quantities = nameless::EFFECT.quantities;
@@ -148,13 +151,15 @@ impl Search<'_> {
         Allowed::new(rest_of(plausible, &basis(&self.base.jacobian))).price
     }
 
-    /// A relaxation of one or two times must be three times likelier than that of a power law, and what is named beside it a hundred times likelier than that alone.
+    /// A relaxation of one or two times must be three times likelier than that of a power law, and what is named beside it a hundred times likelier than that alone. A power law may be the material's,
+    /// as finite elements have it, or one that carries its memory in any other way, such as one of the force itself: beside Prony series a second term makes up for that.
     fn beyond_spectrum(&self, best: &Explanation) -> Option<f64> {
         relaxes(best).then_some(())?;
         let needed = if best.fit.candidates.len() > 1 { RATIO_100 } else { RATIO_3 };
         let spectrum = self.extended(&self.base, &SPECTRUM);
-        let spectrum = self.solved(&spectrum).unwrap_or(spectrum);
-        Some(score(&spectrum) - best.score() - needed)
+        let carried = self.extended(&spectrum, &MEMORY);
+        let likeliest = self.solved(&spectrum).iter().chain([&spectrum, &carried]).map(score).reduce(f64::min)?;
+        Some(likeliest - best.score() - needed)
     }
 
     /// What is named beside a relaxation that needs two times may be all that a third one leaves: it must be a hundred times likelier than that. Two times stand for a spectrum
