@@ -7,6 +7,7 @@
 pub mod answer;
 pub mod check;
 pub mod coordinate;
+mod correlated;
 pub mod design;
 pub mod display;
 pub mod evidence;

@@ -1,10 +1,11 @@
 //! What repeats of one condition differ by: sensor noise with its correlation in time, and jitter of contact point, gain
 //! and zero.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::check::{Check, Coupon};
+use super::correlated::Factor;
 use super::design::{Design, Node};
 use super::jitter::Posterior;
 
@@ -65,62 +66,6 @@ const STATED_FREEDOM: f64 = 20.0;
 const TIMES_S: [f64; 9] = [0.005, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 2.5];
 const WHITE: [f64; 4] = [0.0, 0.2, 0.5, 0.9];
 const RELATIVE: [f64; 4] = [0.0, 0.003, 0.01, 0.03];
-
-impl SensorNoise {
-    /// Covariance of the means of a run's windows, N^2. `force_n` is what the model predicts there.
-    ///
-    /// For samples whose correlation falls by `rho` from one to the next: the exact double sums. Where the contact has lifted nothing is compared, and nothing may be
-    /// concluded from it about the windows beside: they are independent of it.
-    #[must_use]
-    pub fn covariance(&self, nodes: &[Node], force_n: &[f64]) -> DMatrix<f64> {
-        let tau = self.correlation_s;
-        let level = |i: usize| self.sigma_n.hypot(self.relative * force_n[i]);
-        let step_s = |i: usize| nodes[i].length_s / nodes[i].samples as f64;
-        // mean correlation of a window's samples with its last, and with each other
-        let sums: Vec<(f64, f64)> = (0..nodes.len())
-            .map(|i| {
-                let n = nodes[i].samples as f64;
-                let x = step_s(i) / tau;
-                let (lost, whole) = (-(-x).exp_m1(), -(-n * x).exp_m1());
-                if n * x < 1e-6 {
-                    return (1.0, 1.0);
-                }
-                let rho = 1.0 - lost;
-                (whole / (n * lost), (n * (1.0 - rho * rho) - 2.0 * rho * whole) / (n * n * lost * lost))
-            })
-            .collect();
-        let mut c = DMatrix::zeros(nodes.len(), nodes.len());
-        for i in 0..nodes.len() {
-            let white = self.white / nodes[i].samples as f64;
-            c[(i, i)] = level(i).powi(2) * ((1.0 - self.white) * sums[i].1 + white);
-            for j in (0..i).filter(|j| !nodes[i].lifted && !nodes[*j].lifted) {
-                let reach = |k: usize| 0.5 * (nodes[k].length_s - step_s(k));
-                let gap_s = nodes[i].time_s - nodes[j].time_s - reach(i) - reach(j);
-                let shared = (1.0 - self.white) * sums[i].0 * sums[j].0 * (-gap_s.max(0.0) / tau).exp();
-                c[(i, j)] = level(i) * level(j) * shared;
-                c[(j, i)] = c[(i, j)];
-            }
-        }
-        c
-    }
-}
-
-impl SensorNoise {
-    /// Cholesky's factor of that covariance, with as little of a white part added as makes it one: windows of which some overlap in what they are correlated with may leave
-    /// a covariance that rounding, or the sums themselves, make no longer positive definite. `None` where numbers are none.
-    #[must_use]
-    pub fn factor(&self, nodes: &[Node], force_n: &[f64]) -> Option<Cholesky<f64, Dyn>> {
-        let covariance = self.covariance(nodes, force_n);
-        WHITENED.iter().find_map(|part| {
-            let mut own = covariance.clone();
-            (0..own.nrows()).for_each(|i| own[(i, i)] *= 1.0 + part);
-            own.cholesky()
-        })
-    }
-}
-
-/// White parts that are added to a covariance until it is positive definite.
-const WHITENED: [f64; 4] = [0.0, 1e-9, 1e-6, 1e-3];
 
 /// What repeats of a condition differ by: one of as many orthonormal contrasts as there are runs less one (Helmert's).
 #[derive(Debug)]
@@ -280,17 +225,19 @@ fn most_likely(curves: &[Curve], contrasts: &[Contrast<'_>]) -> SensorNoise {
     // a dozen runs say enough about the shape of a noise
     let few: Vec<&Contrast<'_>> = contrasts.iter().step_by(contrasts.len().div_ceil(12)).collect();
     let peak = curves.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
-    let mut best = (f64::INFINITY, SensorNoise { sigma_n: 1.0, white: 1.0, correlation_s: 0.02, relative: 0.0 });
-    for correlation_s in TIMES_S {
-        for white in WHITE {
-            for part in RELATIVE {
-                // at unit level, the relative part in proportion to the noise of a hundredth of the peak
-                let unit = SensorNoise { sigma_n: 1.0, white, correlation_s, relative: part / (0.01 * peak) };
-                best = likelier(&few, &unit, best);
-            }
-        }
-    }
-    refined(contrasts, best.1)
+    // at unit level, the relative part in proportion to the noise of a hundredth of the peak
+    let unit = |correlation_s, white, part: f64| SensorNoise {
+        sigma_n: 1.0,
+        white,
+        correlation_s,
+        relative: part / (0.01 * peak),
+    };
+    let grid = TIMES_S.iter().flat_map(|time_s| {
+        WHITE.iter().flat_map(move |white| RELATIVE.iter().map(move |part| unit(*time_s, *white, *part)))
+    });
+    let grid: Vec<SensorNoise> = grid.collect();
+    let unknown = SensorNoise { sigma_n: 1.0, white: 1.0, correlation_s: 0.02, relative: 0.0 };
+    refined(contrasts, likeliest(&few, &grid, (f64::INFINITY, unknown)).1)
 }
 
 /// A noise of the shape of another, at its likeliest level, with twice its negative log-likelihood; the best so far where that is no less likely.
@@ -300,6 +247,12 @@ fn likelier(runs: &[&Contrast<'_>], like: &SensorNoise, best: (f64, SensorNoise)
     found.map_or(best, |(sigma_n, deviance)| {
         (deviance, SensorNoise { sigma_n, relative: unit.relative * sigma_n, ..unit })
     })
+}
+
+/// The likeliest of several; the best so far where none is likelier.
+fn likeliest(runs: &[&Contrast<'_>], like: &[SensorNoise], best: (f64, SensorNoise)) -> (f64, SensorNoise) {
+    let each: Vec<_> = like.par_iter().map(|noise| likelier(runs, noise, best)).collect();
+    each.into_iter().fold(best, |best, own| if own.0 < best.0 { own } else { best })
 }
 
 /// The noise between the points of the grid, with all contrasts: a correlation time that is a tenth too long makes a step from one window to the next seem a twentieth too
@@ -320,9 +273,7 @@ fn refined(contrasts: &[Contrast<'_>], coarse: SensorNoise) -> SensorNoise {
                 SensorNoise { relative: now.relative * factor, ..now },
                 SensorNoise { white: (now.white + 0.3 * sign * step).clamp(0.0, 1.0), ..now },
             ];
-            for noise in tried.iter().filter(|noise| **noise != now) {
-                best = likelier(&all, noise, best);
-            }
+            best = likeliest(&all, &tried, best);
         }
     }
     best.1
@@ -375,21 +326,19 @@ fn level(runs: &[&Contrast<'_>], unit: &SensorNoise) -> Option<(f64, f64)> {
         let factor = unit.factor(run.nodes, &run.force_n)?;
         let (rest, information) = without_shapes(run, &factor)?;
         square += rest;
-        log += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum() + information;
+        log += factor.log_determinant() + information;
         count += run.values.len() as f64 - run.shapes.ncols() as f64;
     }
     let variance = square / count;
     (variance > 0.0).then(|| (variance.sqrt(), log + count * variance.ln()))
 }
 
-type Factor = Cholesky<f64, Dyn>;
-
 /// Whitened square of what its shapes leave, and the logarithm of their information.
 fn without_shapes(run: &Contrast<'_>, factor: &Factor) -> Option<(f64, f64)> {
-    let y = factor.l_dirty().solve_lower_triangular(&run.values)?;
-    let x = factor.l_dirty().solve_lower_triangular(&run.shapes)?;
-    let normal = (x.transpose() * &x).cholesky()?;
-    let right = x.transpose() * &y;
+    let y = factor.whitened(DMatrix::from_columns(std::slice::from_ref(&run.values)));
+    let x = factor.whitened(run.shapes.clone());
+    let normal = x.tr_mul(&x).cholesky()?;
+    let right = x.tr_mul(&y);
     let fitted = normal.solve(&right).dot(&right);
     let information = 2.0 * normal.l_dirty().diagonal().map(f64::ln).sum();
     Some(((y.norm_squared() - fitted).max(0.0), information))

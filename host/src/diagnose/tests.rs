@@ -295,7 +295,7 @@ fn a_spike_is_a_single_accident() {
     let knocked = |knocks: &[(usize, usize)]| {
         let mut values = DVector::zeros(whitening.residuals());
         for &(series, node) in knocks {
-            let lower = noise.sensor.factor(&design.series[series].nodes, &curves[series].force_n).unwrap().unpack();
+            let lower = noise.sensor.factor(&design.series[series].nodes, &curves[series].force_n).unwrap().lower();
             let mut own = values.rows_mut(whitening.first(series), lower.nrows());
             own.axpy(10.0, &lower.column(node), 1.0);
         }

@@ -86,11 +86,13 @@ impl Whitening {
         for (at, (series, curve)) in design.series.iter().zip(curves).enumerate() {
             first.push(len);
             len += series.nodes.len();
-            let mut lower = noise.sensor.factor(&series.nodes, &curve.force_n)?.unpack();
+            let nodes = series.nodes.len();
+            let mut white =
+                noise.sensor.factor(&series.nodes, &curve.force_n)?.whitened(DMatrix::identity(nodes, nodes));
             for spike in spikes.iter().filter(|spike| spike.series == at) {
-                lower.column_mut(spike.node).scale_mut(spike.size);
+                white.row_mut(spike.node).unscale_mut(spike.size);
             }
-            runs.push(Factor::of(&lower)?);
+            runs.push(Factor { white });
         }
         for check in &design.checks {
             first.push(len);
@@ -239,7 +241,7 @@ impl Whitening {
     pub fn colours(&self, design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Option<Vec<DMatrix<f64>>> {
         let of = |((series, curve), own): ((&Series, &Curve), &Factor)| {
             let its = sensor.factor(&series.nodes, &curve.force_n)?;
-            Some(&own.white * its.l())
+            Some(&own.white * its.lower())
         };
         design.series.iter().zip(curves).zip(&self.runs).map(of).collect()
     }

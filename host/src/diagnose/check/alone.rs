@@ -125,7 +125,7 @@ impl Alone {
     /// Lower triangular factor of the covariance of its rows; none where that is not positive definite.
     pub fn factor(&self, noise: &Noise) -> Option<DMatrix<f64>> {
         let force_n: Vec<f64> = self.at.iter().map(|at| self.path[*at].1).collect();
-        let own = noise.sensor.factor(&self.nodes, &force_n)?.unpack();
+        let own = noise.sensor.factor(&self.nodes, &force_n)?.lower();
         let mut factor = DMatrix::zeros(self.rows(), self.rows());
         factor.view_mut((0, 0), own.shape()).copy_from(&own);
         for (k, depth) in self.depths.iter().enumerate() {

@@ -246,7 +246,7 @@ impl Coupon {
 
     /// Lower triangular factor of the covariance of its rows; none where that is not positive definite.
     pub(super) fn factor(&self, noise: &Noise) -> Option<DMatrix<f64>> {
-        Some(noise.sensor.factor(&self.nodes, &self.measured())?.unpack())
+        Some(noise.sensor.factor(&self.nodes, &self.measured())?.lower())
     }
 
     /// What its rows may be off by together, a column of unit variance each: zero; gain (jitter, cross-section, another piece of the foam); first touch; height.

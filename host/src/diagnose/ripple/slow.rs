@@ -138,18 +138,17 @@ impl Sums {
     fn of(contrast: &Contrast<'_>, (waves, columns): (&[Wave], &DMatrix<f64>), unit: &SensorNoise) -> Option<Self> {
         let nodes = contrast.nodes;
         let factor = unit.factor(nodes, &contrast.force_n)?;
-        let whitened = |columns: &DMatrix<f64>| factor.l_dirty().solve_lower_triangular(columns);
-        let free = whitened(&contrast.shapes)?.qr();
+        let free = factor.whitened(contrast.shapes.clone()).qr();
         let q = free.q();
         let rest = |columns: DMatrix<f64>| {
             let explained = q.tr_mul(&columns);
             columns - &q * explained
         };
         let values: DVector<f64> =
-            rest(whitened(&DMatrix::from_columns(std::slice::from_ref(&contrast.values)))?).column(0).into_owned();
-        let columns = rest(whitened(columns)?);
+            rest(factor.whitened(DMatrix::from_columns(std::slice::from_ref(&contrast.values)))).column(0).into_owned();
+        let columns = rest(factor.whitened(columns.clone()));
         let logs = |diagonal: DVector<f64>| 2.0 * diagonal.iter().map(|d| d.abs().ln()).sum::<f64>();
-        let log = logs(factor.l_dirty().diagonal()) + logs(free.r().diagonal());
+        let log = factor.log_determinant() + logs(free.r().diagonal());
         let said = columns.tr_mul(&values);
         let mut first = 0;
         let each = waves.iter().map(|wave| {

@@ -60,11 +60,10 @@ impl Shown {
 
 /// Standard deviation of every node: of the sensor alone; with the scatter of contact, gain and zero and the simulation's own error.
 fn sigma(evidence: &Evidence, series: &Run, base: &Curve) -> Vec<(f64, f64)> {
-    let covariance = evidence.noise.sensor.covariance(&series.nodes, &base.force_n);
     let jitter = evidence.noise.jitter;
-    let each = base.force_n.iter().zip(&base.slope_n_per_mm).enumerate();
-    each.map(|(k, (force, slope))| {
-        let sensor = covariance[(k, k)].max(0.0).sqrt();
+    let each = series.nodes.iter().zip(&base.force_n).zip(&base.slope_n_per_mm);
+    each.map(|((node, force), slope)| {
+        let sensor = evidence.noise.sensor.variance(node, *force).sqrt();
         let parts = [jitter.contact_mm * slope, jitter.gain * force, jitter.zero_n, SIMULATED * force];
         (sensor, parts.iter().fold(sensor, |sum: f64, part| sum.hypot(*part)))
     })
