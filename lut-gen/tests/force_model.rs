@@ -96,6 +96,49 @@ fn slopes_by_the_exponent_are_worth_as_many_solves() {
     assert!(four.0 < 2.5e-4 && values.0 > 3.0 * four.0, "{four:?} {values:?}");
 }
 
+/// What another Poisson's ratio changes, by three of them with slopes against eight without, at exponents to 20 and from a fifth of the depth on.
+#[test]
+fn slopes_by_poissons_ratio_are_worth_more_solves() {
+    let spec = |nus, alpha_nodes, nu_slopes| ModelSpec {
+        nus: Some((0.0, 0.38, nus)),
+        alpha: (1.8, 26.0),
+        alpha_nodes,
+        alpha_slopes: true,
+        nu_slopes,
+        checked: false,
+        resolution: Resolution::Refined(1.1),
+        ..ModelSpec::new(Specimen::of_height(12.7), BALL, 3.0)
+    };
+    let model = |nus, alphas, slopes| ForceModel::build(&spec(nus, alphas, slopes), &|_, _| {}).unwrap();
+    let best = model(8, 6, false);
+    let missed = |model: &ForceModel| {
+        let ratio = |model: &ForceModel, alpha: f64, nu: f64, d: f64| {
+            let force = |nu: f64| model.slice(alpha, nu, 12.7).force(d);
+            force(nu) / force(0.0)
+        };
+        let (mut square, mut added, mut worst) = (0.0, 0.0, 0.0_f64);
+        for nu in [0.03, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35] {
+            for (a, k) in (0..=20).flat_map(|a| (2..=10).map(move |k| (a, k))) {
+                let (alpha, d) = (2.0 * 10.0_f64.powf(f64::from(a) / 20.0), 0.3 * f64::from(k));
+                let (own, true_one) = (ratio(model, alpha, nu, d), ratio(&best, alpha, nu, d));
+                square += (own / true_one - 1.0).powi(2);
+                added += (1.0 - 1.0 / true_one).powi(2);
+                worst = worst.max((own / true_one - 1.0).abs());
+            }
+        }
+        ((square / added).sqrt(), worst)
+    };
+    let with = missed(&model(3, 4, true));
+    println!(
+        "zz {:?} {:?} {:?} {:?} {:?}",
+        missed(&model(3, 3, true)),
+        with,
+        missed(&model(5, 4, false)),
+        missed(&model(5, 3, false)),
+        missed(&model(4, 4, true))
+    );
+}
+
 /// Large balls are pressed in little: the mesh is that of the contact. That of the ball left 0.25 % at a tenth of its radius (0.5 % at worst), of which a diagnosis of 36 runs
 /// made a base that slides: it takes elastic forces to be within 0.1 to 0.2 %.
 #[test]

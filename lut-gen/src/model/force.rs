@@ -6,10 +6,11 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::expansion::Expansion;
+use super::nodes::{Nodes, twice};
 use super::plan::{Job, ModelSpec, check, checks};
-use super::potential::{Potential, Ramp, slopes};
+use super::potential::{Potential, Ramp};
 use super::slice::ForceSlice;
-use super::{Axis, DepthProfile, Indentation, Scale, Specimen};
+use super::{Axis, Indentation, Scale, Specimen};
 use crate::law::{Hyperfoam, Parameter, Term};
 use crate::solve::SolveError;
 use crate::verify::hertz_force_n;
@@ -66,7 +67,7 @@ pub struct ForceModel {
 }
 
 /// Terms in depth.
-const TERMS: usize = 12;
+pub(super) const TERMS: usize = 12;
 /// `s = sqrt(d / d_max)`.
 pub(super) const DEPTH: Axis = Axis { low: 0.0, high: 1.0, nodes: TERMS, scale: Scale::Linear };
 
@@ -87,24 +88,19 @@ impl ForceModel {
                 plan.extend((0..alpha.nodes).map(|k| ([nu.node(i), height.node(j), alpha.node(k)], spec.resolution)));
             }
         }
-        let nodes = plan.len();
+        let solved = plan.len();
         if spec.checked {
             plan.extend(checks(&axes, spec.resolution));
         }
         let ramps = solve_all(spec, &plan, progress)?;
-        let depths = if spec.alpha_slopes {
-            ramps[..nodes].chunks_exact(alpha.nodes).flat_map(|line| osculating(line, alpha)).collect()
-        } else {
-            ramps[..nodes].iter().flat_map(|ramp| DEPTH.coefficients(&logarithm(&ramp.profile))).collect()
-        };
-        let alpha = Axis { nodes: spec.alpha_terms(), ..*alpha };
+        let (nodes, axes) = at_nodes(spec, &ramps[..solved], axes);
         let mut model = Self {
             spec: spec.clone(),
-            expansion: Expansion::through([*nu, *height, alpha], TERMS, depths),
+            expansion: Expansion::through(axes, TERMS, nodes.coefficients()),
             error: ErrorBound::default(),
             solves: plan.len(),
         };
-        model.error = model.compare(&plan[nodes..], &ramps[nodes..]);
+        model.error = model.compare(&plan[solved..], &ramps[solved..]);
         Ok(model)
     }
 
@@ -249,34 +245,22 @@ impl ForceModel {
     }
 }
 
-/// Least force over Hertz's whose logarithm is taken: below every solve, it only keeps a failed fit finite.
-const LEAST: f64 = 1e-9;
-
-/// `ln(F / (H d^1.5)) / s` of a profile at the nodes of [`DEPTH`].
-fn logarithm(profile: &DepthProfile) -> Vec<f64> {
-    let at = |s: f64| {
-        let d = s * s * profile.depth_max_mm;
-        (profile.force_n(d) / (profile.hertz * d * d.sqrt())).max(LEAST).ln() / s
-    };
-    (0..TERMS).map(|k| at(DEPTH.node(k))).collect()
-}
-
-/// Coefficients in depth of the same, of a line of ramps over the exponent with their slopes by it: at the nodes of an axis with twice as many.
-fn osculating(line: &[Ramp], alpha: &Axis) -> Vec<f64> {
-    let s: Vec<f64> = (0..TERMS).map(|k| DEPTH.node(k)).collect();
-    let by = slopes(line, |values| alpha.derivatives(values), &s);
-    let values: Vec<Vec<f64>> = line.iter().map(|ramp| logarithm(&ramp.profile)).collect();
-    let twice = Axis { nodes: 2 * alpha.nodes, ..*alpha };
-    let mut rows = vec![[0.0; TERMS]; twice.nodes];
-    for (k, s) in s.iter().enumerate() {
-        let value: Vec<f64> = values.iter().map(|q| q[k]).collect();
-        let slope: Vec<f64> = by.iter().zip(&value).map(|(by, q)| by[k] * (-s * q).exp() / s).collect();
-        let coefficients = alpha.osculating(&value, &slope);
-        for (j, row) in rows.iter_mut().enumerate() {
-            row[k] = twice.evaluate(&coefficients, twice.node(j));
-        }
+/// What is expanded, at the nodes of axes: those of the solves, with twice as many where slopes are told.
+fn at_nodes(spec: &ModelSpec, ramps: &[Ramp], mut axes: [Axis; 3]) -> (Nodes, [Axis; 3]) {
+    let mut nodes = Nodes::of(ramps, axes.map(|axis| axis.nodes));
+    // of Hertz's factor, which is in proportion to 1 / (1 - nu)
+    let hertz = |at: usize, value: f64| if at == 0 { 1.0 / (1.0 - value) } else { 0.0 };
+    let each = spec.sloped().into_iter().enumerate();
+    let mut left: Vec<(usize, Nodes)> = each
+        .map(|(parameter, (at, _))| (at, nodes.slopes(ramps, (at, &axes[at]), parameter, |value| hertz(at, value))))
+        .collect();
+    // the exponent first: the slopes by another parameter follow it
+    while let Some((at, slopes)) = left.pop() {
+        nodes = nodes.osculated(&slopes, (at, &axes[at]));
+        left.iter_mut().for_each(|(_, other)| *other = other.interpolated((at, &axes[at])));
+        axes[at] = twice(&axes[at]);
     }
-    rows.iter().flat_map(|row| DEPTH.coefficients(row)).collect()
+    (nodes, axes)
 }
 
 fn solve_all(
@@ -291,12 +275,13 @@ fn solve_all(
             let law = Hyperfoam::new(vec![Term { mu_mpa: 1.0, alpha, nu }])?;
             let specimen = Specimen { height_mm, ..spec.specimen };
             let problem = Indentation { law, specimen, ball: spec.ball, depth_mm: spec.depth_mm, resolution };
-            let ramp = if spec.alpha_slopes {
-                let mut energy = Potential::of(Parameter::Alpha(0));
+            let followed: Vec<Parameter> = spec.sloped().into_iter().map(|(_, parameter)| parameter).collect();
+            let ramp = if followed.is_empty() {
+                Ramp::alone(problem.solve_at(&[])?.profile)
+            } else {
+                let mut energy = Potential::of(followed);
                 let curve = problem.simulation().curve_watched(&[], &mut energy)?;
                 energy.ramp(curve.profile)
-            } else {
-                Ramp::alone(problem.solve_at(&[])?.profile)
             };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, plan.len());
             Ok(ramp)

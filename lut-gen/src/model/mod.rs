@@ -8,6 +8,7 @@ mod expansion;
 mod fields;
 mod force;
 mod indentation;
+mod nodes;
 mod plan;
 mod potential;
 mod press;

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::profile::MAX_TERMS;
 use super::{Axis, Resolution, Scale, Specimen};
 use crate::contact::Ball;
+use crate::law::Parameter;
 use crate::solve::SolveError;
 
 /// What a force model covers.
@@ -27,6 +28,8 @@ pub struct ModelSpec {
     /// Whether every solve also tells what the exponent does to its force, a tenth of the time more: so many nodes are then as good
     /// as twice as many (docs/physics.md).
     pub alpha_slopes: bool,
+    /// The same of Poisson's ratio, where that is an axis: how its slope depends on the exponent is told by the exponents' nodes alone.
+    pub nu_slopes: bool,
     /// Range of heights (mm) and number of nodes, for specimens of unknown height.
     pub heights_mm: Option<(f64, f64, usize)>,
     /// Largest depth (mm).
@@ -50,6 +53,7 @@ impl ModelSpec {
             alpha: (1.0, 24.0),
             alpha_nodes: 10,
             alpha_slopes: false,
+            nu_slopes: false,
             heights_mm: None,
             depth_mm,
             resolution: Resolution::Standard,
@@ -65,6 +69,13 @@ impl ModelSpec {
     /// Terms over the exponent.
     pub(super) fn alpha_terms(&self) -> usize {
         if self.alpha_slopes { 2 * self.alpha_nodes } else { self.alpha_nodes }
+    }
+
+    /// Parameters whose slopes are told, with the places of their axes.
+    pub(super) fn sloped(&self) -> Vec<(usize, Parameter)> {
+        let nu = (self.nu_slopes && self.nus.is_some()).then_some((0, Parameter::Nu(0)));
+        let alpha = self.alpha_slopes.then_some((2, Parameter::Alpha(0)));
+        nu.into_iter().chain(alpha).collect()
     }
 
     /// Poisson's ratio, height, exponent.

@@ -7,17 +7,17 @@ use crate::mesh::BlockMesh;
 use crate::scalar::{Dual, Real};
 use crate::solve::{Accepted, Observer, SolveError, State, Step, System};
 
-/// Follows an elastic ramp and notes what a parameter does to its energy.
+/// Follows an elastic ramp and notes what parameters do to its energy.
 ///
 /// The energy of an equilibrium is least, so that its derivative by a parameter is the one at fixed displacement: an evaluation
 /// without a tangent, a tenth of the solve. The derivative by the depth of that is what the parameter does to the force.
 pub(super) struct Potential {
-    parameter: Parameter,
-    lifted: Option<Lifted>,
+    parameters: Vec<Parameter>,
+    lifted: Vec<Lifted>,
     points: Vec<Point>,
 }
 
-/// The equations with the derivative by the parameter.
+/// The equations with the derivative by a parameter.
 struct Lifted {
     system: System<Dual>,
     material: Material<Dual>,
@@ -25,11 +25,11 @@ struct Lifted {
 }
 
 /// Energies at a depth.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Point {
     depth_mm: f64,
-    /// Derivative of the potential by the parameter (N mm per unit of it).
-    by: f64,
+    /// Derivatives of the potential by the parameters (N mm per unit of each).
+    by: Vec<f64>,
     /// Complementary energy of the penalty (N mm).
     penalty: f64,
 }
@@ -38,19 +38,21 @@ struct Point {
 pub(super) struct Ramp {
     /// Its force.
     pub profile: DepthProfile,
-    /// Its energies, none where no parameter was followed.
+    /// Its energies, none where no parameters were followed.
     points: Vec<Point>,
 }
 
 /// Terms in `s` of the energies: with six the exponent's part is missed by three times as much, with ten nothing is gained.
 const TERMS: usize = 8;
-/// An energy over its limit for small depths, `d^2.5 s`, counts by this power of `s`: the first contacts have few elements.
+/// Energy of Hertz's force, over `H d^2.5`.
+const ENERGY: f64 = 0.4;
+/// What an energy has beyond its limit for small depths, over `d^2.5 s`, counts by this power of `s`: the first contacts have few elements.
 const WEIGHT: i32 = 3;
 
 impl Potential {
-    /// Notes what this parameter does.
-    pub fn of(parameter: Parameter) -> Self {
-        Self { parameter, lifted: None, points: Vec::new() }
+    /// Notes what these parameters do.
+    pub fn of(parameters: Vec<Parameter>) -> Self {
+        Self { parameters, lifted: Vec::new(), points: Vec::new() }
     }
 
     /// The ramp that was followed, with its force.
@@ -67,9 +69,11 @@ impl Watcher for Potential {
         stiffer: f64,
         _: &System,
     ) -> Result<(), SolveError> {
-        let lifted = simulation.lifted(mesh, stiffer, self.parameter);
         self.points.clear();
-        self.lifted = Some(Lifted { state: lifted.system.state(), system: lifted.system, material: lifted.material });
+        let lifted = self.parameters.iter().map(|parameter| simulation.lifted(mesh, stiffer, *parameter));
+        self.lifted = lifted
+            .map(|own| Lifted { state: own.system.state(), system: own.system, material: own.material })
+            .collect();
         Ok(())
     }
 
@@ -80,16 +84,18 @@ impl Watcher for Potential {
 
 impl Observer for Potential {
     fn accepted(&mut self, at: &Accepted) -> Result<(), SolveError> {
-        let Some(Lifted { system, material, state }) = &mut self.lifted else { return Ok(()) };
         let depth_mm = Dual::from(at.station.depth_mm);
         let u: Vec<Dual> = at.u.iter().map(|x| Dual::from(*x)).collect();
-        let old = system.untouched(material, depth_mm);
-        let step = Step { material, relaxation: material.relaxation(at.dt_s), old: &old, depth_mm };
-        if !system.evaluate(&step, &u, state, None) {
-            return Err(SolveError::Singular { depth_mm: at.station.depth_mm });
+        let mut by = Vec::with_capacity(self.lifted.len());
+        for Lifted { system, material, state } in &mut self.lifted {
+            let old = system.untouched(material, depth_mm);
+            let step = Step { material, relaxation: material.relaxation(at.dt_s), old: &old, depth_mm };
+            if !system.evaluate(&step, &u, state, None) {
+                return Err(SolveError::Singular { depth_mm: at.station.depth_mm });
+            }
+            by.push(state.potential.derivative());
         }
-        let penalty = at.station.penalty_energy;
-        self.points.push(Point { depth_mm: at.station.depth_mm, by: state.potential.derivative(), penalty });
+        self.points.push(Point { depth_mm: at.station.depth_mm, by, penalty: at.station.penalty_energy });
         Ok(())
     }
 }
@@ -114,25 +120,31 @@ impl Ramp {
     }
 }
 
-/// What the parameter does to the force of hard contact, over Hertz's force, at each `s`, for every ramp of a line over it. `derivatives`
-/// differentiates, at the parameters of the ramps, what has the given values there.
+/// What a parameter does to the force of hard contact, over Hertz's force, at each `s`, for every ramp of a line over it; it is one of those that were followed. `derivatives`
+/// differentiates, at the parameters of the ramps, what has the given values there; `hertz` is the derivative of the logarithm of Hertz's factor there, which what is told begins with at a depth of nothing.
 ///
 /// The potential of hard contact is that of the soft one and the penalty's complementary energy, whose derivative needs no equation: it is small, and
 /// smooth over the line.
-pub(super) fn slopes(line: &[Ramp], derivatives: impl Fn(&[f64]) -> Vec<f64>, at: &[f64]) -> Vec<Vec<f64>> {
+pub(super) fn slopes(
+    line: &[&Ramp],
+    parameter: usize,
+    (derivatives, hertz): (impl Fn(&[f64]) -> Vec<f64>, &[f64]),
+    at: &[f64],
+) -> Vec<Vec<f64>> {
     let softness: Vec<Vec<f64>> = line.iter().map(|ramp| ramp.softness()).collect();
-    let of = |(k, ramp): (usize, &Ramp)| -> Vec<f64> {
+    let of = |(k, ramp): (usize, &&Ramp)| -> Vec<f64> {
         let energy = |(s, p): (f64, &Point)| {
             let logarithms: Vec<f64> = softness.iter().map(|c| clenshaw(c, 2.0 * s - 1.0)).collect();
-            let by = p.by + p.penalty * derivatives(&logarithms)[k];
-            (2.0 * s - 1.0, by / (ramp.profile.hertz * p.depth_mm.powf(2.5) * s), s.powi(WEIGHT))
+            let by = p.by[parameter] + p.penalty * derivatives(&logarithms)[k];
+            let beyond = by / (ramp.profile.hertz * p.depth_mm.powf(2.5)) - ENERGY * hertz[k];
+            (2.0 * s - 1.0, beyond / s, s.powi(WEIGHT))
         };
         let points: Vec<_> = ramp.pressed().map(energy).collect();
         let coefficients = least_squares(&points, TERMS);
-        // of H d^2.5 s g(s), by the depth
+        // of H d^2.5 (ENERGY hertz + s g(s)), by the depth
         let slope = |s: &f64| {
             let (g, half) = clenshaw_and_slope(&coefficients, 2.0 * s - 1.0);
-            s * (3.0 * g + s * half)
+            hertz[k] + s * (3.0 * g + s * half)
         };
         at.iter().map(slope).collect()
     };
