@@ -83,6 +83,11 @@ struct Looked {
 }
 
 impl Looked {
+    /// The least score that they promise.
+    fn promised(&self) -> f64 {
+        self.solves.iter().map(|solved| score(&solved.near)).fold(f64::INFINITY, f64::min)
+    }
+
     /// The least score that is sure: one solve is believed where one is enough, and where the next is needed what was left at the solve itself.
     fn sure(&self) -> f64 {
         if self.coarse {
@@ -306,13 +311,18 @@ impl Search<'_> {
             None if lut_gen::chain::is_rough(&e.fit.model) => f64::INFINITY,
             None => e.score(),
         };
-        let best = list.iter().zip(&looked).map(sure).fold(f64::INFINITY, f64::min);
-        list.par_iter_mut().zip(before).zip(looked).for_each(|((explanation, before), looked)| {
-            let follow = |looked| self.follow(&explanation.fit.candidates, looked, best);
-            if let Some(fit) = looked.and_then(follow) {
-                *explanation = self.compared(fit, before);
+        let mut best = list.iter().zip(&looked).map(sure).fold(f64::INFINITY, f64::min);
+        // the most promising first: what it comes to spares the others the way to their ends
+        let mut order: Vec<(usize, Looked)> =
+            looked.into_iter().enumerate().filter_map(|(at, looked)| Some((at, looked?))).collect();
+        order.sort_by(|a, b| a.1.promised().total_cmp(&b.1.promised()));
+        for (at, looked) in order {
+            let explanation = &mut list[at];
+            if let Some(fit) = self.follow(&explanation.fit.candidates, looked, best) {
+                *explanation = self.compared(fit, before[at]);
+                best = best.min(explanation.score());
             }
-        });
+        }
     }
 }
 
