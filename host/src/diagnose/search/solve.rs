@@ -35,6 +35,9 @@ const BEHIND: f64 = 2.0 * RATIO_100;
 /// What rounds may yet gain, as a part of what the last promises: rounds that each bring two thirds of the way that the one before did gain twice as much. A second term that crept towards a score
 /// was left four short of it with once.
 const MORE: f64 = 2.0;
+/// What fits near two solves, one after the other, may leave more or less than each other for the next round not to be expected to lead to less than both: what is near is then known, and only the place
+/// of it is not.
+const STEADY: f64 = 4.0;
 /// Solves of the likeliest explanation, which must end where its solve is.
 const SETTLES: usize = 5;
 /// A fit near a solve may promise this much less than what was left at the solve; of one that promises more only that is believed.
@@ -63,6 +66,12 @@ impl Solved {
     /// True where more solves, that gain [`MORE`] times what this one promises, would come near a score.
     fn may_reach(&self, best: f64) -> bool {
         score(&self.near) - MORE * self.promise().max(0.0) < best + BEHIND
+    }
+
+    /// True where what is near this one would not come near a score, and is known, because another round led to the same.
+    fn is_known_behind(&self, other: &Self, best: f64) -> bool {
+        let steady = (self.near.discounted - other.near.discounted).abs() < STEADY;
+        steady && score(&self.near) - STEADY > best + BEHIND
     }
 
     /// Where the next round begins after this one, which was made after another.
@@ -261,18 +270,22 @@ impl Search<'_> {
                 break;
             }
             let solved = self.solve_at(candidates, &x, Detail::Names)?;
+            let known_behind = solved.is_known_behind(&best, against);
             if solved.here.discounted < best.here.discounted {
                 x = solved.after(&best);
                 (best, worse) = (solved, 0);
-                continue;
+            } else {
+                worse += 1;
+                // two solves of one place differ by more than the same
+                if worse > WORSE || best.promise() < SAME {
+                    break;
+                }
+                // too far: half of the way
+                x = 0.5 * (&best.here.x + &x);
             }
-            worse += 1;
-            // two solves of one place differ by more than the same
-            if worse > WORSE || best.promise() < SAME {
-                break;
+            if known_behind {
+                return Some(best.near);
             }
-            // too far: half of the way
-            x = 0.5 * (&best.here.x + &x);
         }
         Some(if best.promise() < KEPT { best.near } else { best.here })
     }
