@@ -95,6 +95,25 @@ fn a_relaxing_foam_in_a_ramp_a_hold_and_on_the_way_back() {
     }
 }
 
+/// With its memory carried as a Prony series carries it nothing changes; not carried at all, the elastic force itself is convolved.
+#[test]
+fn memory_is_carried_as_finite_elements_say_or_otherwise() {
+    let (g, tau_s) = (0.3, 0.5);
+    let passage = passage(&Motion::ramp(DEPTH_MM, 2.0).hold(5.0));
+    let chain = Chain { library: LIBRARY.clone(), passages: vec![passage.clone()] };
+    let force = |settings: &[(&'static Effect, &[f64])]| {
+        let own = settings.iter().map(|(effect, values)| Setting { effect, owner: 0, values: values.to_vec() });
+        let model = Model { settings: own.collect(), ..Model::base(1.0, ALPHA) };
+        chain.predict(&model, &[0.0]).remove(0)
+    };
+    let relaxing: (&'static Effect, &[f64]) = (&effect::relaxation::ONE, &[g, tau_s]);
+    assert_eq!(force(&[relaxing, (&effect::relaxation::MEMORY, &[1.0])]), force(&[relaxing]));
+    let mut linear = force(&[]);
+    effect::relaxation::relaxed(&passage.time_s, &vec![1.0; linear.len()], &[(g, tau_s)], &mut linear);
+    assert_eq!(force(&[relaxing, (&effect::relaxation::MEMORY, &[0.0])]), linear);
+    assert_ne!(force(&[relaxing]), linear);
+}
+
 #[test]
 fn another_height_ball_base_and_ratio() {
     let ramp = || Motion::ramp(DEPTH_MM, 1.0);

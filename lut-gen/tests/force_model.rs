@@ -96,7 +96,8 @@ fn slopes_by_the_exponent_are_worth_as_many_solves() {
     assert!(four.0 < 2.5e-4 && values.0 > 3.0 * four.0, "{four:?} {values:?}");
 }
 
-/// What another Poisson's ratio changes, by three of them with slopes against eight without, at exponents to 20 and from a fifth of the depth on.
+/// What another Poisson's ratio changes, by three of them with slopes against eight without, at exponents to 20 and from a fifth of the depth on: 0.17 % of it is missed (rms), 0.19 % of the force at
+/// worst; with five without 0.08 and 0.17 %.
 #[test]
 fn slopes_by_poissons_ratio_are_worth_more_solves() {
     let spec = |nus, alpha_nodes, nu_slopes| ModelSpec {
@@ -128,15 +129,10 @@ fn slopes_by_poissons_ratio_are_worth_more_solves() {
         }
         ((square / added).sqrt(), worst)
     };
-    let with = missed(&model(3, 4, true));
-    println!(
-        "zz {:?} {:?} {:?} {:?} {:?}",
-        missed(&model(3, 3, true)),
-        with,
-        missed(&model(5, 4, false)),
-        missed(&model(5, 3, false)),
-        missed(&model(4, 4, true))
-    );
+    let (three, values) = (missed(&model(3, 4, true)), missed(&model(3, 4, false)));
+    println!("three with slopes {three:?}, three without {values:?}");
+    assert!(three.0 < 2.5e-3 && three.1 < 3e-3, "{three:?}");
+    assert!(values.0 > 3.0 * three.0, "{values:?}");
 }
 
 /// Large balls are pressed in little: the mesh is that of the contact. That of the ball left 0.25 % at a tenth of its radius (0.5 % at worst), of which a diagnosis of 36 runs

@@ -114,6 +114,9 @@ pub(super) fn check(spec: &ModelSpec, [nu, height, alpha]: &[Axis; 3]) -> Result
     if !(1..=MAX_TERMS).contains(&nu.nodes) {
         return bad("nu nodes", nu.nodes as f64, "must lie in 1..=24");
     }
+    if spec.nu_slopes && 2 * nu.nodes > MAX_TERMS {
+        return bad("nu nodes", nu.nodes as f64, &format!("must not exceed {} with slopes", MAX_TERMS / 2));
+    }
     if nu.nodes > 1 && !(nu.low >= 0.0 && nu.high > nu.low && nu.high < 0.5) {
         return bad("nus", nu.low, "must not be negative and lie below the upper end of its range, that below 0.5");
     }
