@@ -4,7 +4,7 @@
 //! it have in common with those after it (Foreman-Mackey et al. 2017, doi:10.3847/1538-3881/aa9332). A factor, and each column that it turns, cost a multiple of the number of windows, not its cube
 //! and square.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Dim, Dyn, Matrix, VecStorage};
 
 use super::design::Node;
 use super::noise::SensorNoise;
@@ -14,6 +14,9 @@ use super::noise::SensorNoise;
 pub struct Factor {
     links: Vec<Link>,
 }
+
+/// A column, or several.
+type Columns<C> = Matrix<f64, Dyn, C, VecStorage<f64, Dyn, C>>;
 
 /// A window in the chain: `z = y - reads f`, `f' = fades f + leaves z`, where `f` is what is carried along and `size` the standard deviation of `z`.
 #[derive(Debug, Clone, Copy)]
@@ -32,7 +35,12 @@ impl SensorNoise {
     #[must_use]
     pub fn variance(&self, node: &Node, force_n: f64) -> f64 {
         let (_, with_own) = sums(node, self.correlation_s);
-        self.level_n(force_n).powi(2) * ((1.0 - self.white) * with_own + self.white / node.samples as f64)
+        self.variance_at(self.level_n(force_n), node, with_own)
+    }
+
+    /// The same at the level of a sample (N), with the mean correlation of the window's samples with each other.
+    fn variance_at(&self, level_n: f64, node: &Node, with_own: f64) -> f64 {
+        level_n.powi(2) * ((1.0 - self.white) * with_own + self.white / node.samples as f64)
     }
 
     /// Standard deviation of a sample at a force, both in N.
@@ -79,10 +87,10 @@ impl Factor {
         // variance of what is carried along, and the last sample of the window before, s
         let (mut carried, mut last_s) = (0.0, f64::NEG_INFINITY);
         for (node, force_n) in nodes.iter().zip(force_n) {
-            let (with_last, _) = sums(node, noise.correlation_s);
-            let variance = noise.variance(node, *force_n);
-            let shared =
-                if node.lifted { 0.0 } else { noise.level_n(*force_n) * (1.0 - noise.white).sqrt() * with_last };
+            let (with_last, with_own) = sums(node, noise.correlation_s);
+            let level_n = noise.level_n(*force_n);
+            let variance = noise.variance_at(level_n, node, with_own);
+            let shared = if node.lifted { 0.0 } else { level_n * (1.0 - noise.white).sqrt() * with_last };
             let reads = shared * left(node.time_s - reach_s(node) - last_s);
             let fades = left(node.time_s + reach_s(node) - last_s);
             let own = variance * white - reads * reads * carried;
@@ -99,7 +107,7 @@ impl Factor {
 
     /// Makes of columns with this covariance such of independent numbers of unit variance: `L^-1 C`.
     #[must_use]
-    pub fn whitened(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
+    pub fn whitened<C: Dim>(&self, mut columns: Columns<C>) -> Columns<C> {
         for mut column in columns.column_iter_mut() {
             let mut carried = 0.0;
             for (value, link) in column.iter_mut().zip(&self.links) {

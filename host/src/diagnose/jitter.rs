@@ -160,11 +160,11 @@ impl Amounts {
         let (nodes, curve) = (&design.series[series].nodes, &curves[series]);
         let factor = sensor.factor(nodes, &curve.force_n)?;
         let residual = DVector::from_fn(nodes.len(), |k, _| nodes[k].force_n - curve.force_n[k]);
-        let y = factor.whitened(DMatrix::from_columns(&[residual]));
+        let y = factor.whitened(residual);
         let x = factor.whitened(curve.shapes());
         let normal: Matrix3<f64> = x.tr_mul(&x).fixed_view::<3, 3>(0, 0).into_owned();
         let variance = normal.try_inverse()?;
-        let right: Vector3<f64> = x.tr_mul(&y).fixed_view::<3, 1>(0, 0).into_owned();
+        let right: Vector3<f64> = x.tr_mul(&y).fixed_rows::<3>(0).into_owned();
         Some(Self { series, found: variance * right, variance })
     }
 }

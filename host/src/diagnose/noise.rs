@@ -335,7 +335,7 @@ fn level(runs: &[&Contrast<'_>], unit: &SensorNoise) -> Option<(f64, f64)> {
 
 /// Whitened square of what its shapes leave, and the logarithm of their information.
 fn without_shapes(run: &Contrast<'_>, factor: &Factor) -> Option<(f64, f64)> {
-    let y = factor.whitened(DMatrix::from_columns(std::slice::from_ref(&run.values)));
+    let y = factor.whitened(run.values.clone());
     let x = factor.whitened(run.shapes.clone());
     let normal = x.tr_mul(&x).cholesky()?;
     let right = x.tr_mul(&y);

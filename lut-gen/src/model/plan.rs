@@ -66,11 +66,6 @@ impl ModelSpec {
 pub(super) type Job = ([f64; 3], Resolution);
 
 impl ModelSpec {
-    /// Terms over the exponent.
-    pub(super) fn alpha_terms(&self) -> usize {
-        if self.alpha_slopes { 2 * self.alpha_nodes } else { self.alpha_nodes }
-    }
-
     /// Parameters whose slopes are told, with the places of their axes.
     pub(super) fn sloped(&self) -> Vec<(usize, Parameter)> {
         let nu = (self.nu_slopes && self.nus.is_some()).then_some((0, Parameter::Nu(0)));
@@ -102,7 +97,7 @@ pub(super) fn check(spec: &ModelSpec, [nu, height, alpha]: &[Axis; 3]) -> Result
     if !(2..=MAX_TERMS).contains(&alpha.nodes) {
         return bad("alpha_nodes", alpha.nodes as f64, "must lie in 2..=24");
     }
-    if spec.alpha_terms() > MAX_TERMS {
+    if spec.alpha_slopes && 2 * alpha.nodes > MAX_TERMS {
         return bad("alpha_nodes", alpha.nodes as f64, &format!("must not exceed {} with slopes", MAX_TERMS / 2));
     }
     if !(1..=MAX_TERMS).contains(&height.nodes) {

@@ -140,13 +140,10 @@ impl Sums {
         let factor = unit.factor(nodes, &contrast.force_n)?;
         let free = factor.whitened(contrast.shapes.clone()).qr();
         let q = free.q();
-        let rest = |columns: DMatrix<f64>| {
-            let explained = q.tr_mul(&columns);
-            columns - &q * explained
-        };
-        let values: DVector<f64> =
-            rest(factor.whitened(DMatrix::from_columns(std::slice::from_ref(&contrast.values)))).column(0).into_owned();
-        let columns = rest(factor.whitened(columns.clone()));
+        let values = factor.whitened(contrast.values.clone());
+        let values = &values - &q * q.tr_mul(&values);
+        let columns = factor.whitened(columns.clone());
+        let columns = &columns - &q * q.tr_mul(&columns);
         let logs = |diagonal: DVector<f64>| 2.0 * diagonal.iter().map(|d| d.abs().ln()).sum::<f64>();
         let log = factor.log_determinant() + logs(free.r().diagonal());
         let said = columns.tr_mul(&values);
