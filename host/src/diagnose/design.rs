@@ -35,8 +35,8 @@ pub(super) const MEANT_MM: f64 = 0.4;
 /// is where the chain is farthest from finite elements. Where loading itself had less than the second share of the peak, nothing has lifted.
 const LIFTED: (f64, f64) = (0.35, 0.05);
 
-/// Readings at the beginning of a run whose mean is the force it begins at, and the parts of the largest force that one run begins within and two differ by where the
-/// zero drifts.
+/// Readings at the beginning of a run whose mean is the force it begins at, and the parts of the largest force that a reading of them lies within and two runs differ by where
+/// the zero drifts. Of a fast run all but the first may lie well past the contact, so that the mean says nothing of whether one began at no force.
 const FIRST: usize = 3;
 const DRIFTED: (f64, f64) = (0.02, 0.05);
 
@@ -382,13 +382,14 @@ fn zero_drifts(experiment: &Experiment) -> bool {
     let pressed =
         experiment.runs.iter().filter(|run| run.test == Test::Indentation && !run.specimen.is_some_and(rigid));
     let forces = pressed.map(|run| run.recording.force_n.as_slice());
-    let (mut low, mut high, mut peak) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+    let (mut nearest, mut low, mut high, mut peak) = (f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
     for own in forces {
         let begin = begins_at_n(own);
         (low, high) = (low.min(begin), high.max(begin));
+        nearest = own.iter().take(FIRST).fold(nearest, |least, reading| least.min(reading.abs()));
         peak = own.iter().copied().fold(peak, f64::max);
     }
-    low.abs().min(high.abs()) < DRIFTED.0 * peak && high - low > DRIFTED.1 * peak
+    nearest < DRIFTED.0 * peak && high - low > DRIFTED.1 * peak
 }
 
 /// Mean of the first readings, N.

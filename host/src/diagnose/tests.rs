@@ -104,6 +104,7 @@ fn a_design_is_read_from_the_data() {
 /// A zero that drifts by a third of the largest force over the session moves no contact; a session of presses that were triggered by a force begins within the specimen.
 #[test]
 fn a_drifting_zero_is_no_late_contact() {
+    const FAST: usize = 6;
     let largest_n =
         |all: &Experiment| all.runs.iter().flat_map(|r| r.recording.force_n.iter().copied()).fold(0.0, f64::max);
     let mut drifting = experiment(3);
@@ -112,6 +113,18 @@ fn a_drifting_zero_is_no_late_contact() {
         run.recording.force_n.iter_mut().for_each(|f| *f -= step_n * at as f64);
     }
     assert!(Design::of(&drifting, "foam").unwrap().zero_is_contact);
+    // of a fast run the second and third reading lie well within the specimen: no run begins at no force on average
+    let mut fast = experiment(3);
+    fast.runs.reverse();
+    for (at, run) in fast.runs.iter_mut().enumerate() {
+        let all = &run.recording;
+        let each = |values: &[f64]| -> Vec<f64> { values.iter().step_by(FAST).copied().collect() };
+        let force_n = each(&all.force_n).into_iter().map(|f| f + step_n * at as f64).collect();
+        run.recording = Recording::from_samples(each(&all.time_s), each(&all.depth_mm), force_n);
+    }
+    let begins_n = fast.runs.iter().map(|run| run.recording.force_n[..3].iter().sum::<f64>() / 3.0);
+    assert!(begins_n.fold(f64::INFINITY, f64::min) > 0.02 * largest_n(&fast));
+    assert!(Design::of(&fast, "foam").unwrap().zero_is_contact);
     let mut triggered = experiment(3);
     for run in &mut triggered.runs {
         let first = run.recording.force_n.iter().position(|f| *f > 0.2 * peak_n).unwrap();

@@ -24,6 +24,8 @@ pub struct Arguments {
     pub verbose: bool,
     /// Where every case is written.
     pub json: Option<PathBuf>,
+    /// Where the experiments themselves are written, a folder each.
+    pub folders: Option<PathBuf>,
     /// Whether the document is rewritten.
     pub write: bool,
 }
@@ -43,6 +45,7 @@ impl Arguments {
             first_seed: FIRST_SEED,
             verbose: false,
             json: None,
+            folders: None,
             write: false,
         };
         while let Some(word) = words.next() {
@@ -57,11 +60,12 @@ impl Arguments {
                 "--design" => asked.designs.push(design(&value()?)?),
                 "--only" => asked.only = Some(value()?),
                 "--json" => asked.json = Some(PathBuf::from(value()?)),
+                "--folders" => asked.folders = Some(PathBuf::from(value()?)),
                 "--verbose" => asked.verbose = true,
                 "--write" => asked.write = true,
                 _ => {
                     return Err(format!(
-                        "{word}: expected --cases, --skip, --these, --seed, --design, --only, --json, --verbose or --write"
+                        "{word}: expected --cases, --skip, --these, --seed, --design, --only, --json, --folders, --verbose or --write"
                     ));
                 }
             }

@@ -2,7 +2,7 @@
 //!
 //! Without `--design` all four designs are scored, with `--cases` of each (100 unless stated). `--only CODE` scores one code, or several with commas between them ("clean",
 //! "matched", "mismatched", "pairs", "placebos", "deleted" or an effect) at all levels by turns, `--seed` moves the first seed, `--skip` leaves
-//! out the first cases of each design, `--these 20003,20027` all but those seeds, `--verbose` tells every case on a line, `--json FILE` writes every case, `--write` puts the tables into docs/hidden-effects.md.
+//! out the first cases of each design, `--these 20003,20027` all but those seeds, `--verbose` tells every case on a line, `--json FILE` writes every case, `--folders FOLDER` every experiment, `--write` puts the tables into docs/hidden-effects.md.
 
 mod arguments;
 mod record;
@@ -25,6 +25,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let start = Instant::now();
     let cases = cases(&arguments)?;
     let (solver, models) = (Solver::new(), Models::default());
+    if let Some(folder) = &arguments.folders {
+        for case in &cases {
+            case.make(&solver)?.write(&folder.join(format!("{}-{}", case.design.name(), case.seed)))?;
+        }
+    }
     let bar = bar(cases.len())?;
     let mut scored: Vec<(usize, Scored)> = Vec::new();
     let mut failures: Vec<String> = Vec::new();
