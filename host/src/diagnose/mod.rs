@@ -251,7 +251,9 @@ impl Diagnosis {
         models: &Models,
         progress: &Progress<'_>,
     ) -> Result<(), DiagnoseError> {
-        self.messages.extend_from_slice(&design.messages);
+        // faults were told before
+        let new = design.messages.iter().filter(|message| !self.messages.contains(message));
+        self.messages.extend(new.cloned().collect::<Vec<_>>());
         if !has_replicates(&design) && experiment.sensor.noise_n.is_none() {
             self.refusal = Some(Refusal::NoNoise);
             return Ok(());

@@ -139,6 +139,20 @@ fn a_drifting_zero_is_no_late_contact() {
     assert!(!design.zero_is_contact && design.zero_mm < -0.4, "{}", design.zero_mm);
 }
 
+/// A knock soon after the contact leaves so little of two runs of eight that their contacts are guesses; the depth was zeroed there nevertheless.
+#[test]
+fn what_a_knock_leaves_of_a_run_moves_no_zero() {
+    const KNOCKED_MM: f64 = 0.3;
+    let mut knocked = experiment(3);
+    for run in &mut knocked.runs[..2] {
+        let at = run.recording.depth_mm.iter().position(|d| *d > KNOCKED_MM).unwrap();
+        run.recording.force_n[at..].iter_mut().zip(0..).for_each(|(f, k)| *f -= 0.4 * (-0.2 * f64::from(k)).exp());
+    }
+    let design = Design::of(&knocked, "foam").unwrap();
+    assert_eq!(design.messages.iter().filter(|m| m.contains("force falls")).count(), 2, "{:?}", design.messages);
+    assert!(design.zero_is_contact, "{:?}", design.messages);
+}
+
 /// Means over 30 experiments of 8 spots, whose standard errors are 7 % of a jitter (6 degrees of freedom each), 2 % of the noise.
 #[test]
 fn noise_and_jitter_are_found_from_replicates() {
