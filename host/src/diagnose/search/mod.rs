@@ -286,10 +286,12 @@ impl Search<'_> {
                 Some((candidates.as_slice(), Before::new(&self.problem, fit.clone())))
             })
             .collect();
-        let each = list.par_iter().filter_map(|e| {
+        let refit = |e: &Explanation| self.problem.refit(&e.fit, &allowed(&self.problem, &e.fit));
+        let refits: Vec<Fit> = list.par_iter().map(refit).collect();
+        let best = refits.iter().map(score).fold(f64::INFINITY, f64::min);
+        let each = list.par_iter().zip(refits).filter_map(|(e, fit)| {
             let (_, before) = known.iter().find(|(candidates, _)| *candidates == first(e))?;
-            let fit = self.problem.refit(&e.fit, &allowed(&self.problem, &e.fit));
-            Some(self.compared(fit, before))
+            Some(self.compared(self.believed(&e.fit, fit, best), before))
         });
         sorted(each.collect())
     }
