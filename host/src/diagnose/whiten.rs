@@ -10,7 +10,8 @@ use super::spike::Spike;
 /// A linear map of residuals (N, all runs one after the other) that makes their noise white.
 #[derive(Debug, Clone)]
 pub struct Whitening {
-    runs: Vec<Factor>,
+    /// Inverse of the lower factor of every run's covariance.
+    runs: Vec<DMatrix<f64>>,
     spots: Vec<Spot>,
     /// What the simulation's own error may be, after the rest of the whitening, and its kernel.
     shared: (DMatrix<f64>, DMatrix<f64>),
@@ -19,17 +20,9 @@ pub struct Whitening {
     len: usize,
 }
 
-#[derive(Debug, Clone)]
-struct Factor {
-    /// Inverse of the lower factor of its covariance.
-    white: DMatrix<f64>,
-}
-
-impl Factor {
-    fn of(lower: &DMatrix<f64>) -> Option<Self> {
-        let white = lower.solve_lower_triangular(&DMatrix::identity(lower.nrows(), lower.nrows()))?;
-        Some(Self { white })
-    }
+/// Inverse of the lower factor of a covariance.
+fn white(lower: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    lower.solve_lower_triangular(&DMatrix::identity(lower.nrows(), lower.nrows()))
 }
 
 /// Runs on one spot and what they share.
@@ -92,12 +85,12 @@ impl Whitening {
             for spike in spikes.iter().filter(|spike| spike.series == at) {
                 white.row_mut(spike.node).unscale_mut(spike.size);
             }
-            runs.push(Factor { white });
+            runs.push(white);
         }
         for check in &design.checks {
             first.push(len);
             len += check.rows();
-            runs.push(Factor::of(&check.factor(noise)?)?);
+            runs.push(white(&check.factor(noise)?)?);
         }
         let shared = (DMatrix::zeros(len, 0), DMatrix::zeros(0, 0));
         let mut out = Self { runs, spots: Vec::new(), shared, first, len };
@@ -120,7 +113,7 @@ impl Whitening {
                 }
                 let rows = row - curve.force_n.len();
                 let own = jitter.rows(rows, curve.force_n.len()).into_owned();
-                let white = &out.runs[s].white * own;
+                let white = &out.runs[s] * own;
                 jitter.rows_mut(rows, curve.force_n.len()).copy_from(&white);
             }
             let kernel = kernel(&jitter);
@@ -129,7 +122,7 @@ impl Whitening {
         for (at, check) in design.checks.iter().enumerate() {
             let run = design.series.len() + at;
             let entries: Vec<usize> = (out.first[run]..out.first[run] + check.rows()).collect();
-            let jitter = &out.runs[run].white * check.freedom(noise);
+            let jitter = &out.runs[run] * check.freedom(noise);
             let kernel = kernel(&jitter);
             out.spots.push(Spot { entries, jitter, kernel, estimated: false });
         }
@@ -214,8 +207,8 @@ impl Whitening {
     }
 
     fn apply_runs(&self, columns: &mut DMatrix<f64>) {
-        for (factor, first) in self.runs.iter().zip(&self.first) {
-            turn_rows(&factor.white, columns, *first);
+        for (white, first) in self.runs.iter().zip(&self.first) {
+            turn_rows(white, columns, *first);
         }
     }
 
@@ -239,9 +232,9 @@ impl Whitening {
     /// What makes of independent unit normal numbers what this whitening makes of another noise of the sensor, run by run; `None` when a covariance is not positive definite.
     #[must_use]
     pub fn colours(&self, design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Option<Vec<DMatrix<f64>>> {
-        let of = |((series, curve), own): ((&Series, &Curve), &Factor)| {
+        let of = |((series, curve), white): ((&Series, &Curve), &DMatrix<f64>)| {
             let its = sensor.factor(&series.nodes, &curve.force_n)?;
-            Some(&own.white * its.lower())
+            Some(white * its.lower())
         };
         design.series.iter().zip(curves).zip(&self.runs).map(of).collect()
     }

@@ -1,17 +1,16 @@
 //! Finite elements of whole paths for the explanations that may be named.
 
-use std::sync::Arc;
-
-use lut_gen::chain::{Detail, Whole};
+use lut_gen::chain::Detail;
 use lut_gen::effect::{friction, second_term, softening};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::super::coordinate::{Candidate, Coordinate, coordinates, point};
-use super::super::fit::{Fit, Problem};
+use super::super::coordinate::{Candidate, coordinates};
+use super::super::fit::Fit;
 use super::before::Before;
 use super::begin::{measured, suit};
-use super::{Explanation, RATIO_100, Search, allowed, score};
+use super::rounds::{SAME, SETTLES, Solved};
+use super::{Explanation, Search, score};
 
 /// Names, of one effect or of two, that are solved with finite elements, and how far (sum of squares) behind the best they may lie: what the chain allows
 /// for costs an effect that it has nearly right less than that. Which ball it is, or in which form, does not count: two balls in two forms had left no place for what it was.
@@ -22,69 +21,16 @@ const NEAR: f64 = 60.0;
 const FAR: f64 = 0.5;
 /// Part of the first term that a second one begins with where it is solved from the start.
 const RATIO: f64 = 0.3;
-/// Solves of one fit, each at the point where the last one led, and the change of the sum of squares that ends them.
+/// Solves of one fit, each at the point where the last one led.
 const SOLVES: usize = 3;
-const SAME: f64 = 1.0;
-/// The same of what is named in the end: its parameters lie within a fifth of their errors of where the next solve would lead.
+/// The change of the sum of squares that ends them of what is named in the end: its parameters lie within a fifth of their errors of where the next solve would lead.
 const ENDS: f64 = 0.04;
-/// The same as a part of what is left beyond noise, of which a tenth more than expected may be there: what leaves far more is not named, and need not be brought to its end.
-const LEFT: f64 = 0.05;
-const NOISY: f64 = 1.1;
-/// How far behind what is sure more solves must promise to end for them not to be made: two likelihood ratios of a hundred.
-const BEHIND: f64 = 2.0 * RATIO_100;
-/// What rounds may yet gain, as a part of what the last promises: rounds that each bring two thirds of the way that the one before did gain twice as much. A second term that crept towards a score
-/// was left four short of it with once.
-const MORE: f64 = 2.0;
-/// What fits near two solves, one after the other, may leave more or less than each other for the next round not to be expected to lead to less than both: what is near is then known, and only the place
-/// of it is not.
-const STEADY: f64 = 4.0;
-/// Solves of the likeliest explanation, which must end where its solve is.
-const SETTLES: usize = 5;
-/// A fit near a solve may promise this much less than what was left at the solve; of one that promises more only that is believed.
-const KEPT: f64 = 4.0;
-
 /// One solve is believed, where one near by was known, unless a fit near it promises more than this: what finite elements add there is not what they add here, and no more is it where the fit leads
 /// to. An offset of the contact beside softening, whose exponent of 11.3 was 13.6 without it, lay 160 off its own solve and was lost with the 16 standard deviations that it explains (D36).
 const BELIEVED: f64 = 30.0;
 
-/// Part of the first of two rounds that the next begins with: least, which goes beyond the second, and most.
-const MIXED: (f64, f64) = (-1.0, 0.7);
-/// Rounds one after the other that are no better than the best for no more to be made.
-const WORSE: usize = 1;
-
 /// Valleys of a second term beside another effect that are followed to their ground.
 const FOLLOWED: usize = 2;
-
-/// What a solve at a point left, and what a fit near it does.
-struct Solved {
-    here: Fit,
-    near: Fit,
-}
-
-impl Solved {
-    /// What the fit promises to gain on the solve.
-    fn promise(&self) -> f64 {
-        self.here.discounted - self.near.discounted
-    }
-
-    /// True where more solves, that gain [`MORE`] times what this one promises, would come near a score.
-    fn may_reach(&self, best: f64) -> bool {
-        score(&self.near) - MORE * self.promise().max(0.0) < best + BEHIND
-    }
-
-    /// True where what is near this one would not come near a score, and is known, because another round led to the same.
-    fn is_known_behind(&self, other: &Self, best: f64) -> bool {
-        let steady = (self.near.discounted - other.near.discounted).abs() < STEADY;
-        steady && score(&self.near) - STEADY > best + BEHIND
-    }
-
-    /// Where the next round begins after this one, which was made after another.
-    fn after(&self, first: &Self) -> DVector<f64> {
-        let x = mixed((&first.here.x, &first.near.x), (&self.here.x, &self.near.x), &self.near.information);
-        let bounds = self.near.coordinates.iter().map(Coordinate::bounds);
-        DVector::from_iterator(x.len(), x.iter().zip(bounds).map(|(x, (low, high))| x.clamp(low, high)))
-    }
-}
 
 /// What the first solves of a fit led to.
 struct Looked {
@@ -212,114 +158,6 @@ impl Search<'_> {
         }
     }
 
-    /// Solves at a point, and fits near it.
-    fn solve_at(&self, candidates: &[Candidate], x: &DVector<f64>, detail: Detail) -> Option<Solved> {
-        let problem = &self.problem;
-        let groups: Vec<usize> = problem.design.series.iter().map(|s| s.group).collect();
-        let windows = problem.design.windows();
-        let model = problem.model(&coordinates(problem.design, candidates), candidates, x);
-        let whole = problem.chain.whole(&model, &problem.contacts_mm, &windows, &groups, detail).ok()?;
-        Some(self.around(candidates, (x, x), whole))
-    }
-
-    /// The solve that a fit is near to, if it is one of its own effects and not a coarse one.
-    fn at_hand(&self, fit: &Fit) -> Option<Solved> {
-        let whole = fit.model.whole.as_ref().filter(|whole| whole.detail() == Detail::Names)?;
-        let list = coordinates(self.problem.design, &fit.candidates);
-        let x = point(&list, &fit.candidates, whole.place())?;
-        Some(self.around(&fit.candidates, (&x, &fit.x), whole.clone()))
-    }
-
-    /// What a solve at a point left, and a fit near it that begins from another one.
-    fn around(
-        &self,
-        candidates: &[Candidate],
-        (x, start): (&DVector<f64>, &DVector<f64>),
-        whole: Arc<Whole>,
-    ) -> Solved {
-        let problem = &self.problem;
-        let own = Problem { whole: Some(whole), ..problem.clone() };
-        let near = own.fit(candidates, start);
-        let allowed = allowed(problem, &near);
-        Solved { near: problem.refit(&near, &allowed), here: own.at(candidates, x, &allowed) }
-    }
-
-    /// What a fit that was left at its solve, since what is near that did not come true, comes to about other noise: solved anew where the fit found again promises as much once more, and would come near the
-    /// best score with it. A second term with the exponent of the first, which promised 17 at every place and gained nothing at the next, was named so in the place of a wrong radius.
-    pub(super) fn believed(&self, left: &Fit, again: Fit, best: f64) -> Fit {
-        if score(&again) > best + BEHIND || !self.is_at_its_solve(left) {
-            return again;
-        }
-        match self.at_hand(&again).filter(|first| first.promise() > KEPT) {
-            Some(first) => self.rounds(&again.candidates, first, (SETTLES - 1, SAME), f64::INFINITY).unwrap_or(again),
-            None => again,
-        }
-    }
-
-    /// True where a fit lies where its finite elements were solved.
-    fn is_at_its_solve(&self, fit: &Fit) -> bool {
-        let list = coordinates(self.problem.design, &fit.candidates);
-        let place = fit.model.whole.as_ref().and_then(|whole| point(&list, &fit.candidates, whole.place()));
-        place.is_some_and(|x| (&x - &fit.x).amax() < 1e-9)
-    }
-
-    /// Rounds from a fit, the first of them the solve that it is near to, if there is one.
-    fn rounds_of(&self, fit: &Fit, (most, same): (usize, f64)) -> Option<Fit> {
-        match self.at_hand(fit) {
-            Some(first) => self.rounds(&fit.candidates, first, (most, same), f64::INFINITY),
-            None => self.rounds_at(&fit.candidates, &fit.x, (most, same), f64::INFINITY),
-        }
-    }
-
-    /// Solves at a point and fits near it, some times over, and comes back with what is near the best point that was solved: what a fit
-    /// far from its solve promises need not be kept.
-    fn rounds_at(
-        &self,
-        candidates: &[Candidate],
-        x: &DVector<f64>,
-        (most, same): (usize, f64),
-        against: f64,
-    ) -> Option<Fit> {
-        let first = self.solve_at(candidates, x, Detail::Names)?;
-        self.rounds(candidates, first, (most - 1, same), against)
-    }
-
-    /// The same after a first solve, some times more at most, and not where they would not come near a score.
-    fn rounds(&self, candidates: &[Candidate], first: Solved, (more, same): (usize, f64), against: f64) -> Option<Fit> {
-        let settled = |solved: &Solved| solved.promise() < same.max(LEFT * self.left(&solved.near));
-        let mut x = first.near.x.clone();
-        let (mut best, mut worse) = (first, 0);
-        for _ in 0..more {
-            if settled(&best) || !best.may_reach(against) {
-                break;
-            }
-            let solved = self.solve_at(candidates, &x, Detail::Names)?;
-            let known_behind = solved.is_known_behind(&best, against);
-            if solved.here.discounted < best.here.discounted {
-                x = solved.after(&best);
-                (best, worse) = (solved, 0);
-            } else {
-                worse += 1;
-                // two solves of one place differ by more than the same
-                if worse > WORSE || best.promise() < SAME {
-                    break;
-                }
-                // too far: half of the way
-                x = 0.5 * (&best.here.x + &x);
-            }
-            if known_behind {
-                return Some(best.near);
-            }
-        }
-        Some(if best.promise() < KEPT { best.near } else { best.here })
-    }
-
-    /// What a fit leaves beyond what noise does, as a sum of squares.
-    fn left(&self, fit: &Fit) -> f64 {
-        let freedom = self.problem.used.iter().filter(|used| **used).count().saturating_sub(fit.x.len());
-        (fit.discounted - NOISY * freedom as f64).max(0.0)
-    }
-
     /// Finite elements of the whole paths for the best of a list, each of which is compared with what it extends: the chain is not let
     /// alone with a name.
     pub(super) fn solve_best(&self, list: &mut [Explanation], before: &[&Before]) {
@@ -361,21 +199,6 @@ impl Search<'_> {
             }
         }
     }
-}
-
-/// Where a third round should begin, from where two did and where they led, the second of them after the first: of steps that go to and fro, or slowly one way, the end
-/// lies where a line through both comes to nothing (Anderson's mixing of two). Lengths are those of the data, which have this information on the parameters.
-fn mixed(
-    first: (&DVector<f64>, &DVector<f64>),
-    second: (&DVector<f64>, &DVector<f64>),
-    information: &DMatrix<f64>,
-) -> DVector<f64> {
-    let last = second.1 - second.0;
-    let change = &last - (first.1 - first.0);
-    let along = information * &change;
-    let share = along.dot(&last) / along.dot(&change);
-    let share = if share.is_finite() { share.clamp(MIXED.0, MIXED.1) } else { 0.0 };
-    second.1 - share * (second.1 - first.1)
 }
 
 /// Where a fit lies, of two terms the larger as the first: the same law told the other way round ends at a bound of their ratio.
@@ -440,22 +263,5 @@ mod tests {
         assert_eq!(other, [0.05, 16.0, 0.4, 4.0]);
         let back = other_way_round(other);
         assert!(law.iter().zip(back).all(|(a, b)| (a - b).abs() < 1e-15));
-    }
-
-    /// Rounds that go to and fro, and such that creep, end at once where each leads as much too far, or too little, as the one before it did.
-    #[test]
-    fn mixed_rounds_end_where_a_line_through_them_does() {
-        let end = DVector::from_vec(vec![0.3, -1.2, 4.0]);
-        let off = DVector::from_vec(vec![1.0, 0.2, -0.5]);
-        for factor in [-0.7, -0.3, 0.4] {
-            let leads = |x: &DVector<f64>| &end + factor * (x - &end);
-            let one = &end + &off;
-            let two = leads(&one);
-            let found = mixed((&one, &two), (&two, &leads(&two)), &DMatrix::identity(3, 3));
-            assert!((found - &end).amax() < 1e-12, "{factor}");
-        }
-        // where nothing changes the second is right
-        let same = mixed((&end, &end), (&end, &end), &DMatrix::identity(3, 3));
-        assert!((same - &end).amax() < 1e-12);
     }
 }
