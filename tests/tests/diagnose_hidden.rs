@@ -66,6 +66,12 @@ fn not_all_are(outcome: Outcome, cases: &[Case]) {
     }
 }
 
+/// Six runs of 1.5 s know of no memory of five seconds, which would be four times the noise and hide a zero that drifts by 12.6 standard deviations.
+#[test]
+fn short_runs_hide_no_drift_in_a_long_memory() {
+    all_are(Outcome::Exact, &[hiding(Design::D6, 570_153, "drift", 3).in_noise(NoiseKind::Matched)]);
+}
+
 /// Nothing is said of clean data, whether their noise is as assumed or not.
 #[test]
 fn clean_data_stay_clean() {
