@@ -149,6 +149,13 @@ fn a_second_effect_is_seen_beside_softening() {
     all_are(Outcome::Both, &[Case::new(Design::D36, 54_002).hiding(pair)]);
 }
 
+/// A machine that gives way beside a relaxing foam is no second time of relaxation: with the two that fit best more than all of the stress relaxed.
+#[test]
+fn no_more_relaxes_than_can() {
+    let pair = What::Pair(["relaxation", "compliance"], 4);
+    all_are(Outcome::Both, &[Case::new(Design::D18, 570_006).hiding(pair).in_noise(NoiseKind::Matched)]);
+}
+
 /// Where two names are left, the run that is proposed first decides between them.
 #[test]
 fn a_planned_run_decides() {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lut_gen::chain::{Chain, Model, Whole};
-use lut_gen::effect::{Quantity, Spread, second_term};
+use lut_gen::effect::{Quantity, Spread, relaxation, second_term};
 use nalgebra::{DMatrix, DVector};
 
 use super::Z95;
@@ -109,13 +109,24 @@ pub struct Fit {
     pub jacobian: DMatrix<f64>,
     /// Standard errors on either side of every parameter that hold the truth in 95 cases of 100: more than 1.96 where the noise was itself estimated from little.
     pub reach: Vec<f64>,
-    /// True when a quantity of an effect lies at a bound that is not its null value, or the modulus, the exponent or the contact at one; of two terms the exponents may.
+    /// True when a quantity of an effect lies at a bound that is not its null value, or the modulus, the exponent or the contact at one; of two terms the exponents may. Also where more relaxes than can.
     pub at_bound: bool,
 }
 
 const MOST_STEPS: usize = 30;
 /// A fit has ended when a step changes the sum of squares by less than this.
 const SETTLED: f64 = 0.02;
+/// Part of the stress that relaxes in the end, of all terms together.
+fn relaxing_part(coordinates: &[Coordinate], candidates: &[Candidate], x: &DVector<f64>) -> f64 {
+    let part = |(c, x): (&Coordinate, &f64)| match c {
+        Coordinate::Of(at, q) if candidates[*at].effect.code == relaxation::ONE.code && q.spread == Spread::Even => {
+            c.value(*x)
+        }
+        _ => 0.0,
+    };
+    coordinates.iter().zip(x).map(part).sum()
+}
+
 /// Forces (N) at the nodes of every run.
 #[must_use]
 pub fn predicted(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f64]) -> Vec<Vec<f64>> {
@@ -244,7 +255,7 @@ impl Problem<'_> {
         let jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
         // exponents end where force models do: of two terms, either of which may be the second, a law that goes on beyond is still two terms
         let open = |at: usize| candidates[at].effect.code == second_term::EFFECT.code;
-        let at_bound = coordinates.iter().zip(x.iter().zip(&bounds)).any(|(c, (x, (low, high)))| match c {
+        let ends = coordinates.iter().zip(x.iter().zip(&bounds)).any(|(c, (x, (low, high)))| match c {
             Coordinate::Of(at, q) if q.spread == Spread::Logarithmic && open(*at) => false,
             Coordinate::LnAlpha if (0..candidates.len()).any(open) => false,
             Coordinate::Of(_, q) => {
@@ -254,6 +265,7 @@ impl Problem<'_> {
             }
             Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => (x - low).min(high - x) < 1e-3 * (high - low),
         });
+        let at_bound = ends || relaxing_part(&coordinates, candidates, &x) > relaxation::MOST;
         let model = self.model(&coordinates, candidates, &x);
         let information = inner(&jacobian, &jacobian);
         let candidates = candidates.to_vec();
@@ -432,5 +444,24 @@ impl Fit {
             let sigma = covariance.as_ref().map_or(f64::NAN, |v| v[(i, i)].sqrt());
             (c.value(self.x[i]), c.interval(self.x[i], self.reach[i] * sigma))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Parts of both terms count, times do not, nor do amounts of what does not relax.
+    #[test]
+    fn parts_that_relax_add_up() {
+        let candidates =
+            [&relaxation::TWO, &lut_gen::effect::compliance::EFFECT].map(|effect| Candidate { effect, owner: 0 });
+        let two = relaxation::TWO.quantities.iter().map(|q| Coordinate::Of(0, *q));
+        let one = candidates[1].effect.quantities.iter().map(|q| Coordinate::Of(1, *q));
+        let list: Vec<Coordinate> = [Coordinate::LnMu, Coordinate::LnAlpha].into_iter().chain(two).chain(one).collect();
+        let values = [0.2, 8.0, 0.156, 0.05, 0.889, 9.5, 0.5];
+        let x = DVector::from_fn(list.len(), |i, _| list[i].of(values[i]));
+        assert!((relaxing_part(&list, &candidates, &x) - 1.045).abs() < 1e-12);
+        assert!(relaxing_part(&list[..2], &[], &x).abs() < 1e-12);
     }
 }

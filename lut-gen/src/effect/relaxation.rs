@@ -4,6 +4,9 @@ use super::{Effect, Owner, Quantity, Stage, fading};
 
 const TIMES: &[f64] = &[0.05, 0.3, 1.5, 8.0, 40.0];
 
+/// Largest part that relaxes, of one term or of both together: with all of it nothing holds the material together in the end.
+pub const MOST: f64 = 0.9;
+
 /// One Prony term.
 pub const ONE: Effect = Effect {
     code: "relaxation",
@@ -14,7 +17,7 @@ pub const ONE: Effect = Effect {
     twins: &["sensor-creep", "lag"],
     separated_by: "a hold on a stiff block",
     quantities: &[
-        Quantity::amplitude("g1", 0.0, (0.0, 0.9), 0.1, &[0.15]),
+        Quantity::amplitude("g1", 0.0, (0.0, MOST), 0.1, &[0.15]),
         Quantity::shape("tau1_s", (0.01, 500.0), 1.0, TIMES),
     ],
     owner: Owner::All,
@@ -27,9 +30,9 @@ const RUNS: f64 = 10.0;
 pub const TWO: Effect = Effect {
     form: "two-term",
     quantities: &[
-        Quantity::amplitude("g1", 0.0, (0.0, 0.9), 0.1, &[0.15]),
+        Quantity::amplitude("g1", 0.0, (0.0, MOST), 0.1, &[0.15]),
         Quantity::shape("tau1_s", (0.01, 500.0), 0.3, &[0.1, 0.5]).at_most(RUNS),
-        Quantity::amplitude("g2", 0.0, (0.0, 0.9), 0.1, &[0.1]),
+        Quantity::amplitude("g2", 0.0, (0.0, MOST), 0.1, &[0.1]),
         Quantity::shape("tau2_s", (0.01, 500.0), 5.0, &[3.0, 20.0]).at_most(RUNS),
     ],
     ..ONE
@@ -39,7 +42,7 @@ pub const TWO: Effect = Effect {
 pub const SPECTRUM: Effect = Effect {
     form: "spectrum",
     quantities: &[
-        Quantity::amplitude("g", 0.0, (0.0, 0.9), 0.1, &[0.15]),
+        Quantity::amplitude("g", 0.0, (0.0, MOST), 0.1, &[0.15]),
         Quantity::shape("shortest_s", (0.003, 50.0), 0.1, &[0.02, 0.2, 2.0]),
     ],
     ..ONE
