@@ -280,7 +280,8 @@ impl Model {
     }
 
     /// Parts and times (s) of all relaxation.
-    pub(super) fn relaxing(&self) -> Vec<(f64, f64)> {
+    #[must_use]
+    pub fn relaxing(&self) -> Vec<(f64, f64)> {
         let settings = [&relaxation::ONE, &relaxation::TWO].into_iter().flat_map(|effect| self.of(effect));
         let terms = settings.flat_map(|s| s.values.chunks_exact(2)).map(|t| (t[0], t[1]));
         let spectra = self.of(&relaxation::SPECTRUM).flat_map(|s| s.values.chunks_exact(2));

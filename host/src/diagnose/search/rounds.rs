@@ -77,9 +77,13 @@ impl Search<'_> {
     /// The solve that a fit is near to, if it is one of its own effects and not a coarse one.
     fn at_hand(&self, fit: &Fit) -> Option<Solved> {
         let whole = fit.model.whole.as_ref().filter(|whole| whole.detail() == Detail::Names)?;
-        let list = coordinates(self.problem.design, &fit.candidates);
-        let x = point(&list, &fit.candidates, whole.place())?;
+        let x = self.place_of(fit, whole)?;
         Some(self.around(&fit.candidates, (&x, &fit.x), whole.clone()))
+    }
+
+    /// Where finite elements were solved, in the coordinates of a fit; none if they were of other effects.
+    fn place_of(&self, fit: &Fit, whole: &Whole) -> Option<DVector<f64>> {
+        point(&coordinates(self.problem.design, &fit.candidates), &fit.candidates, whole.place())
     }
 
     /// What a solve at a point left, and a fit near it that begins from another one.
@@ -110,8 +114,7 @@ impl Search<'_> {
 
     /// True where a fit lies where its finite elements were solved.
     fn is_at_its_solve(&self, fit: &Fit) -> bool {
-        let list = coordinates(self.problem.design, &fit.candidates);
-        let place = fit.model.whole.as_ref().and_then(|whole| point(&list, &fit.candidates, whole.place()));
+        let place = fit.model.whole.as_ref().and_then(|whole| self.place_of(fit, whole));
         place.is_some_and(|x| (&x - &fit.x).amax() < 1e-9)
     }
 
