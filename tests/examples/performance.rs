@@ -49,7 +49,7 @@ impl Observer for Parts {
         let mut matrix = at.system.matrix(true)?;
         let mut right = vec![1.0; at.system.unknowns()];
         self.unknowns = at.system.unknowns();
-        self.evaluate = fastest(200, || at.system.evaluate(at.step, at.u, &mut state, None));
+        self.evaluate = fastest(200, || at.system.evaluate(at.step, at.u, &mut state));
         self.assemble = fastest(200, || at.system.assemble(at.step, at.u, &mut state, &mut matrix));
         self.factorise = fastest(200, || matrix.factorise());
         self.solve = fastest(200, || matrix.correct(&mut right));

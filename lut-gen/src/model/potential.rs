@@ -90,7 +90,7 @@ impl Observer for Potential {
         for Lifted { system, material, state } in &mut self.lifted {
             let old = system.untouched(material, depth_mm);
             let step = Step { material, relaxation: material.relaxation(at.dt_s), old: &old, depth_mm };
-            if !system.evaluate(&step, &u, state, None) {
+            if !system.evaluate(&step, &u, state) {
                 return Err(SolveError::Singular { depth_mm: at.station.depth_mm });
             }
             by.push(state.potential.derivative());

@@ -171,7 +171,7 @@ impl Track {
             old: &old,
             depth_mm: Dual::from(at.step.depth_mm),
         };
-        if !self.system.evaluate(&step, &u, &mut self.state, None) {
+        if !self.system.evaluate(&step, &u, &mut self.state) {
             return None;
         }
         let mut moved: Vec<f64> = self.state.residual.iter().map(|r| -r.derivative).collect();
@@ -190,11 +190,10 @@ impl Track {
             u.derivative = *m;
         }
         step.depth_mm = Dual::new(at.step.depth_mm, climb);
-        let mut new = old.clone();
-        if !self.system.evaluate(&step, &u, &mut self.state, Some(&mut new)) {
+        if !self.system.evaluate(&step, &u, &mut self.state) {
             return None;
         }
-        self.history = new;
+        self.history.clone_from(&self.state.history);
         self.raw.push(self.state.sum.force_n.derivative());
         self.energy.push(self.state.sum.penalty_energy);
         self.depth.push(step.depth_mm);

@@ -207,7 +207,7 @@ impl Newton {
         if let Control::Depth(depth) = problem.control {
             at.depth_mm = depth;
         }
-        if !problem.system.evaluate(&problem.step(&relaxation, at.depth_mm), &at.u, &mut w.state, None) {
+        if !problem.system.evaluate(&problem.step(&relaxation, at.depth_mm), &at.u, &mut w.state) {
             return None;
         }
         if w.factored && self.chords(problem, &relaxation, at, w) {
@@ -292,7 +292,7 @@ impl Newton {
         let mut next = at.clone();
         self.moved(at, w, 1.0, climb, &mut next);
         let step = problem.step(relaxation, next.depth_mm);
-        if !problem.system.evaluate(&step, &next.u, &mut w.trial, None) || !problem.balance(&w.trial).rest.is_finite() {
+        if !problem.system.evaluate(&step, &next.u, &mut w.trial) || !problem.balance(&w.trial).rest.is_finite() {
             return false;
         }
         std::mem::swap(&mut w.state, &mut w.trial);
@@ -349,7 +349,7 @@ impl Newton {
         let mut next = at.clone();
         for _ in 0..=halvings {
             self.moved(at, w, part, climb, &mut next);
-            if problem.system.evaluate(&problem.step(relaxation, next.depth_mm), &next.u, &mut w.trial, None) {
+            if problem.system.evaluate(&problem.step(relaxation, next.depth_mm), &next.u, &mut w.trial) {
                 let after = dot(&w.correction, &w.trial.residual);
                 let rest = problem.balance(&w.trial).rest;
                 if (by_slope && after.abs() <= 0.9 * slope.abs()) || rest < 0.9 * before {
@@ -381,7 +381,7 @@ impl Newton {
         loop {
             let climb = self.direction(problem, w);
             self.moved(at, w, 1.0, climb, &mut next);
-            if !problem.system.evaluate(&problem.step(relaxation, next.depth_mm), &next.u, &mut w.trial, None) {
+            if !problem.system.evaluate(&problem.step(relaxation, next.depth_mm), &next.u, &mut w.trial) {
                 return false;
             }
             let rest = problem.balance(&w.trial).rest;

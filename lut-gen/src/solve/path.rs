@@ -232,12 +232,6 @@ impl Course<'_> {
         let Some((next, used)) = found else { return Ok(None) };
         let relaxation = self.material.relaxation(dt_s);
         let step = Step { material: self.material, relaxation, old: &here.history, depth_mm: next.depth_mm };
-        let mut history = here.history.clone();
-        if !history.matter.is_empty() || !history.grips.is_empty() {
-            let mut state = self.system.state();
-            // the state is known: this pass only collects what the points remember
-            let _ = self.system.evaluate(&step, &next.u, &mut state, Some(&mut history));
-        }
         // Newton's method, too, may find the branch beyond the end of this one
         let jumped = self.adhesion_range_mm().is_some_and(|range| Newton::is_jump(range, &here.at, &next));
         let by_force = problem.by_force();
@@ -254,7 +248,7 @@ impl Course<'_> {
         out.stations.push(station);
         here.force_n = station.force_n;
         here.at = next;
-        here.history = history;
+        here.history.clone_from(&w.state.history);
         Ok(Some(used))
     }
 

@@ -67,6 +67,8 @@ pub struct State<T = f64> {
     pub sum: Sum<T>,
     /// Axial force of the block on its base (N), positive downward.
     pub base_force_n: T,
+    /// What the block remembers of the last configuration that was evaluated.
+    pub history: History<T>,
 }
 
 impl<T: Real> System<T> {
@@ -128,6 +130,7 @@ impl<T: Real> System<T> {
             potential: zero,
             sum: Sum::default(),
             base_force_n: zero,
+            history: History { matter: Vec::new(), grips: Vec::new() },
         }
     }
 
@@ -151,11 +154,12 @@ impl<T: Real> System<T> {
         (dofs, dofs.map(|d| if d == HELD { T::from(0.0) } else { u[d] }))
     }
 
-    /// Evaluates residual and sums at the displacement `u`; `new` receives the history.
-    /// False when an element is turned inside out.
+    /// Evaluates residual, sums and history at the displacement `u`. False when an element is turned inside out.
     #[must_use]
-    pub fn evaluate(&self, step: &Step<T>, u: &[T], out: &mut State<T>, mut new: Option<&mut History<T>>) -> bool {
+    pub fn evaluate(&self, step: &Step<T>, u: &[T], out: &mut State<T>) -> bool {
         self.clear(out);
+        out.history.matter.resize(step.old.matter.len(), T::from(0.0));
+        out.history.grips.clone_from(&step.old.grips);
         let each = step.material.history();
         let mut at = 0;
         for solid in &self.solids {
@@ -164,7 +168,7 @@ impl<T: Real> System<T> {
             at = range.end;
             let matter =
                 Matter { material: step.material, step: &step.relaxation, history: &step.old.matter[range.clone()] };
-            let kept = new.as_deref_mut().map(|h| &mut h.matter[range]);
+            let kept = (each > 0).then(|| &mut out.history.matter[range]);
             let mut force = [T::from(0.0); DOFS];
             let Some(energy) = solid.force(&matter, &local, &mut force, kept) else { return false };
             out.potential += energy;
@@ -175,7 +179,7 @@ impl<T: Real> System<T> {
             let (dofs, local) = self.gather::<6>(edge, u);
             let mut force = [T::from(0.0); 6];
             let grips = index * per..(index + 1) * per;
-            let kept = new.as_deref_mut().map(|h| &mut h.grips[grips.clone()]);
+            let kept = Some(&mut out.history.grips[grips.clone()]);
             let datum = self.datum_mm(step.depth_mm);
             self.surface.edge(index, datum, &local, &step.old.grips[grips], kept, &mut force, None, &mut out.sum);
             press(&dofs, &force, out);
@@ -215,7 +219,7 @@ impl System {
         if self.surface.ball().is_some() { Ok(matrix) } else { matrix.factorising_all() }
     }
 
-    /// As [`System::evaluate`], with the tangent.
+    /// As [`System::evaluate`], with the tangent and without the history.
     #[must_use]
     pub fn assemble(&self, step: &Step, u: &[f64], out: &mut State, matrix: &mut Matrix) -> bool {
         self.clear(out);
