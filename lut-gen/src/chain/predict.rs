@@ -22,6 +22,8 @@ pub type Prediction = Vec<f64>;
 /// Rounds in which the depth of the ball is found on a machine that gives way: the share `c dF/dd` that each leaves is below
 /// 0.2 for what is in the bounds, squared by Newton's rule.
 const ROUNDS: usize = 4;
+/// Correction of the depth, mm, that is the last: what the next one would change is nothing even to a difference quotient.
+const FOUND_MM: f64 = 1e-9;
 
 /// Force of one geometry under a model.
 struct Elastic {
@@ -36,15 +38,20 @@ struct Elastic {
 const ENERGIES: usize = 128;
 
 impl Elastic {
-    /// Force (N) and slope (N/mm) at a depth (mm). Lengths scale with the ball: `F(R s, h, d) = s^2 F(R, h / s, d / s)`.
-    fn at(&self, depth_mm: f64) -> (f64, f64) {
-        let mut sum = (0.0, 0.0);
+    /// Forces (N) and slopes (N/mm) at some depths (mm). Lengths scale with the ball: `F(R s, h, d) = s^2 F(R, h / s, d / s)`.
+    fn forces_and_slopes(&self, depth_mm: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (mut force_n, mut slope) = (vec![0.0; depth_mm.len()], vec![0.0; depth_mm.len()]);
         for (mu_mpa, slice) in &self.slices {
-            let (f, df) = slice.force_and_slope(depth_mm / self.scale);
-            sum.0 += mu_mpa * self.scale * self.scale * f;
-            sum.1 += mu_mpa * self.scale * df;
+            let mut places = force_n.iter_mut().zip(&mut slope);
+            let unit = mu_mpa * self.scale;
+            slice.forces_and_slopes(depth_mm.iter().map(|d| d / self.scale), |(f, df)| {
+                places.next().into_iter().for_each(|(force, slope)| {
+                    *force += unit * self.scale * f;
+                    *slope += unit * df;
+                });
+            });
         }
-        sum
+        (force_n, slope)
     }
 
     /// The forces alone at some depths.
@@ -59,13 +66,6 @@ impl Elastic {
         }
         sum
     }
-
-    /// The force alone.
-    fn force(&self, depth_mm: f64) -> f64 {
-        let of =
-            |(mu_mpa, slice): &(f64, ForceSlice)| mu_mpa * self.scale * self.scale * slice.force(depth_mm / self.scale);
-        self.slices.iter().map(of).sum()
-    }
 }
 
 impl Elastic {
@@ -73,14 +73,13 @@ impl Elastic {
     fn store(&mut self, depth_mm: f64) {
         let end = depth_mm.sqrt();
         let step = end / ENERGIES as f64;
-        let rate = |x: f64| self.force(x * x) * 2.0 * x;
+        let roots: Vec<f64> = (0..=2 * ENERGIES).map(|k| 0.5 * k as f64 * step).collect();
+        let force_n = self.forces(&roots.iter().map(|x| x * x).collect::<Vec<_>>());
+        let rate: Vec<f64> = force_n.iter().zip(&roots).map(|(f, x)| f * 2.0 * x).collect();
         let mut table = vec![0.0];
-        let (mut sum, mut from) = (0.0, 0.0);
-        for k in 1..=ENERGIES {
-            let x = k as f64 * step;
-            let to = rate(x);
-            sum += step / 6.0 * (from + 4.0 * rate(x - 0.5 * step) + to);
-            from = to;
+        let mut sum = 0.0;
+        for piece in rate.windows(3).step_by(2) {
+            sum += step / 6.0 * (piece[0] + 4.0 * piece[1] + piece[2]);
             table.push(sum);
         }
         self.energy = (table, end);
@@ -179,17 +178,22 @@ impl Chain {
             let force = force_on(&recorded, elastic.forces(&recorded));
             return (recorded, force);
         }
-        let at = |depth_mm: &[f64]| -> (Vec<f64>, Vec<f64>) { depth_mm.iter().map(|d| elastic.at(*d)).unzip() };
         let mut depth = recorded.clone();
-        let (bare_n, mut slope) = at(&depth);
+        let (bare_n, mut slope) = elastic.forces_and_slopes(&depth);
         let mut force = force_on(&depth, bare_n);
         for _ in 0..ROUNDS {
+            let mut longest: f64 = 0.0;
             for (((d, x), f), slope) in depth.iter_mut().zip(&recorded).zip(&force).zip(&slope) {
-                *d += compliance::correction(*x, *d, *f, *slope, mm_per_n);
+                let correction = compliance::correction(*x, *d, *f, *slope, mm_per_n);
+                longest = longest.max(correction.abs());
+                *d += correction;
             }
-            let (bare_n, next) = at(&depth);
+            let (bare_n, next) = elastic.forces_and_slopes(&depth);
             force = force_on(&depth, bare_n);
             slope = next;
+            if longest < FOUND_MM {
+                break;
+            }
         }
         (depth, force)
     }

@@ -182,6 +182,20 @@ pub fn clenshaw_and_slope(coefficients: &[f64], x: f64) -> (f64, f64) {
     (x * one - two + coefficients.first().copied().unwrap_or(0.0), one + x * by_one - by_two)
 }
 
+/// The same at some places at once.
+#[must_use]
+pub fn clenshaw_and_slope_each<const N: usize>(coefficients: &[f64], x: [f64; N]) -> ([f64; N], [f64; N]) {
+    let (mut one, mut two) = ([0.0; N], [0.0; N]);
+    let (mut by_one, mut by_two) = ([0.0; N], [0.0; N]);
+    for c in coefficients.iter().skip(1).rev() {
+        (by_one, by_two) = (std::array::from_fn(|i| 2.0 * (one[i] + x[i] * by_one[i]) - by_two[i]), by_one);
+        (one, two) = (std::array::from_fn(|i| 2.0 * x[i] * one[i] - two[i] + c), one);
+    }
+    let first = coefficients.first().copied().unwrap_or(0.0);
+    let value = std::array::from_fn(|i| x[i] * one[i] - two[i] + first);
+    (value, std::array::from_fn(|i| one[i] + x[i] * by_one[i] - by_two[i]))
+}
+
 /// Coefficients of the sum of so many polynomials that comes closest to points `(x, y)` with weights, `x` in -1..1: fewer where there are fewer points.
 #[must_use]
 pub fn least_squares(points: &[(f64, f64, f64)], terms: usize) -> Vec<f64> {
@@ -232,6 +246,9 @@ mod tests {
             assert!((clenshaw(&coefficients, t.cos()) - value).abs() < 1e-15);
             let each = [t.cos(), t.sin(), 0.0];
             assert_eq!(clenshaw_each(&coefficients, each), each.map(|x| clenshaw(&coefficients, x)));
+            let (values, slopes) = clenshaw_and_slope_each(&coefficients, each);
+            let both: [(f64, f64); 3] = std::array::from_fn(|i| (values[i], slopes[i]));
+            assert_eq!(both, each.map(|x| clenshaw_and_slope(&coefficients, x)));
         }
         assert_eq!(clenshaw_and_slope(&[], 0.5), (0.0, 0.0));
         assert_eq!(clenshaw_and_slope(&[2.0], 0.5), (2.0, 0.0));

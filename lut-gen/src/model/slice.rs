@@ -1,6 +1,6 @@
 //! The force of a unit shear modulus over depth, at one place of a force model.
 
-use super::chebyshev::{clenshaw, clenshaw_and_slope, clenshaw_each};
+use super::chebyshev::{clenshaw, clenshaw_and_slope, clenshaw_and_slope_each, clenshaw_each};
 
 /// `F / mu = H d^(3/2) exp(s q(s))` with `s = sqrt(d / d_max)`: 0 for `d <= 0`, continued linearly beyond `d_max`.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,11 +22,14 @@ impl ForceSlice {
         }
         let d = depth_mm.min(self.depth_max_mm);
         let s = (d / self.depth_max_mm).sqrt();
-        let (q, half) = clenshaw_and_slope(&self.coefficients, 2.0 * s - 1.0);
-        let dq = 2.0 * half;
-        let force = self.hertz * d * d.sqrt() * (s * q).exp();
-        let by_depth = force * (1.5 + 0.5 * s * (q + s * dq)) / d;
+        let (force, by_depth) = self.both(d, s, clenshaw_and_slope(&self.coefficients, 2.0 * s - 1.0));
         (force + by_depth * (depth_mm - d), by_depth)
+    }
+
+    /// The same within what was solved, from `q` and its slope by `2 s`.
+    fn both(&self, depth_mm: f64, s: f64, (q, half): (f64, f64)) -> (f64, f64) {
+        let force = self.within(depth_mm, s * q);
+        (force, force * (1.5 + 0.5 * s * (q + s * 2.0 * half)) / depth_mm)
     }
 
     /// Force over shear modulus (mm^2) at a depth (mm) alone: a third of the work of force and slope.
@@ -49,18 +52,33 @@ impl ForceSlice {
 
     /// The same at some depths (mm), handed over one after the other.
     pub fn forces(&self, depth_mm: impl Iterator<Item = f64>, mut take: impl FnMut(f64)) {
-        const AT_ONCE: usize = 8;
-        let mut depth_mm = depth_mm.peekable();
-        while depth_mm.peek().is_some() {
-            let mut some = [0.0; AT_ONCE];
-            let count = some.iter_mut().zip(depth_mm.by_ref()).map(|(place, d)| *place = d).count();
-            let s = some.map(|d| (d.clamp(0.0, self.depth_max_mm) / self.depth_max_mm).sqrt());
+        some_at_once(depth_mm, |some, count| {
+            let s = some.map(|d| self.root(d));
             let q = clenshaw_each(&self.coefficients, s.map(|s| 2.0 * s - 1.0));
             for (d, (s, q)) in some.into_iter().zip(s.into_iter().zip(q)).take(count) {
-                let solved = d > 0.0 && d <= self.depth_max_mm;
-                take(if solved { self.within(d, s * q) } else { self.force(d) });
+                take(if self.is_solved(d) { self.within(d, s * q) } else { self.force(d) });
             }
-        }
+        });
+    }
+
+    /// [`Self::force_and_slope`] at some depths (mm), handed over one after the other.
+    pub fn forces_and_slopes(&self, depth_mm: impl Iterator<Item = f64>, mut take: impl FnMut((f64, f64))) {
+        some_at_once(depth_mm, |some, count| {
+            let s = some.map(|d| self.root(d));
+            let (q, half) = clenshaw_and_slope_each(&self.coefficients, s.map(|s| 2.0 * s - 1.0));
+            for (i, d) in some.into_iter().enumerate().take(count) {
+                let solved = self.is_solved(d);
+                take(if solved { self.both(d, s[i], (q[i], half[i])) } else { self.force_and_slope(d) });
+            }
+        });
+    }
+
+    fn root(&self, depth_mm: f64) -> f64 {
+        (depth_mm.clamp(0.0, self.depth_max_mm) / self.depth_max_mm).sqrt()
+    }
+
+    fn is_solved(&self, depth_mm: f64) -> bool {
+        depth_mm > 0.0 && depth_mm <= self.depth_max_mm
     }
 
     /// Adds `by` times the difference of two other slices of the same depth: what a parameter changes there.
@@ -71,6 +89,19 @@ impl ForceSlice {
             *own += b - a;
         }
         self
+    }
+}
+
+/// Depths that are computed at once.
+const AT_ONCE: usize = 8;
+
+/// Hands over some numbers at a time, and how many of them there are.
+fn some_at_once(numbers: impl Iterator<Item = f64>, mut take: impl FnMut([f64; AT_ONCE], usize)) {
+    let mut numbers = numbers.peekable();
+    while numbers.peek().is_some() {
+        let mut some = [0.0; AT_ONCE];
+        let count = some.iter_mut().zip(numbers.by_ref()).map(|(place, d)| *place = d).count();
+        take(some, count);
     }
 }
 
@@ -93,5 +124,8 @@ mod tests {
         let mut each = Vec::new();
         slice.forces(depth_mm(), |force| each.push(force));
         assert_eq!(each, depth_mm().map(|d| slice.force(d)).collect::<Vec<f64>>());
+        let mut each = Vec::new();
+        slice.forces_and_slopes(depth_mm(), |both| each.push(both));
+        assert_eq!(each, depth_mm().map(|d| slice.force_and_slope(d)).collect::<Vec<_>>());
     }
 }

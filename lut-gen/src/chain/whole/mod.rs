@@ -4,6 +4,7 @@
 //! path at one point of the parameters tell what that misses; near that point the difference hardly changes, so it is added as it is.
 
 mod history;
+mod job;
 mod law;
 mod path;
 mod twin;
@@ -22,10 +23,9 @@ use crate::effect::{
 use crate::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
 use crate::model::{CLOSER, Resolution, Simulation, Specimen};
 use crate::solve::{Motion, SolveError};
-use history::{History, a_second_a_millimetre};
-use law::Beside;
-use path::{alike, between, divided, later, motion, smooth, straight_pieces};
-use twin::Twin;
+use history::History;
+use job::Job;
+use path::{between, later, smooth, straight_pieces};
 pub use window::Window;
 
 /// How finely a path is solved.
@@ -156,17 +156,6 @@ struct Fine {
     before_mm: f64,
 }
 
-/// A path that is solved: straight pieces, or where rates do not matter the turns alone, a second a millimetre.
-struct Job {
-    run: usize,
-    path: Curve,
-    before_mm: f64,
-    /// Places on the path at which it turns.
-    corners: Vec<f64>,
-    /// Where on the path (time, or the place along the turns) finite elements add how much, N.
-    added: Curve,
-}
-
 /// Ball and block: geometry, specimen, ball.
 type Block = (usize, usize, usize);
 
@@ -223,15 +212,13 @@ impl Chain {
         let history = History::of(&bare);
         let (mut jobs, of) =
             if needs_solve(&bare) { self.jobs(&fine, &first, history) } else { (Vec::new(), Vec::new()) };
-        let twins = if history == History::None { Vec::new() } else { self.twins((&bare, detail), &jobs)? };
-        jobs.par_iter_mut().try_for_each(|job| {
-            if history == History::None {
+        match history {
+            History::None => jobs.par_iter_mut().try_for_each(|job| {
                 job.added = self.added_by_law((&bare, detail), job)?;
-            } else if let Some(twin) = twins.iter().find(|twin| twin.block == self.block(job.run)) {
-                job.added = self.added((&bare, detail), job, history, twin)?;
-            }
-            Ok::<(), SolveError>(())
-        })?;
+                Ok::<(), SolveError>(())
+            })?,
+            _ => self.follow((&bare, detail), &mut jobs, history)?,
+        }
         let solved = |one: &Fine| first.iter().position(|run| kind(*run) == kind(one.run)).and_then(|at| of.get(at));
         let missed_n = fine.par_iter().map(|one| {
             let added = solved(one).map(|(job, turns)| Added {
@@ -255,28 +242,6 @@ impl Chain {
         let before_mm = if pressed { recorded.pressed_before_mm + shift_mm } else { 0.0 };
         let path = recorded.time_s.iter().copied().zip(depth_mm).collect();
         Fine { run, recorded, path, before_mm }
-    }
-
-    /// Paths to be solved, and for every first run of a kind which of them is its own, with its own turns.
-    fn jobs(&self, fine: &[Fine], first: &[usize], history: History) -> (Vec<Job>, Vec<(usize, Curve)>) {
-        let mut jobs: Vec<Job> = Vec::new();
-        let mut of = Vec::new();
-        for one in first.iter().filter_map(|run| fine.get(*run)) {
-            let pieces = straight_pieces(&one.path);
-            let own = history.path(pieces);
-            let same = |job: &Job| {
-                let near = (job.before_mm - one.before_mm).abs() <= 0.002 * one.before_mm;
-                history != History::Time && self.block(job.run) == self.block(one.run) && near && alike(&job.path, &own)
-            };
-            let at = jobs.iter().position(same).unwrap_or_else(|| {
-                let path = if history == History::Time { own.clone() } else { a_second_a_millimetre(&own) };
-                let corners = (0..path.len()).map(|k| k as f64).collect();
-                jobs.push(Job { run: one.run, path, before_mm: one.before_mm, corners, added: Vec::new() });
-                jobs.len() - 1
-            });
-            of.push((at, own));
-        }
-        (jobs, of)
     }
 
     /// What the chain misses (N) at the places of a run: what finite elements add on a path, given with the run's own turns, and what few places miss
@@ -306,59 +271,6 @@ impl Chain {
     fn block(&self, run: usize) -> Block {
         let p = &self.passages[run];
         (p.geometry, p.specimen, p.indenter)
-    }
-
-    /// What finite elements of a path add to the chain along it, N.
-    fn added(
-        &self,
-        (bare, detail): (&Model, Detail),
-        job: &Job,
-        history: History,
-        elastic: &Twin,
-    ) -> Result<Curve, SolveError> {
-        let passage = &self.passages[job.run];
-        let (Some(start), Some(end)) = (job.path.first().copied(), job.path.last().copied()) else {
-            return Ok(Vec::new());
-        };
-        let mut path = Vec::new();
-        if job.before_mm > 0.0 {
-            // one press before, and long enough a rest for all memory but that of the largest depth
-            let touch = start.1.min(0.0);
-            let at = |s: f64| start.0 - REST_S - s;
-            path.extend([(at(2.0), touch), (at(1.0), job.before_mm), (at(0.0), touch)]);
-        }
-        path.extend(&job.path);
-        let Some((motion, begin_s)) = motion(&path) else { return Ok(Vec::new()) };
-        let rich = self.simulation((bare, detail), passage, motion)?.solve()?;
-        let own: Vec<usize> =
-            (0..rich.stations.len()).filter(|i| rich.stations[*i].time_s + begin_s >= start.0 - 1e-9).collect();
-        let stations: Vec<f64> = own.iter().map(|i| rich.stations[*i].time_s + begin_s).collect();
-        // the convolution moves straight between its places: they must be close
-        let time_s = divided(&stations);
-        let depth_mm = time_s.iter().map(|t| between(&job.path, *t)).collect();
-        let pressed_before_mm = job.before_mm;
-        let moved = Passage { depth_mm, time_s, pressed_before_mm, ..passage.clone() };
-        let base = first_term(bare);
-        let curve = |force_n: Vec<f64>| -> Curve { moved.time_s.iter().copied().zip(force_n).collect() };
-        let (with, without) = (curve(self.on_ball(bare, &moved)), curve(self.on_ball(&base, &moved)));
-        let least_n = SHALLOW * elastic.force_n(elastic.deepest_mm);
-        let mut each: Vec<Beside> = own
-            .iter()
-            .zip(stations)
-            .map(|(i, t)| {
-                let s = &rich.stations[*i];
-                let hard_n = s.force_n + between(&elastic.softness, s.depth_mm) * s.force_n * s.force_n;
-                let place = history.place(&job.path, (t.min(end.0), s.depth_mm));
-                let (here_n, chain_n) = (elastic.force_n(s.depth_mm), between(&without, t));
-                // both forces of a mesh are wrong by the same part of themselves
-                let ratio = (here_n > least_n).then(|| hard_n / here_n);
-                Beside { place, ratio, hard_n, here_n, chain_n, with_n: between(&with, t) }
-            })
-            .collect();
-        if history == History::Turns && !has(bare, &softening::EFFECT) {
-            law::smooth_ratios(&mut each, &job.corners);
-        }
-        Ok(each.iter().map(|b| (b.place, b.true_n() - b.with_n)).collect())
     }
 
     fn nu(&self, model: &Model, passage: &Passage) -> f64 {
@@ -412,10 +324,6 @@ const COARSE: f64 = 0.6;
 /// The same for a second term with a history, which is half of the force itself: 0.32 % of what it adds is missed, as against 0.26 % on the standard mesh, in 60 % of the time
 /// (tests/whole_paths.rs).
 const FINER: f64 = 0.8;
-/// Below this part of the largest elastic force a mesh is no longer wrong by a part of the force.
-const SHALLOW: f64 = 0.01;
-/// Rest between two presses on a spot, s: of no matter to a memory of the largest depth, and enough for any other.
-const REST_S: f64 = 1e5;
 /// Least loss that a material point is given.
 const LEAST_LOSS: f64 = 1e-4;
 
