@@ -116,6 +116,10 @@ pub struct Fit {
 const MOST_STEPS: usize = 30;
 /// A fit has ended when a step changes the sum of squares by less than this.
 const SETTLED: f64 = 0.02;
+/// A descent is left after so many steps, where so many like the last would not bring it to what another one has come to.
+const TRIED: usize = 4;
+const AHEAD: f64 = 20.0;
+
 /// Part of the stress that relaxes in the end, of all terms together.
 fn relaxing_part(model: &Model) -> f64 {
     model.relaxing().iter().map(|(part, _)| part).sum()
@@ -194,6 +198,27 @@ impl Problem<'_> {
     /// Fits the base with candidates from a point.
     #[must_use]
     pub fn fit(&self, candidates: &[Candidate], start: &DVector<f64>) -> Fit {
+        let (x, residual) = self.descended(candidates, start, f64::INFINITY);
+        self.told(candidates, x, residual)
+    }
+
+    /// The best fit from some points; none without a point.
+    #[must_use]
+    pub fn best_of(&self, candidates: &[Candidate], starts: &[DVector<f64>]) -> Option<Fit> {
+        let mut best: Option<(f64, DVector<f64>, DVector<f64>)> = None;
+        for start in starts {
+            let least = best.as_ref().map_or(f64::INFINITY, |best| best.0);
+            let (x, residual) = self.descended(candidates, start, least);
+            let square = residual.norm_squared();
+            if best.as_ref().is_none_or(|best| square < best.0) {
+                best = Some((square, x, residual));
+            }
+        }
+        best.map(|(_, x, residual)| self.told(candidates, x, residual))
+    }
+
+    /// Where the sum of squares is least near a point, and the residual there; left where it will not come to what is known of another.
+    fn descended(&self, candidates: &[Candidate], start: &DVector<f64>, known: f64) -> (DVector<f64>, DVector<f64>) {
         let coordinates = coordinates(self.design, candidates);
         let bounds: Vec<(f64, f64)> = coordinates.iter().map(Coordinate::bounds).collect();
         let clamped = |x: &DVector<f64>| DVector::from_fn(x.len(), |i, _| x[i].clamp(bounds[i].0, bounds[i].1));
@@ -201,7 +226,7 @@ impl Problem<'_> {
         let mut residual = self.residual(&self.model(&coordinates, candidates, &x));
         let mut square = residual.norm_squared();
         let mut jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
-        let mut damping = 1e-3;
+        let (mut damping, mut accepted) = (1e-3, 0);
         for _ in 0..MOST_STEPS {
             let Some(step) = damped_step(&jacobian, &residual, damping, &x, &bounds) else { break };
             let next = clamped(&(&x + step));
@@ -211,7 +236,8 @@ impl Problem<'_> {
                 let gain = square - its;
                 (x, residual, square) = (next, there, its);
                 damping = f64::max(damping * 0.2, 1e-7);
-                if gain < SETTLED {
+                accepted += 1;
+                if gain < SETTLED || (accepted >= TRIED && AHEAD * gain < square - known) {
                     break;
                 }
                 jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
@@ -222,7 +248,7 @@ impl Problem<'_> {
                 }
             }
         }
-        self.told(coordinates, candidates, x, residual)
+        (x, residual)
     }
 
     /// A point as if it were a fit, errors of the effects allowed for.
@@ -230,20 +256,15 @@ impl Problem<'_> {
     pub fn at(&self, candidates: &[Candidate], x: &DVector<f64>, allowed: &Allowed) -> Fit {
         let coordinates = coordinates(self.design, candidates);
         let residual = self.residual(&self.model(&coordinates, candidates, x));
-        let mut fit = self.told(coordinates, candidates, x.clone(), residual);
+        let mut fit = self.told(candidates, x.clone(), residual);
         fit.price = allowed.price;
         fit.discounted = allowed.discounted(&fit.residual).norm_squared() + allowed.price;
         fit
     }
 
     /// A fit that ended at a point.
-    fn told(
-        &self,
-        coordinates: Vec<Coordinate>,
-        candidates: &[Candidate],
-        x: DVector<f64>,
-        residual: DVector<f64>,
-    ) -> Fit {
+    fn told(&self, candidates: &[Candidate], x: DVector<f64>, residual: DVector<f64>) -> Fit {
+        let coordinates = coordinates(self.design, candidates);
         let bounds: Vec<(f64, f64)> = coordinates.iter().map(Coordinate::bounds).collect();
         let square = residual.norm_squared();
         let jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
@@ -285,15 +306,14 @@ impl Problem<'_> {
     /// The fit found again with errors of its effects allowed for, and told without that allowance.
     #[must_use]
     pub fn refit(&self, fit: &Fit, allowed: &Allowed) -> Fit {
-        let whole = fit.model.whole.clone();
-        let tolerant = Problem { allowed: Some(allowed.clone()), whole: whole.clone(), ..self.clone() };
-        let mut found = tolerant.fit(&fit.candidates, &fit.x);
-        found.discounted = found.square + allowed.price;
-        found.price = allowed.price;
-        found.residual = self.residual(&found.model);
-        found.square = found.residual.norm_squared();
+        let tolerant = Problem { allowed: Some(allowed.clone()), whole: fit.model.whole.clone(), ..self.clone() };
+        let (x, residual) = tolerant.descended(&fit.candidates, &fit.x, f64::INFINITY);
         let plain = Problem { allowed: None, ..tolerant };
-        found.jacobian = plain.jacobian(&found.coordinates, &found.candidates, &found.x, &found.residual);
+        let mut found = plain.at(&fit.candidates, &x, &Allowed::none());
+        found.discounted = residual.norm_squared() + allowed.price;
+        found.price = allowed.price;
+        let tolerated = allowed.all_discounted(found.jacobian.clone());
+        found.information = inner(&tolerated, &tolerated);
         found
     }
 

@@ -53,7 +53,7 @@ impl Search<'_> {
             || !from.candidates.is_empty()
             || matches!(candidate.effect.stage, Stage::Specimen | Stage::Material | Stage::Contact | Stage::Machine);
         let alphas: Vec<f64> = std::iter::once(from.x[1]).chain(bent.then_some(MIDDLE.ln())).collect();
-        let fits = alphas.into_iter().flat_map(|alpha| {
+        let points = alphas.into_iter().flat_map(|alpha| {
             let place = |i: usize, values: &[f64]| match i {
                 1 => alpha,
                 i if i < known => from.x[i],
@@ -67,9 +67,13 @@ impl Search<'_> {
                 })
                 .collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            points.into_iter().take(DESCENTS).map(|(_, x)| problem.fit(&candidates, &x)).collect::<Vec<_>>()
+            points.into_iter().take(DESCENTS)
         });
-        let best = fits.min_by(|a, b| a.square.total_cmp(&b.square));
+        // the most promising first: what it comes to spares the others the way to their ends
+        let mut points: Vec<(f64, DVector<f64>)> = points.collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let points: Vec<DVector<f64>> = points.into_iter().map(|(_, x)| x).collect();
+        let best = problem.best_of(&candidates, &points);
         // what the effect may itself be wrong by must not pull the parameters
         best.map_or_else(|| from.clone(), |fit| self.problem.refit(&fit, &allowed(&self.problem, &fit)))
     }

@@ -15,6 +15,10 @@ const SECOND: f64 = 1.5 * RATIO_100;
 /// Thresholds that one effect may leave for two to have to be likelier than it.
 const HARDLY: f64 = 1.25;
 
+/// Thresholds that every pair may leave and one of them still come to hold, once settled and with the noise told about it: of forty that came to be named none left more than 0.8. More than two effects
+/// are then at work, or what no pair of the catalogue does, and neither is found by looking closer.
+const HOPELESS: f64 = 1.5;
+
 /// How far what holds may be behind what is likelier and does not, as a difference of sums of squares: what is solved at another place is not the same to the last few.
 const NEARLY: f64 = 6.0 * RATIO_100;
 
@@ -88,7 +92,7 @@ impl<'a> Found<'a> {
             base.retain(|e| key(e) == key(best));
         }
         self.pairs = self.search.one_more(&base);
-        let Some(best) = likeliest(&self.pairs).filter(|best| self.needs(&self.pairs[*best])) else { return };
+        let Some(best) = self.best_pair().filter(|best| self.needs(&self.pairs[*best])) else { return };
         self.search.settle(&mut self.pairs[best]);
         let fit = self.pairs[best].fit.clone();
         self.tell_about(&fit, stated_n);
@@ -107,10 +111,17 @@ impl<'a> Found<'a> {
         self
     }
 
-    /// One effect explains at least as much as it does beside one that is next to nothing: singles once more from where the best pair has them. True where one is better there,
-    /// which a fit that began from a base far off had missed.
+    /// The place of the likeliest pair, if any pair may come to hold.
+    fn best_pair(&self) -> Option<usize> {
+        let may_hold = self.pairs.iter().any(|e| e.beats_noise && e.adequacy.worst() < HOPELESS);
+        likeliest(&self.pairs).filter(|_| may_hold)
+    }
+
+    /// One effect explains at least as much as it does beside one that is next to nothing: singles once more from where the best pair has them. True where one is better there, and nearly as good
+    /// as the pair, which a fit that began from a base far off had missed.
     fn nest_singles(&mut self) -> bool {
-        let Some(pair) = likeliest(&self.pairs).map(|best| self.pairs[best].fit.clone()) else { return false };
+        let Some(best) = self.best_pair() else { return false };
+        let (pair, score) = (self.pairs[best].fit.clone(), self.pairs[best].score());
         let base = Before::new(&self.search.problem, self.search.base.clone());
         let known = self.search.base.x.len();
         let mut better = false;
@@ -126,14 +137,13 @@ impl<'a> Found<'a> {
                 let fit = self.search.problem.refit(&fit, &allowed(&self.search.problem, &fit));
                 let found = self.search.compared(fit, &base);
                 if found.score() + RATIO_100 < single.score() {
+                    // what is still far behind the pair is no question
+                    better |= found.score() < score + NEARLY;
                     *single = found;
-                    better = true;
                 }
             }
         }
-        if better {
-            self.singles = sorted(std::mem::take(&mut self.singles));
-        }
+        self.singles = sorted(std::mem::take(&mut self.singles));
         better
     }
 

@@ -9,8 +9,8 @@ use super::super::coordinate::{Candidate, Coordinate, coordinates, point};
 use super::super::fit::{Fit, Problem};
 use super::{RATIO_100, Search, allowed, score};
 
-/// Change of the sum of squares that ends the solves of one fit.
-pub(super) const SAME: f64 = 1.0;
+/// Change of the sum of squares that ends the solves of one fit: two of them at one place differ by as much.
+pub(super) const SAME: f64 = 2.0;
 /// Solves of the likeliest explanation, which must end where its solve is.
 pub(super) const SETTLES: usize = 5;
 /// Change that ends them as a part of what is left beyond noise, of which a tenth more than expected may be there: what leaves far more is not named, and need not be brought to its end.

@@ -118,11 +118,28 @@ impl Search<'_> {
         }
         // without a history a solve is one ramp
         let (most, rounds) = if candidates.len() == 1 { (solves.len(), SETTLES) } else { (FOLLOWED, SOLVES - 1) };
-        let worth: Vec<&Solved> = solves.iter().take(most).filter(|v| v.near.discounted < deepest + NEAR).collect();
-        let followed =
-            worth.par_iter().filter_map(|v| self.rounds_at(candidates, &larger_first(&v.near), (rounds, SAME), best));
+        let worth: Vec<Solved> = solves.into_iter().take(most).filter(|v| v.near.discounted < deepest + NEAR).collect();
+        let followed = worth.into_par_iter().filter_map(|valley| self.ground(candidates, valley, rounds, best));
         let followed: Vec<Fit> = followed.collect();
         followed.into_iter().min_by(|a, b| a.discounted.total_cmp(&b.discounted))
+    }
+
+    /// The ground of a valley: told on the coarse mesh while that lies clearly behind the best score, and on the fine one where it comes near.
+    fn ground(&self, candidates: &[Candidate], mut valley: Solved, rounds: usize, best: f64) -> Option<Fit> {
+        for _ in 0..SOLVES {
+            if score(&valley.near) < best + NEAR {
+                return self.rounds_at(candidates, &larger_first(&valley.near), (rounds, SAME), best);
+            }
+            if !valley.may_reach(best) {
+                break;
+            }
+            let next = self.solve_at(candidates, &larger_first(&valley.near), Detail::Valleys)?;
+            if next.here.discounted >= valley.here.discounted {
+                break;
+            }
+            valley = next;
+        }
+        Some(valley.here)
     }
 
     /// A fit with one more candidate, and what was found out about it, solved where the chain has it roughly only and it may be better than the best score so far.
