@@ -233,8 +233,8 @@ mod tests {
         assert!(jobs[1].is_after(jobs[0].deepest_mm()) && !jobs[2].is_after(jobs[0].deepest_mm()));
         assert!(!jobs[0].is_after(0.0));
         let both = Sequence::of(&jobs, &[0, 1]);
-        let [(0, 0.0), (1, later_s)] = both.jobs[..] else { panic!("{:?}", both.jobs) };
-        assert_eq!(later_s, 7.0 + REST_S);
+        let later_s = 7.0 + REST_S;
+        assert_eq!(both.jobs, [(0, 0.0), (1, later_s)]);
         let expected = [(0.0, 0.0), (3.0, 3.0), (6.0, 0.0), (7.0, 0.0)];
         let then = press.map(|(t, d)| (t + later_s, d));
         assert_eq!(both.path, [&expected[..], &then].concat());
