@@ -31,6 +31,8 @@ const BELIEVED: f64 = 30.0;
 
 /// Valleys of a second term beside another effect that are followed to their ground.
 const FOLLOWED: usize = 2;
+/// Modulus and exponent (their logarithms), ratio and second exponent of two laws lie this near each other in one valley: different valleys were found two to twenty times as far apart, the same ones half as far at most.
+const ONE_VALLEY: f64 = 0.1;
 
 /// What the first solves of a fit led to.
 struct Looked {
@@ -118,7 +120,12 @@ impl Search<'_> {
         }
         // without a history a solve is one ramp
         let (most, rounds) = if candidates.len() == 1 { (solves.len(), SETTLES) } else { (FOLLOWED, SOLVES - 1) };
-        let worth: Vec<Solved> = solves.into_iter().take(most).filter(|v| v.near.discounted < deepest + NEAR).collect();
+        let mut worth: Vec<Solved> = Vec::new();
+        for valley in solves.into_iter().filter(|v| v.near.discounted < deepest + NEAR) {
+            if worth.len() < most && !worth.iter().any(|other| is_one_valley(&other.near, &valley.near)) {
+                worth.push(valley);
+            }
+        }
         let followed = worth.into_par_iter().filter_map(|valley| self.ground(candidates, valley, rounds, best));
         let followed: Vec<Fit> = followed.collect();
         followed.into_iter().min_by(|a, b| a.discounted.total_cmp(&b.discounted))
@@ -216,6 +223,13 @@ impl Search<'_> {
             }
         }
     }
+}
+
+/// True where two fits of a second term have about the same law: their solves lead to one place.
+fn is_one_valley(one: &Fit, other: &Fit) -> bool {
+    let apart = larger_first(one) - larger_first(other);
+    let law = [0, 1, apart.len().saturating_sub(2), apart.len().saturating_sub(1)];
+    law.iter().all(|at| apart[*at].abs() < ONE_VALLEY)
 }
 
 /// Where a fit lies, of two terms the larger as the first: the same law told the other way round ends at a bound of their ratio.
