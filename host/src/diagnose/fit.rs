@@ -307,11 +307,8 @@ impl Problem<'_> {
     #[must_use]
     pub fn refit(&self, fit: &Fit, allowed: &Allowed) -> Fit {
         let tolerant = Problem { allowed: Some(allowed.clone()), whole: fit.model.whole.clone(), ..self.clone() };
-        let (x, residual) = tolerant.descended(&fit.candidates, &fit.x, f64::INFINITY);
-        let plain = Problem { allowed: None, ..tolerant };
-        let mut found = plain.at(&fit.candidates, &x, &Allowed::none());
-        found.discounted = residual.norm_squared() + allowed.price;
-        found.price = allowed.price;
+        let (x, _) = tolerant.descended(&fit.candidates, &fit.x, f64::INFINITY);
+        let mut found = Problem { allowed: None, ..tolerant }.at(&fit.candidates, &x, allowed);
         let tolerated = allowed.all_discounted(found.jacobian.clone());
         found.information = inner(&tolerated, &tolerated);
         found

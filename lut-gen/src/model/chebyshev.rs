@@ -152,11 +152,8 @@ impl Axis {
 /// The sum of `c_k T_k(x)`, by Clenshaw's recurrence.
 #[must_use]
 pub fn clenshaw(coefficients: &[f64], x: f64) -> f64 {
-    let (mut one, mut two) = (0.0, 0.0);
-    for c in coefficients.iter().skip(1).rev() {
-        (one, two) = (2.0 * x * one - two + c, one);
-    }
-    x * one - two + coefficients.first().copied().unwrap_or(0.0)
+    let [value] = clenshaw_each(coefficients, [x]);
+    value
 }
 
 /// The same at some places, to the bit: a step of the recurrence waits for the one before, those of other places do not.
@@ -173,13 +170,8 @@ pub fn clenshaw_each<const N: usize>(coefficients: &[f64], x: [f64; N]) -> [f64;
 /// The same with its derivative by `x`: the recurrence is differentiated.
 #[must_use]
 pub fn clenshaw_and_slope(coefficients: &[f64], x: f64) -> (f64, f64) {
-    let (mut one, mut two) = (0.0, 0.0);
-    let (mut by_one, mut by_two) = (0.0, 0.0);
-    for c in coefficients.iter().skip(1).rev() {
-        (by_one, by_two) = (2.0 * (one + x * by_one) - by_two, by_one);
-        (one, two) = (2.0 * x * one - two + c, one);
-    }
-    (x * one - two + coefficients.first().copied().unwrap_or(0.0), one + x * by_one - by_two)
+    let ([value], [slope]) = clenshaw_and_slope_each(coefficients, [x]);
+    (value, slope)
 }
 
 /// The same at some places at once.

@@ -158,8 +158,11 @@ impl<T: Real> System<T> {
     #[must_use]
     pub fn evaluate(&self, step: &Step<T>, u: &[T], out: &mut State<T>) -> bool {
         self.clear(out);
+        // all of it is written below: only its size is taken over, once
         out.history.matter.resize(step.old.matter.len(), T::from(0.0));
-        out.history.grips.clone_from(&step.old.grips);
+        if out.history.grips.len() != step.old.grips.len() {
+            out.history.grips.clone_from(&step.old.grips);
+        }
         let each = step.material.history();
         let mut at = 0;
         for solid in &self.solids {

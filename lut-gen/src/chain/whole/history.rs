@@ -1,6 +1,6 @@
 //! What a force remembers of its path, and what of the path has to be solved for that.
 
-use super::path::{along, turns};
+use super::path::{along, deepest_mm, turns};
 use super::{Curve, Model, has};
 use crate::effect::{friction, relaxation, softening};
 
@@ -30,8 +30,7 @@ impl History {
             Self::Time => pieces,
             Self::Turns => turned(&pieces),
             Self::None => {
-                let deepest = pieces.iter().map(|p| p.1).fold(0.0, f64::max);
-                vec![(0.0, 0.0), (1.0, deepest)]
+                vec![(0.0, 0.0), (1.0, deepest_mm(&pieces))]
             }
         }
     }

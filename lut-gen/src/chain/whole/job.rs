@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::history::{History, a_second_a_millimetre};
 use super::law::{self, Beside};
-use super::path::{alike, between, divided, motion, straight_pieces};
+use super::path::{alike, between, deepest_mm, divided, motion, straight_pieces};
 use super::twin::Twin;
 use super::{Chain, Curve, Detail, Fine, Model, Passage, first_term, has};
 use crate::effect::softening;
@@ -47,10 +47,6 @@ struct Followed {
 }
 
 impl Job {
-    fn deepest_mm(&self) -> f64 {
-        self.path.iter().map(|p| p.1).fold(0.0, f64::max)
-    }
-
     /// True when it is what a spot sees next that was pressed so deep before.
     fn is_after(&self, deepest_mm: f64) -> bool {
         self.before_mm > 0.0 && (self.before_mm - deepest_mm).abs() <= SAME * self.before_mm
@@ -58,9 +54,9 @@ impl Job {
 }
 
 impl Sequence {
-    fn of(jobs: &[Job], places: &[usize]) -> Self {
+    fn of(jobs: &[Job], places: impl IntoIterator<Item = usize>) -> Self {
         let mut out = Self { jobs: Vec::new(), path: Vec::new() };
-        for &place in places {
+        for place in places {
             let job = &jobs[place];
             let Some(start) = job.path.first().copied() else { continue };
             let touch = start.1.min(0.0);
@@ -145,13 +141,13 @@ impl Chain {
             taken[at] = true;
             let follows = |i: &usize| {
                 let next = &jobs[*i];
-                !taken[*i] && self.block(next.run) == self.block(job.run) && next.is_after(job.deepest_mm())
+                !taken[*i] && self.block(next.run) == self.block(job.run) && next.is_after(deepest_mm(&job.path))
             };
             let next = (0..jobs.len()).find(follows);
             next.into_iter().for_each(|next| taken[next] = true);
-            out.push(Sequence::of(jobs, &std::iter::once(at).chain(next).collect::<Vec<_>>()));
+            out.push(Sequence::of(jobs, std::iter::once(at).chain(next)));
         }
-        out.extend((0..jobs.len()).filter(|at| !taken[*at]).map(|at| Sequence::of(jobs, &[at])));
+        out.extend((0..jobs.len()).filter(|at| !taken[*at]).map(|at| Sequence::of(jobs, [at])));
         out
     }
 
@@ -230,15 +226,15 @@ mod tests {
     fn a_press_follows_the_one_before_it() {
         let press = [(0.0, 0.0), (3.0, 3.0), (6.0, 0.0)];
         let jobs = [job(&press, 0.0), job(&press, 3.004), job(&press, 2.5)];
-        assert!(jobs[1].is_after(jobs[0].deepest_mm()) && !jobs[2].is_after(jobs[0].deepest_mm()));
+        assert!(jobs[1].is_after(deepest_mm(&press)) && !jobs[2].is_after(deepest_mm(&press)));
         assert!(!jobs[0].is_after(0.0));
-        let both = Sequence::of(&jobs, &[0, 1]);
+        let both = Sequence::of(&jobs, [0, 1]);
         let later_s = 7.0 + REST_S;
         assert_eq!(both.jobs, [(0, 0.0), (1, later_s)]);
         let expected = [(0.0, 0.0), (3.0, 3.0), (6.0, 0.0), (7.0, 0.0)];
         let then = press.map(|(t, d)| (t + later_s, d));
         assert_eq!(both.path, [&expected[..], &then].concat());
-        let alone = Sequence::of(&jobs, &[2]);
+        let alone = Sequence::of(&jobs, [2]);
         assert_eq!(alone.jobs, [(2, 0.0)]);
         let before = [(-REST_S - 2.0, 0.0), (-REST_S - 1.0, 2.5), (-REST_S, 0.0)];
         assert_eq!(alone.path, [&before[..], &press].concat());

@@ -4,6 +4,7 @@
 //! these marks do not cancel in a ratio: a second term of sixteen standard deviations was missed by ten, and a Poisson's ratio, which is told from smooth
 //! force models, was likelier than the truth. The ratio itself is smooth.
 
+use super::path::deepest_mm;
 use super::twin::plain;
 use super::{Curve, Detail, Job, first_term};
 use crate::chain::{Chain, Model, Passage};
@@ -42,7 +43,7 @@ impl Chain {
     /// What the law of a model has beyond what the chain makes of it, N over the place along the way down.
     pub(super) fn added_by_law(&self, (bare, detail): (&Model, Detail), job: &Job) -> Result<Curve, SolveError> {
         let passage = &self.passages[job.run];
-        let deepest_mm = job.path.iter().map(|p| p.1).fold(0.0, f64::max);
+        let deepest_mm = deepest_mm(&job.path);
         if deepest_mm <= 0.0 {
             return Ok(Vec::new());
         }

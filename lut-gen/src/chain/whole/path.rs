@@ -8,10 +8,15 @@ const STRAIGHT: f64 = 0.002;
 /// A point this far (part of the distance between two) beyond a corner is at it.
 const NEAR: f64 = 1e-6;
 
+/// Largest depth of a path, mm; 0 where nothing is touched.
+pub(super) fn deepest_mm(path: &[(f64, f64)]) -> f64 {
+    path.iter().map(|p| p.1).fold(0.0, f64::max)
+}
+
 /// The motion along a path of times and depths, and the path's time at which it begins; none where nothing is touched.
 pub(super) fn motion(path: &[(f64, f64)]) -> Option<(Motion, f64)> {
     let (first, second) = (path.first()?, path.get(1)?);
-    let deepest = path.iter().map(|p| p.1).fold(0.0, f64::max);
+    let deepest = deepest_mm(path);
     if deepest <= 0.0 {
         return None;
     }
@@ -46,7 +51,7 @@ pub(super) fn divided(times: &[f64]) -> Vec<f64> {
 
 /// Fewest of the points whose straight connections come close to all of them (Ramer, Douglas and Peucker).
 pub(super) fn straight_pieces(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let reach = STRAIGHT * path.iter().map(|p| p.1).fold(0.0, f64::max);
+    let reach = STRAIGHT * deepest_mm(path);
     let mut kept = vec![0];
     let mut ends = vec![path.len().saturating_sub(1)];
     while let (Some(&from), Some(&to)) = (kept.last(), ends.last()) {
@@ -110,7 +115,7 @@ pub(super) fn smooth(curve: &[(f64, f64)], corners: &[f64], place: f64) -> f64 {
 
 /// The points at which a path of straight pieces turns, with both ends; a hold is one point.
 pub(super) fn turns(pieces: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let reach = STRAIGHT * pieces.iter().map(|p| p.1).fold(0.0, f64::max);
+    let reach = STRAIGHT * deepest_mm(pieces);
     let mut out: Vec<(f64, f64)> = Vec::new();
     for point in pieces {
         match out[..] {
@@ -128,14 +133,14 @@ pub(super) fn turns(pieces: &[(f64, f64)]) -> Vec<(f64, f64)> {
 
 /// True when two paths turn at the same depths.
 pub(super) fn alike(a: &[(f64, f64)], b: &[(f64, f64)]) -> bool {
-    let reach = STRAIGHT * a.iter().map(|p| p.1).fold(0.0, f64::max);
+    let reach = STRAIGHT * deepest_mm(a);
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a.1 - b.1).abs() <= reach)
 }
 
 /// By how much later (s) the second of two paths of one motion is deepest than the first.
 pub(super) fn later(first: &[(f64, f64)], second: &[(f64, f64)]) -> f64 {
     let deepest = |path: &[(f64, f64)]| {
-        let reach = (1.0 - STRAIGHT) * path.iter().map(|p| p.1).fold(0.0, f64::max);
+        let reach = (1.0 - STRAIGHT) * deepest_mm(path);
         path.iter().find(|p| p.1 >= reach).map_or(0.0, |p| p.0)
     };
     deepest(second) - deepest(first)

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::path::deepest_mm;
 use super::{Block, Chain, Curve, Detail, Job, Model};
 use crate::contact::Interface;
 use crate::law::{Hyperfoam, Material, Term};
@@ -34,7 +35,7 @@ impl Chain {
     pub(super) fn twins(&self, (bare, detail): (&Model, Detail), jobs: &[Job]) -> Result<Vec<Twin>, SolveError> {
         let mut deepest: Vec<(Block, usize, f64)> = Vec::new();
         for job in jobs {
-            let own = job.path.iter().map(|p| p.1).fold(job.before_mm, f64::max);
+            let own = deepest_mm(&job.path).max(job.before_mm);
             match deepest.iter_mut().find(|(block, ..)| *block == self.block(job.run)) {
                 Some((.., depth_mm)) => *depth_mm = depth_mm.max(own),
                 None => deepest.push((self.block(job.run), job.run, own)),
