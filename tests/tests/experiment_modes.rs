@@ -97,6 +97,17 @@ fn mistakes_are_named() {
         said(&late),
         "experiment.toml, line 8, column 10: no sample lies between `from_s` and `to_s`; the recording has times from 0 to 29.9 s"
     );
+    let one = DESCRIPTION.replace("test =", "place_mm = [4.0]\ntest =");
+    assert_eq!(
+        said(&one),
+        "experiment.toml, line 8, column 12: `place_mm` is an array; expected two places in mm, each of -10000 to 10000, such as place_mm = [4.0, -2.5]"
+    );
+    let far = DESCRIPTION.replace("test =", "place_mm = [4.0, \"left\"]\ntest =");
+    assert!(said(&far).contains("line 8, column 18: `place_mm` is \"left\"; expected two places"), "{}", said(&far));
+    let run = DESCRIPTION.find("[[run]]").unwrap();
+    let twice =
+        format!("{0}spot = 3\nplace_mm = [1, 2]\n{1}spot = 3\nplace_mm = [1, 2.5]\n", DESCRIPTION, &DESCRIPTION[run..]);
+    assert!(said(&twice).ends_with(": spot 3 lies at [1, 2.5] mm here and at [1, 2] in a.csv"), "{}", said(&twice));
     let word = DESCRIPTION.replace("test =", "to_s = \"soon\"\ntest =");
     assert_eq!(
         said(&word),

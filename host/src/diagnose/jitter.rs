@@ -7,6 +7,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::design::Design;
+use super::gradient::{Gradient, Seen, Slopes};
 use super::noise::{Curve, Jitter, SensorNoise};
 
 /// What jitter is expected before anything is measured, with the weight of one degree of freedom: a contact is found to a
@@ -18,6 +19,8 @@ const CONTACTS_MM: (f64, usize) = (0.001, 17);
 const GAINS: (f64, usize) = (0.0007, 15);
 const STEP: f64 = 1.45;
 const ZEROS: [f64; 7] = [0.0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
+/// Where the gain stands among the three amounts.
+const GAIN: usize = 1;
 /// Runs of one group of spots that are looked at, at most: a hundred repeats say no more about a variance than is needed.
 const MOST_RUNS: usize = 24;
 
@@ -28,6 +31,8 @@ pub struct Posterior {
     pub grid: Vec<(f64, Jitter)>,
     /// Differences between spots that it rests on, with those that the prior counts for.
     pub freedom: f64,
+    /// How the gain goes with the place on each specimen, where places are known.
+    pub gradients: Vec<Gradient>,
 }
 
 /// Amounts of the three shapes in one run.
@@ -42,6 +47,9 @@ struct Group {
     values: DVector<f64>,
     sensor: DMatrix<f64>,
     of: [DMatrix<f64>; 3],
+    /// What a gain that grows by one a millimetre along either direction of the specimen adds to the values; nothing where a place is unknown.
+    places: DMatrix<f64>,
+    specimen: usize,
     spots: usize,
 }
 
@@ -55,18 +63,23 @@ impl Posterior {
         }
         let ladder = |(first, count): (f64, usize)| (0..count).map(move |k| first * STEP.powi(k as i32));
         let mut grid = Vec::new();
+        let mut slopes = Slopes::of(groups.iter().map(|group| (group.specimen, &group.places)));
         for contact_mm in ladder(CONTACTS_MM) {
             for gain in ladder(GAINS) {
                 for part in ZEROS {
                     let jitter = Jitter { contact_mm, gain, zero_n: part * sensor.sigma_n };
                     let expected = expectation(contact_mm, EXPECTED.contact_mm) + expectation(gain, EXPECTED.gain);
-                    let seen: Option<f64> = groups.iter().map(|group| group.log_likelihood(&jitter)).sum();
-                    grid.extend(seen.map(|seen| (seen + expected, jitter)));
+                    let seen: Option<Vec<Seen>> = groups.iter().map(|group| group.seen(&jitter)).collect();
+                    let Some(seen) = seen else { continue };
+                    let log = expected + seen.iter().map(|one| one.log_likelihood).sum::<f64>();
+                    grid.push((log, jitter));
+                    slopes.weigh(log, &seen);
                 }
             }
         }
         let freedom = groups.iter().map(|group| group.spots as f64 - 1.0).sum::<f64>() + EXPECTED_FREEDOM;
-        normalized(grid).map(|grid| Self { grid, freedom })
+        let gradients = slopes.gradients();
+        normalized(grid).map(|grid| Self { grid, freedom, gradients })
     }
 
     /// Where only a noise is stated: a scatter with the uncertainty of some degrees of freedom.
@@ -80,7 +93,7 @@ impl Posterior {
             let jitter = Jitter { contact_mm: factor * contact_mm, gain: factor * gain, zero_n: factor * zero_n };
             (-0.5 * z * z, jitter)
         });
-        Self { grid: normalized(grid.collect()).unwrap_or_default(), freedom }
+        Self { grid: normalized(grid.collect()).unwrap_or_default(), freedom, gradients: Vec::new() }
     }
 
     /// Standard deviations whose squares are the posterior's means.
@@ -200,20 +213,31 @@ impl Group {
                 }
             }
         }
+        let mut places = DMatrix::zeros(3 * count, 2);
+        let known: Option<Vec<[f64; 2]>> = runs.iter().map(|run| design.series[run.series].place_mm).collect();
+        for (i, place) in known.iter().flatten().enumerate() {
+            for a in 0..count {
+                (0..2).for_each(|k| places[(3 * a + GAIN, k)] += contrasts[(i, a)] * place[k]);
+            }
+        }
+        let specimen = design.series[runs[0].series].specimen;
         let mut spots: Vec<usize> = (0..runs.len()).map(spot).collect();
         spots.sort_unstable();
         spots.dedup();
-        Some(Self { values, sensor, of, spots: spots.len() })
+        Some(Self { values, sensor, of, places, specimen, spots: spots.len() })
     }
 
-    fn log_likelihood(&self, jitter: &Jitter) -> Option<f64> {
+    /// What the values say of a scatter, and of a gain over the place beside it.
+    fn seen(&self, jitter: &Jitter) -> Option<Seen> {
         let mut covariance = self.sensor.clone();
         for (part, sigma) in self.of.iter().zip([jitter.contact_mm, jitter.gain, jitter.zero_n]) {
             covariance.zip_apply(part, |sum, one| *sum += sigma * sigma * one);
         }
         let factor = covariance.cholesky()?;
-        let white = factor.l_dirty().solve_lower_triangular(&self.values)?;
-        Some(-0.5 * white.norm_squared() - factor.l_dirty().diagonal().map(f64::ln).sum())
+        let lower = factor.l_dirty();
+        let white = lower.solve_lower_triangular(&self.values)?;
+        let slopes = lower.solve_lower_triangular(&self.places)?;
+        Some(Seen::of(&white, &slopes, -lower.diagonal().map(f64::ln).sum()))
     }
 }
 

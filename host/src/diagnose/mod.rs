@@ -13,6 +13,7 @@ pub mod display;
 pub mod evidence;
 pub mod fault;
 pub mod fit;
+pub mod gradient;
 pub mod held_out;
 pub mod jitter;
 pub mod margin;
@@ -295,6 +296,7 @@ impl Diagnosis {
         let seen = verdict::Seen {
             visible,
             ripple: ripple.as_ref(),
+            gradient: verdict::gradient(&search.noise).copied(),
             uneven: verdict::unevenness(&search.noise),
             slipping: fault::slipping(&self.faults, design.series.len()),
             nameless: held.first().filter(|_| is_nameless(beyond_nameless)).map(|best| search::rival(best, &design)),

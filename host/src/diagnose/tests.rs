@@ -396,6 +396,49 @@ fn spots_that_differ_too_much_are_told() {
     assert!(told(0.06).is_some_and(|gain| (0.05..0.2).contains(&gain)), "{:?}", told(0.06));
 }
 
+/// An experiment whose spots lie on two lines, each run's gain off by `more` a millimetre along the first and as much back along the second.
+fn placed(seed: u64, more: f64) -> Experiment {
+    let mut all = experiment(seed);
+    for (at, run) in all.runs.iter_mut().enumerate() {
+        let [x, y] = [4.0 * (at % SPOTS) as f64, 3.0 * (at % 2) as f64];
+        run.place_mm = Some([x, y]);
+        run.recording.force_n.iter_mut().for_each(|f| *f *= 1.0 + more * (x - y));
+    }
+    all
+}
+
+fn gradients(all: &Experiment) -> Vec<gradient::Gradient> {
+    let design = Design::of(all, "foam").unwrap();
+    noise::estimate(&design, &curves(&design), None).unwrap().posterior.gradients
+}
+
+/// Half a percent a millimetre beside a scatter of a percent, along both directions; where one run has no place, or all of a condition have one, there is no slope to tell.
+#[test]
+fn a_gain_that_goes_with_the_place_is_told() {
+    let all = placed(11, 0.005);
+    let design = Design::of(&all, "foam").unwrap();
+    let noise = noise::estimate(&design, &curves(&design), None).unwrap();
+    let told = verdict::gradient(&noise).unwrap();
+    // eight spots, two slopes: each to 0.0009 and 0.0027
+    assert!((told.per_mm[0] - 0.005).abs() < 0.003 && (told.per_mm[1] + 0.005).abs() < 0.008, "{told:?}");
+    let said = verdict::slope(told, &all).unwrap();
+    assert!(said.starts_with("on foam the force grows by ") && said.contains(" % from [0, 0] to [12, 3] mm"), "{said}");
+    let mut unknown = all.clone();
+    unknown.runs.iter_mut().step_by(SPOTS).for_each(|run| run.place_mm = None);
+    assert_eq!(gradients(&unknown), []);
+    let mut together = all;
+    together.runs.iter_mut().for_each(|run| run.place_mm = Some([3.0, 4.0]));
+    assert_eq!(gradients(&together), []);
+}
+
+/// Of 200 experiments without one: chances are even, so that below a tenth lie 20 with a deviation of 4, and below a hundredth 2.
+#[test]
+fn a_gradient_by_chance_is_as_seldom_as_it_says() {
+    let chances: Vec<f64> = (0..200).map(|seed| gradients(&placed(500 + seed, 0.0))[0].chance).collect();
+    let below = |level: f64| chances.iter().filter(|chance| **chance < level).count();
+    assert!((8..=32).contains(&below(0.1)) && below(0.01) <= 7, "{} {}", below(0.1), below(0.01));
+}
+
 /// The same experiment with a wave in every run whose phase is another one each time; of time (s) and depth (mm).
 fn with_wave(seed: u64, wave: fn(f64, f64) -> f64) -> Experiment {
     let mut chance = Pcg64::seed_from_u64(1000 + seed);

@@ -6,6 +6,7 @@ use super::Diagnosis;
 use super::check::Kind;
 use super::design::Design;
 use super::evidence::{Gauge, Panel};
+use super::gradient::Gradient;
 use super::held_out::HeldOut;
 use super::noise::{Noise, Source};
 use super::ripple::{Over, Ripple, SPOILS};
@@ -116,12 +117,49 @@ pub(super) fn unevenness(noise: &Noise) -> Option<f64> {
     (measured && noise.posterior.gain_above(UNIFORM) > SURELY).then_some(noise.jitter.gain)
 }
 
+/// How likely scatter between spots may make a gain over the place that is told, on all specimens together.
+const BY_CHANCE: f64 = 0.005;
+
+/// The gain over the place that scatter makes least likely, where it is told.
+pub(super) fn gradient(noise: &Noise) -> Option<&Gradient> {
+    let all = &noise.posterior.gradients;
+    let least = all.iter().min_by(|a, b| a.chance.total_cmp(&b.chance))?;
+    (least.chance * (all.len() as f64) < BY_CHANCE).then_some(least)
+}
+
+/// A gain over the place in words.
+pub(super) fn slope(gradient: &Gradient, experiment: &Experiment) -> Option<String> {
+    let own = experiment.runs.iter().filter(|run| run.specimen == Some(gradient.specimen));
+    let along = |place: &[f64; 2]| place[0] * gradient.per_mm[0] + place[1] * gradient.per_mm[1];
+    let mut places: Vec<[f64; 2]> = own.filter_map(|run| run.place_mm).collect();
+    places.sort_by(|a, b| along(a).total_cmp(&along(b)));
+    let (from, to) = places.first().zip(places.last())?;
+    let specimen = experiment.specimens.get(gradient.specimen)?;
+    Some(format!(
+        "on {} the force grows by {:.1} % from [{}, {}] to [{}, {}] mm, which scatter between spots does {}: the specimen is tilted or a wedge, or its material varies along it, which no \
+         effect of the catalogue says; measure its height at both places, or turn it round and press again",
+        specimen.name,
+        100.0 * (along(to) - along(from)),
+        from[0],
+        from[1],
+        to[0],
+        to[1],
+        if gradient.chance > 1e-6 {
+            format!("once in {:.0}", 1.0 / gradient.chance)
+        } else {
+            "less than once in a million".to_owned()
+        },
+    ))
+}
+
 /// What was seen besides what a name explains.
 pub(super) struct Seen<'a> {
     /// A discrepancy shows, in a variable or along what an effect would change.
     pub visible: bool,
     /// The force ripples.
     pub ripple: Option<&'a Ripple>,
+    /// The gain goes with the place.
+    pub gradient: Option<Gradient>,
     /// Spots differ in gain by this, which is too much.
     pub uneven: Option<f64>,
     /// Runs in which the force drops at once, where that is no accident.
@@ -134,7 +172,7 @@ pub(super) struct Seen<'a> {
 pub(super) fn conclude(
     diagnosis: &mut Diagnosis,
     experiment: &Experiment,
-    Seen { visible, ripple, uneven, slipping, nameless }: Seen<'_>,
+    Seen { visible, ripple, gradient, uneven, slipping, nameless }: Seen<'_>,
     held: &[Explanation],
     held_out: Option<&HeldOut>,
 ) {
@@ -155,8 +193,14 @@ pub(super) fn conclude(
             diagnosis.shows_in.insert(0, word);
         }
     }
-    if let Some(gain) = uneven {
+    let leaning = gradient.and_then(|gradient| slope(&gradient, experiment));
+    let uneven = uneven.filter(|_| leaning.is_none());
+    let differ = leaning.is_some() || uneven.is_some();
+    if differ {
         diagnosis.shows_in.push("spot");
+    }
+    diagnosis.messages.extend(leaning);
+    if let Some(gain) = uneven {
         diagnosis.messages.push(format!(
             "from spot to spot the force differs by {:.1} % as a gain, where a uniform specimen on a level table has about one: height, tilt or the material itself varies over the \
              specimen, which no effect of the catalogue says; measure its height at every spot, or press one spot again after a rest",
@@ -186,11 +230,8 @@ pub(super) fn conclude(
                 "no variable shows it by itself: the residual lies along what an effect of the catalogue, or a smooth elastic departure, would change, farther than noise goes".to_owned(),
             );
         }
-        diagnosis.verdict = if visible || ripple.is_some() || uneven.is_some() || slipping.is_some() {
-            Verdict::Unknown
-        } else {
-            Verdict::Clean
-        };
+        diagnosis.verdict =
+            if visible || ripple.is_some() || differ || slipping.is_some() { Verdict::Unknown } else { Verdict::Clean };
         return;
     };
     for (at, candidate) in best.fit.candidates.iter().enumerate() {

@@ -15,6 +15,8 @@ const PLAUSIBLE_MM: std::ops::RangeInclusive<f64> = 0.05..=1000.0;
 
 /// Areas of specimens that can be meant, mm^2.
 const PLAUSIBLE_MM2: std::ops::RangeInclusive<f64> = 0.01..=1e6;
+/// Places on a specimen that can be meant, mm from an origin of a machine's.
+const PLACES_MM: std::ops::RangeInclusive<f64> = -1e4..=1e4;
 /// Times that can be meant, s.
 const TIMES_S: std::ops::RangeInclusive<f64> = -1e12..=1e12;
 
@@ -76,6 +78,7 @@ pub(super) fn experiment(file: &Path, text: &str) -> Result<Experiment, Experime
         .iter()
         .map(|section| run(section, &places, &specimens, &columns, &format))
         .collect::<Result<Vec<_>, _>>()?;
+    lie_still(&sections, &runs)?;
     Ok(Experiment { name, folder, specimens, indenters, sensor, runs })
 }
 
@@ -249,8 +252,8 @@ fn run(
     format: &Format,
 ) -> Result<Run, ExperimentError> {
     section.only(&[
-        "file", "specimen", "indenter", "spot", "cycle", "order", "start_s", "hold_out", "test", "columns", "format",
-        "from_s", "to_s", "load_N",
+        "file", "specimen", "indenter", "spot", "place_mm", "cycle", "order", "start_s", "hold_out", "test", "columns",
+        "format", "from_s", "to_s", "load_N",
     ])?;
     let test = section.word("test", &TESTS)?.unwrap_or(Test::Indentation);
     let expected = "the name of a data file";
@@ -281,6 +284,7 @@ fn run(
         indenter,
         test,
         spot: section.integer("spot", i64::MIN..=i64::MAX, whole)?,
+        place_mm: place(section)?,
         cycle: section.integer("cycle", 0..=i64::MAX, "a whole number from 0")?,
         order: section.integer("order", i64::MIN..=i64::MAX, whole)?,
         start_s: section.number("start_s", TIMES_S, "a time in s")?,
@@ -289,6 +293,33 @@ fn run(
         path,
         recording,
     })
+}
+
+/// Refuses a spot that lies in two places.
+fn lie_still(sections: &[Section<'_>], runs: &[Run]) -> Result<(), ExperimentError> {
+    for (at, (section, run)) in sections.iter().zip(runs).enumerate() {
+        let (Some(spot), Some([x, y])) = (run.spot, run.place_mm) else { continue };
+        let same = |other: &&Run| other.specimen == run.specimen && other.spot == Some(spot);
+        let before = runs[..at].iter().filter(same).find_map(|other| Some((other, other.place_mm?)));
+        if let Some((other, [was_x, was_y])) = before.filter(|(_, place)| *place != [x, y]) {
+            let problem = format!("spot {spot} lies at [{x}, {y}] mm here and at [{was_x}, {was_y}] in {}", other.file);
+            let span = section.value("place_mm").map_or(0..0, toml::Spanned::span);
+            return Err(section.document.error(span, Problem::Contradiction(problem)));
+        }
+    }
+    Ok(())
+}
+
+/// Where on the specimen a run pressed, mm.
+fn place(section: &Section<'_>) -> Result<Option<[f64; 2]>, ExperimentError> {
+    let expected = "two places in mm, each of -10000 to 10000, such as place_mm = [4.0, -2.5]";
+    let Some(numbers) = section.numbers("place_mm", expected)? else { return Ok(None) };
+    match <[f64; 2]>::try_from(numbers) {
+        Ok(place) if place.iter().all(|mm| PLACES_MM.contains(mm)) => Ok(Some(place)),
+        _ => Err(section
+            .value("place_mm")
+            .map_or_else(|| section.missing("place_mm", expected), |value| section.bad("place_mm", value, expected))),
+    }
 }
 
 /// Keeps the samples from `from_s` to `to_s` of the file's own clock.

@@ -133,6 +133,8 @@ pub struct Run {
     pub test: Test,
     /// Where on the specimen.
     pub spot: Option<i64>,
+    /// Where on its upper face, mm along two directions at right angles, from any origin.
+    pub place_mm: Option<[f64; 2]>,
     /// n-th time on this spot.
     pub cycle: Option<i64>,
     /// Position in the session.
@@ -158,6 +160,7 @@ impl Run {
             indenter: Some(indenter),
             test: Test::Indentation,
             spot: None,
+            place_mm: None,
             cycle: None,
             order: None,
             start_s: None,

@@ -11,7 +11,7 @@ use super::effect::machine::Machine;
 use super::motion::Programme;
 use super::plan::{Path, Plan, Weighted, failed, hertz, path, plans, told};
 use super::response::{Elastic, History, Moment, Phase, Twin};
-use super::session::programme;
+use super::session::{programme, share};
 use super::solver::Curve;
 use super::spec::{RunTemplate, Spec};
 use super::{Progress, SimulateError, Solver};
@@ -207,10 +207,8 @@ impl Condition {
     pub fn spot(&self, replicate: usize) -> Elastic {
         let mut elastic = self.elastic.clone();
         if let (Some((angle, distance_mm)), [_, low, high]) = (self.slope, self.heights.as_slice()) {
-            // left, right, half left, half right, ...
-            let side = if replicate.is_multiple_of(2) { -1.0 } else { 1.0 };
-            let place = side * distance_mm * angle.tan() / (1 + replicate / 2) as f64;
-            let part = (0.5 * (low.0 + high.0) + place - low.0) / (high.0 - low.0);
+            let higher = distance_mm * share(replicate) * angle.tan();
+            let part = (0.5 * (low.0 + high.0) + higher - low.0) / (high.0 - low.0);
             elastic.parts = low.1.iter().map(|(w, c)| (w * (1.0 - part), c.clone())).collect();
             elastic.parts.extend(high.1.iter().map(|(w, c)| (w * part, c.clone())));
         }

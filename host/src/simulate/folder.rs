@@ -20,6 +20,8 @@ pub struct SimulatedRun {
     pub indenter: Option<usize>,
     /// Spot on the specimen, from 1.
     pub spot: Option<i64>,
+    /// Where that is, mm from the middle of the specimen.
+    pub place_mm: Option<[f64; 2]>,
     /// n-th time on this spot, from 1.
     pub cycle: Option<i64>,
     /// Place in the session, from 1.
@@ -103,6 +105,7 @@ impl SimulatedExperiment {
                 indenter: one.indenter,
                 test: one.test,
                 spot: one.spot,
+                place_mm: one.place_mm,
                 cycle: one.cycle,
                 order: Some(one.order),
                 start_s: Some(one.start_s),
@@ -174,7 +177,13 @@ impl SimulatedExperiment {
             Test::Confined => text.push_str("test = \"confined\"\n"),
             _ => {}
         }
-        for (key, value) in [("spot", run.spot), ("cycle", run.cycle), ("order", Some(run.order))] {
+        if let Some(spot) = run.spot {
+            text.push_str(&format!("spot = {spot}\n"));
+        }
+        if let Some([x, y]) = run.place_mm {
+            text.push_str(&format!("place_mm = [{x:?}, {y:?}]\n"));
+        }
+        for (key, value) in [("cycle", run.cycle), ("order", Some(run.order))] {
             if let Some(value) = value {
                 text.push_str(&format!("{key} = {value}\n"));
             }

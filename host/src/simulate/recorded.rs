@@ -140,6 +140,7 @@ fn labelled(spec: &Spec, condition: &Condition, visit: &Visit, at: usize, order:
         specimen: condition.specimen.map(|at| place(specimens(), at)),
         indenter: condition.indenter.map(|at| place(indenters(), at)),
         spot: condition.specimen.map(|_| visit.spot),
+        place_mm: condition.indenter.map(|_| visit.place_mm.map(|mm| rounded(mm, TIMES))),
         cycle: condition.specimen.map(|_| cycle as i64),
         order: order as i64,
         start_s: rounded(start_s, TIMES),

@@ -55,7 +55,7 @@ pub struct Strength {
     /// To one who knows the noise.
     pub known: f64,
     /// To one who has to tell from repeats what spots differ by: as seldom seen as `known` is at this strength. What an effect adds to contact and gain of a spot is told from noise
-    /// by as many differences as there are spots more than conditions; a tilt gives every spot another height, nobody knows which, and that is what spots differ by.
+    /// by as many differences as there are spots more than conditions.
     pub told: f64,
 }
 
@@ -138,7 +138,6 @@ pub fn strength(
                 let waved = with_unknown_phases(known, design.series.len());
                 Strength { known: waved, told: waved }
             }
-            Effect::Tilt { .. } => Strength { known, told: beside },
             _ => Strength { known, told: beside.hypot(along * of_unknown_noise(differences(design))) },
         }
     });

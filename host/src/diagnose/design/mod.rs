@@ -45,6 +45,8 @@ pub struct Series {
     pub cycle: i64,
     /// Start on the session clock, s, if known.
     pub start_s: Option<f64>,
+    /// Where on the specimen, mm, if known.
+    pub place_mm: Option<[f64; 2]>,
     /// Number of the spot; runs on one spot share their contact point and gain.
     pub spot: usize,
     /// Runs of one condition have the same number: they differ in labels only.
@@ -202,6 +204,7 @@ impl Design {
             rate,
             cycle,
             start_s: run.start_s,
+            place_mm: run.place_mm,
             spot,
             condition: 0,
             group: 0,

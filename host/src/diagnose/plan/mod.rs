@@ -224,6 +224,7 @@ impl Plan {
                     rate: 0,
                     cycle: i64::try_from(cycle).unwrap_or(1),
                     start_s: None,
+                    place_mm: None,
                     spot,
                     condition: cycle - 1,
                     group: 0,

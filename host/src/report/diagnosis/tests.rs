@@ -93,6 +93,7 @@ fn series(run: usize) -> Series {
         rate: 0,
         cycle: 1,
         start_s: None,
+        place_mm: None,
         spot: run,
         condition: run,
         group: run,

@@ -190,6 +190,7 @@ impl DisplaySpec {
                     start_s: Some(start_s),
                     hold_out: one.hold_out,
                     load_n: None,
+                    place_mm: None,
                     recording: run::recorded(self, one, number),
                 });
                 start_s += one.length_s() + 600.0;

@@ -206,6 +206,7 @@ fn effects_outside_the_catalogue_do_what_they_say() {
     let mut tilted = press().with(Effect::Tilt { angle_deg: 8.0, distance_mm: 10.0 });
     tilted.runs[0].replicates = 2;
     let spots = made(&tilted).runs;
+    assert_eq!(spots.iter().map(|run| run.place_mm).collect::<Vec<_>>(), [Some([-10.0, 0.0]), Some([10.0, 0.0])]);
     assert!(
         spots[0].exact_n[PEAK] > 1.01 * spots[1].exact_n[PEAK],
         "{} {}",

@@ -57,7 +57,7 @@ fn a_written_folder_reads_back_to_the_same_experiment() {
                 r.specimen,
                 r.indenter,
                 r.test,
-                r.spot,
+                (r.spot, r.place_mm),
                 r.cycle,
                 r.order,
                 r.start_s,
