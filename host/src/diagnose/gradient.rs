@@ -53,8 +53,20 @@ pub(super) struct Slopes {
     /// Specimen of every group.
     of: Vec<usize>,
     specimens: Vec<Specimen>,
-    /// Logarithm of a weight; chi-square and slopes (1/mm) of each specimen.
-    tried: Vec<(f64, Vec<(f64, DVector<f64>)>)>,
+    tried: Vec<Tried>,
+}
+
+/// The likeliest slopes beside one scatter.
+struct Tried {
+    /// Logarithm of its weight.
+    log: f64,
+    each: Vec<Slope>,
+}
+
+/// Of one specimen: chi-square, and the slopes themselves, 1/mm.
+struct Slope {
+    square: f64,
+    along: DVector<f64>,
 }
 
 impl Slopes {
@@ -91,28 +103,28 @@ impl Slopes {
             let right: Vector2<f64> = own().map(|(_, seen)| seen.right).sum();
             let factor = (one.along.transpose() * normal * &one.along).cholesky()?;
             let right = one.along.transpose() * right;
-            let slopes = factor.solve(&right);
-            let square = slopes.dot(&right);
+            let along = factor.solve(&right);
+            let square = along.dot(&right);
             let log_determinant: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
-            Some((0.5 * square - log_determinant, (square, slopes)))
+            Some((0.5 * square - log_determinant, Slope { square, along }))
         });
         let Some(each) = each.collect::<Option<Vec<_>>>() else { return };
         let gained: f64 = each.iter().map(|(gained, _)| gained).sum();
-        self.tried.push((log + gained, each.into_iter().map(|(_, own)| own).collect()));
+        self.tried.push(Tried { log: log + gained, each: each.into_iter().map(|(_, own)| own).collect() });
     }
 
     /// What the places say of each specimen.
     pub fn gradients(&self) -> Vec<Gradient> {
-        let top = self.tried.iter().map(|(log, _)| *log).fold(f64::NEG_INFINITY, f64::max);
-        let weights: Vec<f64> = self.tried.iter().map(|(log, _)| (log - top).exp()).collect();
+        let top = self.tried.iter().map(|one| one.log).fold(f64::NEG_INFINITY, f64::max);
+        let weights: Vec<f64> = self.tried.iter().map(|one| (one.log - top).exp()).collect();
         let sum: f64 = weights.iter().sum();
         let of = |(at, one): (usize, &Specimen)| {
             let mut chance = 0.0;
             let mut slopes = DVector::zeros(one.along.ncols());
-            for (weight, (_, each)) in weights.iter().zip(&self.tried) {
-                let (square, own) = &each[at];
-                chance += weight / sum * beyond(*square, one.along.ncols());
-                slopes += weight / sum * own;
+            for (weight, tried) in weights.iter().zip(&self.tried) {
+                let own = &tried.each[at];
+                chance += weight / sum * beyond(own.square, one.along.ncols());
+                slopes += weight / sum * &own.along;
             }
             let per_mm = &one.along * slopes;
             Gradient { specimen: one.specimen, per_mm: [per_mm[0], per_mm[1]], chance }
