@@ -5,6 +5,7 @@ use std::sync::Arc;
 use lut_gen::chain::{Chain, Model, Whole};
 use lut_gen::effect::{Quantity, Spread, relaxation, second_term};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::Z95;
 use super::check::Check;
@@ -111,6 +112,10 @@ pub struct Fit {
     pub reach: Vec<f64>,
     /// True when a quantity of an effect lies at a bound that is not its null value, or the modulus, the exponent or the contact at one; of two terms the exponents may. Also where more relaxes than can.
     pub at_bound: bool,
+    /// What it promised to gain (sum of squares) on the solve of whole paths that it is near to, where the next solve did not gain it.
+    pub vain: Option<f64>,
+    /// More solves from here would be the same again.
+    pub settled: bool,
 }
 
 const MOST_STEPS: usize = 30;
@@ -300,6 +305,8 @@ impl Problem<'_> {
             jacobian,
             reach,
             at_bound,
+            vain: None,
+            settled: false,
         }
     }
 
@@ -327,13 +334,13 @@ impl Problem<'_> {
             if x[j] + forth > coordinate.bounds().1 { -forth } else { forth }
         };
         let steps: Vec<f64> = coordinates.iter().enumerate().map(|(j, coordinate)| step(j, coordinate)).collect();
-        let mut out = DMatrix::zeros(self.whitening.residuals(), coordinates.len());
-        for (j, step) in steps.iter().enumerate() {
+        let column = |(j, step): (usize, &f64)| {
             let mut moved = x.clone();
             moved[j] += step;
-            out.set_column(j, &self.plain(&self.model(coordinates, candidates, &moved)));
-        }
-        let mut out = self.whitened(out);
+            self.plain(&self.model(coordinates, candidates, &moved))
+        };
+        let columns: Vec<DVector<f64>> = steps.par_iter().enumerate().map(column).collect();
+        let mut out = self.whitened(DMatrix::from_columns(&columns));
         for (mut column, step) in out.column_iter_mut().zip(steps) {
             column.zip_apply(residual, |there, here| *there = (here - *there) / step);
         }

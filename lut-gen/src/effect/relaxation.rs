@@ -98,17 +98,25 @@ pub fn convolved(time_s: &[f64], stretches: &[f64], terms: &[(f64, f64)], force_
     remember(time_s, stretches, terms, force_n, |straight, _| straight);
 }
 
+/// Times between nodes that differ by less than this share are one.
+const EVEN: f64 = 1e-9;
+
 /// Convolves the stress `F / A`, `A` in `shape`; `ends` makes the force of what the linear theory says and the part of it that is memory.
 fn remember(time_s: &[f64], shape: &[f64], terms: &[(f64, f64)], force_n: &mut [f64], ends: impl Fn(f64, f64) -> f64) {
     let part: f64 = terms.iter().map(|(g, _)| g).sum();
+    let fade = |step_s: f64| terms.iter().map(|(_, tau_s)| fading(step_s / tau_s)).collect::<Vec<_>>();
+    let (mut step_s, mut faded) = (0.0, fade(0.0));
     let mut kept = vec![0.0; terms.len()];
     let mut before = 0.0;
     for i in 0..force_n.len() {
         let dt = if i == 0 { 0.0 } else { (time_s[i] - time_s[i - 1]).max(0.0) };
+        // most steps of a run are one but for rounding
+        if (dt - step_s).abs() > EVEN * step_s {
+            (step_s, faded) = (dt, fade(dt));
+        }
         let stress = force_n[i] / shape[i];
         let mut memory = 0.0;
-        for (q, (g, tau_s)) in kept.iter_mut().zip(terms) {
-            let (left, share) = fading(dt / tau_s);
+        for ((q, (g, _)), (left, share)) in kept.iter_mut().zip(terms).zip(&faded) {
             *q = *q * left + (stress - before) * share;
             memory += g * *q * shape[i];
         }

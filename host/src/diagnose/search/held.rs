@@ -2,6 +2,7 @@
 
 use super::super::{Progress, is_nameless};
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 use super::super::coordinate::{Candidate, Coordinate};
 use super::super::fit::{Fit, Problem};
@@ -96,10 +97,13 @@ impl<'a> Found<'a> {
         self.search.settle(&mut self.pairs[best]);
         let fit = self.pairs[best].fit.clone();
         self.tell_about(&fit, stated_n);
-        self.try_twins(&fit);
-        // with the noise that it told about another may be likelier
-        if let Some(best) = self.alike(&self.pairs).first().map(|e| e.fit.clone()) {
-            self.try_twins(&best);
+        // of what holds, or may come to hold; a twin that is likelier then has twins of its own
+        for _ in 0..2 {
+            let held = self.alike(&self.pairs);
+            if held.first().is_some_and(|best| self.search.is_rather_spectral(best)) {
+                break;
+            }
+            self.try_twins(held.first().map_or(&fit, |best| &best.fit));
         }
     }
 
@@ -236,7 +240,7 @@ impl<'a> Found<'a> {
         let missing = self
             .search
             .candidates
-            .iter()
+            .par_iter()
             .filter(|c| are_twins(c, &second) && c.effect.code != first.effect.code && !tried(c));
         let score = score(best);
         let before = Before::new(&self.search.problem, before.fit.clone());

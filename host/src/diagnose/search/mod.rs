@@ -9,6 +9,8 @@ mod nameless;
 mod rounds;
 mod solve;
 
+use std::sync::OnceLock;
+
 use lut_gen::chain::Setting;
 use lut_gen::effect::{CATALOGUE, Owner, Sizes, Spread, relaxation, sensor_creep, thickness};
 use nalgebra::{DMatrix, DVector};
@@ -128,6 +130,8 @@ pub struct Search<'a> {
     pub signatures: Vec<DMatrix<f64>>,
     /// What they hold of clean twins.
     pub spaces: Spaces,
+    /// Score of the likeliest power law of relaxation, once it is asked for.
+    spectral: OnceLock<f64>,
 }
 
 impl<'a> Search<'a> {
@@ -150,7 +154,8 @@ impl<'a> Search<'a> {
         let none = DMatrix::zeros(problem.whitening.residuals(), 0);
         let panel = Panel::new(&margins, &twins);
         let adequacy = Adequacy::of(&base, &margins, &panel, &none, &twins);
-        Self { problem, noise, base, curves, margins, panel, twins, adequacy, candidates, signatures, spaces }
+        let spectral = OnceLock::new();
+        Self { problem, noise, base, curves, margins, panel, twins, adequacy, candidates, signatures, spaces, spectral }
     }
 
     /// The same with noise and contact points as a fit sees them; none where that finds no noise, or one in which no foam at all is the likeliest base: where spots
@@ -346,10 +351,14 @@ impl Search<'_> {
         let idle = |fit: &Fit| than.iter().any(|other| is_idle_form(fit, &other.fit));
         let worth: Vec<usize> =
             (0..than.len()).filter(|at| than[*at].gain >= least && !idle(&than[*at].fit)).take(EXTENDED).collect();
-        let partners = EXTENDED * PARTNERS / worth.len().max(1);
+        let many = EXTENDED * PARTNERS / worth.len().max(1);
         let mut tasks: Vec<(usize, Candidate)> = Vec::new();
-        for at in worth {
+        for at in worth.iter().copied() {
             let fit = &than[at].fit;
+            // what is beside one form of an effect is mostly beside another
+            let is_form =
+                worth.iter().take_while(|other| **other < at).any(|other| names(&than[*other].fit) == names(fit));
+            let partners = if is_form { PARTNERS } else { many };
             let others: Vec<Candidate> = self.candidates.iter().filter(|c| other(c, fit)).copied().collect();
             let signatures: Vec<DMatrix<f64>> = others.par_iter().map(|c| signature(&self.problem, fit, c)).collect();
             let spaces = Spaces::new(&signatures, &fit.jacobian, &few);

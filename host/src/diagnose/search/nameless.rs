@@ -10,6 +10,7 @@ use super::super::coordinate::Candidate;
 use super::super::design::{Branch, Design, Node};
 use super::super::evidence::{basis, rest_of};
 use super::super::fit::{Allowed, Fit, Problem};
+use super::rounds::BEHIND;
 use super::{CHARGE, Explanation, RATIO_100, Search, changes, score};
 
 /// An elastic departure without a name.
@@ -156,10 +157,21 @@ impl Search<'_> {
     fn beyond_spectrum(&self, best: &Explanation) -> Option<f64> {
         relaxes(best).then_some(())?;
         let needed = if best.fit.candidates.len() > 1 { RATIO_100 } else { RATIO_3 };
-        let spectrum = self.extended(&self.base, &SPECTRUM);
-        let carried = self.extended(&spectrum, &MEMORY);
-        let likeliest = self.solved(&spectrum).iter().chain([&spectrum, &carried]).map(score).reduce(f64::min)?;
-        Some(likeliest - best.score() - needed)
+        Some(self.spectral() - best.score() - needed)
+    }
+
+    /// Score of the likeliest power law.
+    fn spectral(&self) -> f64 {
+        *self.spectral.get_or_init(|| {
+            let spectrum = self.extended(&self.base, &SPECTRUM);
+            let carried = self.extended(&spectrum, &MEMORY);
+            self.solved(&spectrum).iter().chain([&spectrum, &carried]).map(score).fold(f64::INFINITY, f64::min)
+        })
+    }
+
+    /// True where a power law is so much likelier than an explanation that none like it will be named.
+    pub(super) fn is_rather_spectral(&self, explanation: &Explanation) -> bool {
+        self.beyond_spectrum(explanation).is_some_and(|by| by < -BEHIND)
     }
 
     /// What is named beside a relaxation that needs two times may be all that a third one leaves: it must be a hundred times likelier than that. Two times stand for a spectrum

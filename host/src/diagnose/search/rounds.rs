@@ -17,13 +17,13 @@ pub(super) const SETTLES: usize = 5;
 const LEFT: f64 = 0.05;
 const NOISY: f64 = 1.1;
 /// How far behind what is sure more solves must promise to end for them not to be made: two likelihood ratios of a hundred.
-const BEHIND: f64 = 2.0 * RATIO_100;
+pub(super) const BEHIND: f64 = 2.0 * RATIO_100;
 /// What rounds may yet gain, as a part of what the last promises: rounds that each bring two thirds of the way that the one before did gain twice as much. A second term that crept towards a score
 /// was left four short of it with once.
 const MORE: f64 = 2.0;
 /// What fits near two solves, one after the other, may leave more or less than each other for the next round not to be expected to lead to less than both: what is near is then known, and only the place
 /// of it is not.
-const STEADY: f64 = 4.0;
+pub(super) const STEADY: f64 = 4.0;
 /// A fit near a solve may promise this much less than what was left at the solve; of one that promises more only that is believed.
 const KEPT: f64 = 4.0;
 
@@ -100,13 +100,16 @@ impl Search<'_> {
         Solved { near: problem.refit(&near, &allowed), here: own.at(candidates, x, &allowed) }
     }
 
-    /// What a fit that was left at its solve, since what is near that did not come true, comes to about other noise: solved anew where the fit found again promises as much once more, and would come near the
-    /// best score with it. A second term with the exponent of the first, which promised 17 at every place and gained nothing at the next, was named so in the place of a wrong radius.
+    /// What a fit that was left at its solve, since what is near that did not come true, comes to about other noise: left there where the fit found again promises no more than it did in vain, and solved anew where it promises more
+    /// and would come near the best score with it. A second term with the exponent of the first, which promised 17 at every place and gained nothing at the next, was named so in the place of a wrong radius.
     pub(super) fn believed(&self, left: &Fit, again: Fit, best: f64) -> Fit {
         if score(&again) > best + BEHIND || !self.is_at_its_solve(left) {
             return again;
         }
         match self.at_hand(&again).filter(|first| first.promise() > KEPT) {
+            Some(first) if left.vain.is_some_and(|vain| first.promise() < vain + STEADY) => {
+                Fit { vain: Some(first.promise()), ..first.here }
+            }
             Some(first) => self.rounds(&again.candidates, first, (SETTLES - 1, SAME), f64::INFINITY).unwrap_or(again),
             None => again,
         }
@@ -150,19 +153,22 @@ impl Search<'_> {
         let settled = |solved: &Solved| solved.promise() < same.max(LEFT * self.left(&solved.near));
         let mut x = first.near.x.clone();
         let (mut best, mut worse) = (first, 0);
+        let mut ended = settled(&best);
         for _ in 0..more {
-            if settled(&best) || !best.may_reach(against) {
+            if ended || !best.may_reach(against) {
                 break;
             }
             let solved = self.solve_at(candidates, &x, Detail::Names)?;
             let known_behind = solved.is_known_behind(&best, against);
             if solved.here.discounted < best.here.discounted {
                 x = solved.after(&best);
+                ended = settled(&solved);
                 (best, worse) = (solved, 0);
             } else {
                 worse += 1;
                 // two solves of one place differ by more than the same
-                if worse > WORSE || best.promise() < SAME {
+                ended = worse > WORSE || best.promise() < SAME;
+                if ended {
                     break;
                 }
                 // too far: half of the way
@@ -172,7 +178,10 @@ impl Search<'_> {
                 return Some(best.near);
             }
         }
-        Some(if best.promise() < KEPT { best.near } else { best.here })
+        let promise = best.promise();
+        let mut end = if promise < KEPT { best.near } else { best.here };
+        (end.vain, end.settled) = ((worse > 0).then_some(promise), ended);
+        Some(end)
     }
 
     /// What a fit leaves beyond what noise does, as a sum of squares.

@@ -9,8 +9,8 @@ use super::super::coordinate::{Candidate, coordinates};
 use super::super::fit::Fit;
 use super::before::Before;
 use super::begin::{measured, suit};
-use super::rounds::{SAME, SETTLES, Solved};
-use super::{Explanation, Search, score};
+use super::rounds::{BEHIND, SAME, SETTLES, Solved};
+use super::{Explanation, Search, names, score};
 
 /// Names, of one effect or of two, that are solved with finite elements, and how far (sum of squares) behind the best they may lie: what the chain allows
 /// for costs an effect that it has nearly right less than that. Which ball it is, or in which form, does not count: two balls in two forms had left no place for what it was.
@@ -106,6 +106,12 @@ impl Search<'_> {
         Some(Looked { solves, far_off, coarse: true })
     }
 
+    /// One solve at a fit, that tells what is left there.
+    fn glance(&self, fit: &Fit) -> Option<Looked> {
+        let solved = self.solve_at(&fit.candidates, &larger_first(fit), Detail::Valleys)?;
+        Some(Looked { solves: vec![solved], far_off: true, coarse: true })
+    }
+
     /// Where the first solves of a fit lead to, not followed to the end where they would not come near the best score.
     fn follow(&self, candidates: &[Candidate], looked: Looked, best: f64) -> Option<Fit> {
         let deepest = looked.solves.first()?.near.discounted;
@@ -165,6 +171,7 @@ impl Search<'_> {
     pub fn settle(&self, explanation: &mut Explanation) {
         let fit = &explanation.fit;
         if lut_gen::chain::is_rough(&fit.model)
+            && !fit.settled
             && let Some(settled) = self.rounds_of(fit, (SETTLES, SAME))
         {
             explanation.fit = settled;
@@ -187,41 +194,76 @@ impl Search<'_> {
     pub(super) fn solve_best(&self, list: &mut [Explanation], before: &[&Before]) {
         let Some(best) = list.iter().map(Explanation::score).min_by(f64::total_cmp) else { return };
         // of forms of one effect the chain may prefer the wrong one by as much as it is itself wrong by
-        let codes = |e: &Explanation| e.fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect::<Vec<_>>();
-        let names = |e: &Explanation| e.fit.codes().collect::<Vec<_>>();
+        let codes = |e: &Explanation| names(&e.fit);
+        let words = |e: &Explanation| e.fit.codes().collect::<Vec<_>>();
         let near: Vec<&Explanation> = list.iter().filter(|e| e.beats_noise && e.score() < best + NEAR).collect();
         let mut worth: Vec<Vec<&str>> = Vec::new();
-        for name in near.iter().map(|e| names(e)) {
+        for name in near.iter().map(|e| words(e)) {
             if !worth.contains(&name) && worth.len() < SOLVED {
                 worth.push(name);
             }
         }
-        let solved: Vec<_> = near.iter().filter(|e| worth.contains(&names(e))).map(|e| codes(e)).collect();
+        let solved: Vec<_> = near.iter().filter(|e| worth.contains(&words(e))).map(|e| codes(e)).collect();
         let own: Vec<bool> = list
             .iter()
             .zip(before)
             .map(|(e, before)| solved.contains(&codes(e)) || may_be_best(e, &before.fit, best))
             .collect();
-        let looked: Vec<Option<Looked>> =
-            list.par_iter().zip(&own).map(|(e, own)| own.then(|| self.look(&e.fit)).flatten()).collect();
-        let sure = |(e, looked): (&Explanation, &Option<Looked>)| match looked {
-            Some(looked) => looked.sure(),
-            // one that is not solved, and should be, may be wrong
-            None if lut_gen::chain::is_rough(&e.fit.model) => f64::INFINITY,
-            None => e.score(),
+        // into valleys of a second term beside another effect only one of its forms looks first: where what it promises does not come true, the others' is not believed either
+        let term = |e: &Explanation| e.fit.candidates.len() > 1 && e.fit.candidates.last().is_some_and(is_term);
+        let own: Vec<usize> = (0..list.len()).filter(|at| own[*at]).collect();
+        let again = |at: usize| {
+            let mut before = own.iter().take_while(|other| **other < at);
+            term(&list[at]) && before.any(|other| codes(&list[*other]) == codes(&list[at]))
         };
-        let mut best = list.iter().zip(&looked).map(sure).fold(f64::INFINITY, f64::min);
+        let (later, first): (Vec<usize>, Vec<usize>) = own.iter().partition(|at| again(**at));
+        let mut known = Known { sure: f64::INFINITY, vain: Vec::new() };
+        self.solve_some(list, before, &first, &mut known);
+        self.solve_some(list, before, &later, &mut known);
+    }
+
+    /// The same for some of a list, with what is known from others.
+    fn solve_some(&self, list: &mut [Explanation], before: &[&Before], some: &[usize], known: &mut Known) {
+        let looked = some.par_iter().map(|at| {
+            let fit = &list[*at].fit;
+            if known.is_in_vain(fit) { self.glance(fit) } else { self.look(fit) }
+        });
+        let looked: Vec<Option<Looked>> = looked.collect();
+        let surely = looked.iter().flatten().map(Looked::sure);
+        // one that is not solved, and should be, may be wrong
+        let exact = list.iter().filter(|e| !lut_gen::chain::is_rough(&e.fit.model)).map(Explanation::score);
+        known.sure = surely.chain(exact).fold(known.sure, f64::min);
         // the most promising first: what it comes to spares the others the way to their ends
         let mut order: Vec<(usize, Looked)> =
-            looked.into_iter().enumerate().filter_map(|(at, looked)| Some((at, looked?))).collect();
+            some.iter().zip(looked).filter_map(|(at, looked)| Some((*at, looked?))).collect();
         order.sort_by(|a, b| a.1.promised().total_cmp(&b.1.promised()));
         for (at, looked) in order {
             let explanation = &mut list[at];
-            if let Some(fit) = self.follow(&explanation.fit.candidates, looked, best) {
+            let promised = looked.promised();
+            let against = if known.is_in_vain(&explanation.fit) { f64::NEG_INFINITY } else { known.sure };
+            if let Some(fit) = self.follow(&explanation.fit.candidates, looked, against) {
+                if fit.vain.is_some() && score(&fit) > promised + BEHIND {
+                    known.vain.push(names(&fit));
+                }
                 *explanation = self.compared(fit, before[at]);
-                best = best.min(explanation.score());
+                known.sure = known.sure.min(explanation.score());
             }
         }
+    }
+}
+
+/// What solves of some explanations say about others.
+struct Known {
+    /// The least score that is sure.
+    sure: f64,
+    /// Effects of which one form promised what did not come true.
+    vain: Vec<Vec<(&'static str, usize)>>,
+}
+
+impl Known {
+    /// True where another form of the same effects promised in vain, and a second term is among them: what is missed of that is the same beside every form.
+    fn is_in_vain(&self, fit: &Fit) -> bool {
+        fit.candidates.last().is_some_and(is_term) && self.vain.contains(&names(fit))
     }
 }
 

@@ -131,6 +131,8 @@ fn fit(candidates: Vec<Candidate>, square: f64) -> Fit {
         residual,
         jacobian,
         at_bound: false,
+        vain: None,
+        settled: false,
     }
 }
 
