@@ -169,6 +169,9 @@ fn print(found: &Diagnosis) {
     if !found.shows_in.is_empty() {
         outln!("shows in         {}", found.shows_in.join(", "));
     }
+    for note in found.notes() {
+        outln!("note             {note}");
+    }
     let Some(evidence) = &found.evidence else { return };
     if matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
         print_gain(evidence);

@@ -245,6 +245,13 @@ impl Diagnosis {
         }
     }
 
+    /// What the reader should know besides faults and the reason of a refusal.
+    pub fn notes(&self) -> impl Iterator<Item = &str> {
+        let mut told: Vec<String> = self.faults.iter().map(ToString::to_string).collect();
+        told.extend(self.refusal.iter().map(ToString::to_string));
+        self.messages.iter().filter(move |message| !told.contains(message)).map(String::as_str)
+    }
+
     fn examine(
         &mut self,
         experiment: &Experiment,

@@ -421,8 +421,13 @@ fn a_gain_that_goes_with_the_place_is_told() {
     let told = verdict::gradient(&noise).unwrap();
     // eight spots, two slopes: each to 0.0009 and 0.0027
     assert!((told.per_mm[0] - 0.005).abs() < 0.003 && (told.per_mm[1] + 0.005).abs() < 0.008, "{told:?}");
-    let said = verdict::slope(told, &all).unwrap();
-    assert!(said.starts_with("on foam the force grows by ") && said.contains(" % from [0, 0] to [12, 3] mm"), "{said}");
+    let said = |per_mm: [f64; 2], chance: f64| {
+        verdict::slope(&gradient::Gradient { specimen: 0, per_mm, chance }, &all).unwrap()
+    };
+    let text = "on foam the force grows by 0.50 % a millimetre towards [0.80, -0.60], 3.9 % over the 8 mm that its spots span there, which scatter between spots does once in 800: ";
+    assert!(said([0.004, -0.003], 1.0 / 800.0).starts_with(text), "{}", said([0.004, -0.003], 1.0 / 800.0));
+    let text = "on foam the force grows by 0.40 % a millimetre towards -x, 4.8 % over the 12 mm that its spots span there, which scatter between spots does less than once in a million: ";
+    assert!(said([-0.004, 0.0], 1e-9).starts_with(text), "{}", said([-0.004, 0.0], 1e-9));
     let mut unknown = all.clone();
     unknown.runs.iter_mut().step_by(SPOTS).for_each(|run| run.place_mm = None);
     assert_eq!(gradients(&unknown), []);

@@ -127,28 +127,35 @@ pub(super) fn gradient(noise: &Noise) -> Option<&Gradient> {
     (least.chance * (all.len() as f64) < BY_CHANCE).then_some(least)
 }
 
+/// Part of a direction below which it is none.
+const ALONG: f64 = 0.1;
+
 /// A gain over the place in words.
 pub(super) fn slope(gradient: &Gradient, experiment: &Experiment) -> Option<String> {
     let own = experiment.runs.iter().filter(|run| run.specimen == Some(gradient.specimen));
-    let along = |place: &[f64; 2]| place[0] * gradient.per_mm[0] + place[1] * gradient.per_mm[1];
-    let mut places: Vec<[f64; 2]> = own.filter_map(|run| run.place_mm).collect();
-    places.sort_by(|a, b| along(a).total_cmp(&along(b)));
-    let (from, to) = places.first().zip(places.last())?;
-    let specimen = experiment.specimens.get(gradient.specimen)?;
+    let [x, y] = gradient.per_mm;
+    let steepness = x.hypot(y);
+    let along = own.filter_map(|run| run.place_mm).map(|place| (place[0] * x + place[1] * y) / steepness);
+    let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mm| (low.min(mm), high.max(mm)));
+    let specimen = experiment.specimens.get(gradient.specimen).filter(|_| high > low)?;
+    let sign = |of: f64| if of < 0.0 { '-' } else { '+' };
+    let towards = match [x / steepness, y / steepness] {
+        [_, y] if y.abs() < ALONG => format!("{}x", sign(x)),
+        [x, _] if x.abs() < ALONG => format!("{}y", sign(y)),
+        [x, y] => format!("[{x:.2}, {y:.2}]"),
+    };
+    let seldom = if gradient.chance > 1e-6 {
+        format!("once in {:.0}", 1.0 / gradient.chance)
+    } else {
+        "less than once in a million".to_owned()
+    };
     Some(format!(
-        "on {} the force grows by {:.1} % from [{}, {}] to [{}, {}] mm, which scatter between spots does {}: the specimen is tilted or a wedge, or its material varies along it, which no \
-         effect of the catalogue says; measure its height at both places, or turn it round and press again",
+        "on {} the force grows by {:.2} % a millimetre towards {towards}, {:.1} % over the {:.0} mm that its spots span there, which scatter between spots does {seldom}: the specimen is tilted \
+         or a wedge, or its material varies along it, which no effect of the catalogue says; measure its height at both ends, or turn it round and press again",
         specimen.name,
-        100.0 * (along(to) - along(from)),
-        from[0],
-        from[1],
-        to[0],
-        to[1],
-        if gradient.chance > 1e-6 {
-            format!("once in {:.0}", 1.0 / gradient.chance)
-        } else {
-            "less than once in a million".to_owned()
-        },
+        100.0 * steepness,
+        100.0 * steepness * (high - low),
+        high - low,
     ))
 }
 

@@ -16,7 +16,8 @@ pub(super) fn section(page: &mut Page, found: &Diagnosis, evidence: Option<&Evid
             page.warning(&warning);
         }
     }
-    let others: Vec<String> = found.messages.iter().filter(|m| !repeated(found, m)).cloned().collect();
+    // faults and reasons stand at the top of the page already
+    let others: Vec<String> = found.notes().map(str::to_owned).collect();
     if !others.is_empty() {
         page.section("Notes on these data");
         page.list(&others);
@@ -32,12 +33,6 @@ const ASSUMPTIONS: [&str; 6] = [
     "Intervals hold for the extended model as named. They do not contain the chance that the name is wrong.",
     "At most three effects at once are looked for, and effects of opposite sign can cancel.",
 ];
-
-/// Faults and reasons stand at the top of the page already.
-fn repeated(found: &Diagnosis, message: &str) -> bool {
-    let told = found.faults.iter().map(ToString::to_string).chain(found.refusal.iter().map(ToString::to_string));
-    told.into_iter().any(|t| t == message)
-}
 
 fn source(evidence: &Evidence) -> String {
     let noise = &evidence.noise;
