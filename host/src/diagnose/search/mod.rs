@@ -168,6 +168,11 @@ impl<'a> Search<'a> {
         Some(Self::new(told, self.candidates.clone()))
     }
 
+    /// What noise alone leaves of a fit, as a sum of squares: points that count less its parameters.
+    fn freedom(&self, fit: &Fit) -> f64 {
+        self.problem.used.iter().filter(|used| **used).count().saturating_sub(fit.x.len()) as f64
+    }
+
     /// Largest reading of any candidate, or of an elastic departure without a name, at the base.
     #[must_use]
     pub fn catalogue(&self) -> f64 {

@@ -186,8 +186,7 @@ impl Search<'_> {
 
     /// What a fit leaves beyond what noise does, as a sum of squares.
     fn left(&self, fit: &Fit) -> f64 {
-        let freedom = self.problem.used.iter().filter(|used| **used).count().saturating_sub(fit.x.len());
-        (fit.discounted - NOISY * freedom as f64).max(0.0)
+        (fit.discounted - NOISY * self.freedom(fit)).max(0.0)
     }
 }
 
