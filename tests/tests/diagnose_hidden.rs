@@ -174,6 +174,19 @@ fn what_is_outside_is_unknown() {
     not_all_are(Outcome::OutsideUnknown, &[outside(31_031, "outside-tilt")]);
 }
 
+/// Of two elastic effects that would not be told from a departure without a name if all that their first solves promise came true none is solved to its end: of a foam that is stiffer the other way nothing is named
+/// whatever they come to.
+#[test]
+fn what_will_have_no_name_is_not_solved_to_its_end() {
+    let case = Case::new(Design::D36, 650_094).hiding(What::Outside("outside-anisotropic", 3));
+    let found = diagnose::diagnose(&experiment(&case), &MODELS, &|_, _, _| {}).unwrap();
+    let pairs = &found[0].evidence.as_ref().unwrap().pairs;
+    assert_eq!(found[0].verdict, Verdict::Unknown);
+    let looked = |fit: &diagnose::fit::Fit| fit.model.whole.is_some();
+    assert!(pairs.iter().any(|pair| looked(&pair.fit)), "no pair was looked at");
+    assert!(pairs.iter().all(|pair| !pair.fit.settled), "a pair was solved to its end");
+}
+
 /// With fast runs made slow and slow ones fast there is no relaxation.
 #[test]
 fn with_rates_reversed_nothing_relaxes() {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::super::coordinate::{Candidate, Coordinate};
 use super::super::fit::{Fit, Problem};
 use super::before::Before;
-use super::{CHARGE, Explanation, RATIO_100, Search, allowed, form_error, score, sorted};
+use super::{Aim, CHARGE, Explanation, RATIO_100, Search, allowed, form_error, score, sorted};
 
 /// By how much two effects must be better than one, as a difference of sums of squares: a likelihood ratio of a thousand. There are twenty times as many pairs as effects. In
 /// three tables none of 540 experiments with one effect that was named had a second one between this and ten thousand that met all else; five with two had a true one there.
@@ -25,7 +25,7 @@ const HOPELESS: f64 = 1.5;
 const HOPELESS_IN_ALL: (f64, f64) = (1.15, 3.0);
 
 /// How far what holds may be behind what is likelier and does not, as a difference of sums of squares: what is solved at another place is not the same to the last few.
-const NEARLY: f64 = 6.0 * RATIO_100;
+pub(super) const NEARLY: f64 = 6.0 * RATIO_100;
 
 /// What a search came to.
 #[derive(Debug)]
@@ -96,7 +96,13 @@ impl<'a> Found<'a> {
             // a second effect may be what the richer form of the first was taken for
             base.retain(|e| key(e) == key(best));
         }
-        self.pairs = self.search.one_more(&base);
+        // where no effect holds alone, two are named or nothing is
+        let aim = if self.held.is_empty() { Aim::Name } else { Aim::Explain };
+        let (pairs, solved) = self.search.one_more(&base, aim);
+        self.pairs = pairs;
+        if !solved {
+            return;
+        }
         let Some(best) = self.best_pair().filter(|best| self.needs(&self.pairs[*best])) else { return };
         self.search.settle(&mut self.pairs[best]);
         let fit = self.pairs[best].fit.clone();

@@ -32,6 +32,7 @@ pub(super) use held::Found;
 use left_out::left_out;
 pub(super) use left_out::{known_before, log_determinant};
 pub(super) use nameless::rival;
+use solve::Aim;
 
 /// Likelihood ratio of 100 as a difference of sums of squares.
 pub const RATIO_100: f64 = 9.21;
@@ -132,6 +133,8 @@ pub struct Search<'a> {
     pub spaces: Spaces,
     /// Score of the likeliest power law of relaxation, once it is asked for.
     spectral: OnceLock<f64>,
+    /// The likeliest elastic departure without a name, once it is asked for.
+    elastic: OnceLock<Fit>,
 }
 
 impl<'a> Search<'a> {
@@ -154,8 +157,22 @@ impl<'a> Search<'a> {
         let none = DMatrix::zeros(problem.whitening.residuals(), 0);
         let panel = Panel::new(&margins, &twins);
         let adequacy = Adequacy::of(&base, &margins, &panel, &none, &twins);
-        let spectral = OnceLock::new();
-        Self { problem, noise, base, curves, margins, panel, twins, adequacy, candidates, signatures, spaces, spectral }
+        let (spectral, elastic) = (OnceLock::new(), OnceLock::new());
+        Self {
+            problem,
+            noise,
+            base,
+            curves,
+            margins,
+            panel,
+            twins,
+            adequacy,
+            candidates,
+            signatures,
+            spaces,
+            spectral,
+            elastic,
+        }
     }
 
     /// The same with noise and contact points as a fit sees them; none where that finds no noise, or one in which no foam at all is the likeliest base: where spots
@@ -321,7 +338,7 @@ impl Search<'_> {
         self.nest(&mut each, &base);
         let mut list = sorted(each);
         let before = vec![&base; list.len()];
-        self.solve_best(&mut list, &before);
+        self.solve_best(&mut list, &before, Aim::Explain);
         sorted(list)
     }
 
@@ -348,9 +365,10 @@ impl Search<'_> {
         }
     }
 
-    /// Explanations by one effect more than those given, the best first; those far behind the best are not judged.
+    /// Explanations by one effect more than those given, the best first, and whether they are solved: those far behind the best are not judged, and none is solved to the end where the aim is not
+    /// reached whatever that leads to.
     #[must_use]
-    pub fn one_more(&self, than: &[Explanation]) -> Vec<Explanation> {
+    pub fn one_more(&self, than: &[Explanation], aim: Aim) -> (Vec<Explanation>, bool) {
         let few = self.twins.columns(0, self.twins.ncols().min(200)).into_owned();
         let least = than.first().map_or(0.0, |best| RIVAL * best.gain);
         let idle = |fit: &Fit| than.iter().any(|other| is_idle_form(fit, &other.fit));
@@ -401,8 +419,8 @@ impl Search<'_> {
         let before: Vec<&Before> = fits.iter().map(|(before, _)| *before).collect();
         let each = fits.into_par_iter().map(|(before, fit)| self.compared(fit, before));
         let mut list: Vec<Explanation> = each.collect();
-        self.solve_best(&mut list, &before);
-        sorted(list)
+        let solved = self.solve_best(&mut list, &before, aim);
+        (sorted(list), solved)
     }
 
     /// What was found out about a fit with one candidate more than another.

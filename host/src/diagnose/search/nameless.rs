@@ -83,16 +83,16 @@ fn tells_time(design: &Design) -> bool {
 }
 
 impl Search<'_> {
-    /// True where an explanation does what an elastic departure might, as far as these runs can tell.
-    fn is_elastic(&self, explanation: &Explanation) -> bool {
+    /// True where effects do what an elastic departure might, as far as these runs can tell.
+    fn is_elastic(&self, fit: &Fit) -> bool {
         let timed = !tells_time(self.problem.design);
         let one = |code| LAWS.contains(&code) || STATIC.contains(&code) || timed && TIMED.contains(&code);
-        explanation.fit.codes().all(one)
+        fit.codes().all(one)
     }
 
     /// True where an explanation has a part that claims a form of the elastic law, and none that is not elastic.
     pub(super) fn claims_a_law(&self, explanation: &Explanation) -> bool {
-        self.is_elastic(explanation) && explanation.fit.codes().any(|code| LAWS.contains(&code))
+        self.is_elastic(&explanation.fit) && explanation.fit.codes().any(|code| LAWS.contains(&code))
     }
 
     /// By how much (sum of squares, parameters charged) an explanation is likelier than it must be against a departure without a name in its place; none where no such
@@ -104,8 +104,8 @@ impl Search<'_> {
         held: &[Explanation],
         (singles, pairs): (&[Explanation], &[Explanation]),
     ) -> Option<f64> {
-        if self.is_elastic(best) {
-            return Some(self.beyond_elastic(best, held.iter().any(|e| self.claims_a_law(e))));
+        if self.is_elastic(&best.fit) {
+            return Some(self.beyond_elastic(&best.fit, held.iter().any(|e| self.claims_a_law(e))));
         }
         [self.beyond_spectrum(best), self.beyond_more_times(best, singles, pairs)]
             .into_iter()
@@ -118,21 +118,31 @@ impl Search<'_> {
     /// could have told of them. A wrong radius, friction, or a machine that gives way, has one form, and is told from it as from any rival: three times likelier, its parts charged as
     /// parameters, or as what these data tell of them where that is more: beside a coupon they tell much. What a form may be wrong by is allowed for or not, whichever is better for it: a
     /// departure without a name has none to be wrong by.
-    fn beyond_elastic(&self, best: &Explanation, a_law: bool) -> f64 {
-        let nameless = self.extended(&self.base, &NAMELESS);
-        let likelier = f64::max(nameless.discounted - best.fit.discounted, nameless.square - best.fit.square);
-        let together = best.fit.candidates.len() > 1;
+    fn beyond_elastic(&self, fit: &Fit, a_law: bool) -> f64 {
+        let nameless = self.elastic();
+        let likelier = f64::max(nameless.discounted - fit.discounted, nameless.square - fit.square);
+        let together = fit.candidates.len() > 1;
         if together && !tells_time(self.problem.design) {
             // all that is known is one curve a ball: two shapes that both follow it make nearly any
             return f64::NEG_INFINITY;
         }
         let parts = self.signatures.last().map_or(0.0, |parts| self.price(parts));
-        let dearer = parts - self.price_of(&best.fit);
+        let dearer = parts - self.price_of(fit);
         if !a_law && !together {
-            let more = nameless.coordinates.len() as f64 - best.fit.coordinates.len() as f64;
+            let more = nameless.coordinates.len() as f64 - fit.coordinates.len() as f64;
             return likelier + f64::max(CHARGE * more, dearer) - RATIO_3;
         }
         likelier + dearer - if together { RATIO_100 } else { RATIO_10 }
+    }
+
+    /// The likeliest elastic departure without a name.
+    fn elastic(&self) -> &Fit {
+        self.elastic.get_or_init(|| self.extended(&self.base, &NAMELESS))
+    }
+
+    /// True of effects together that would not be told from an elastic departure without a name if they left no more than this fit.
+    pub(super) fn is_lost_in_nameless(&self, fit: &Fit) -> bool {
+        fit.candidates.len() > 1 && self.is_elastic(fit) && self.beyond_elastic(fit, true) <= 0.0
     }
 
     /// What the freedom of an explanation costs: the amount of each effect, and a charge for every parameter beside it.

@@ -9,6 +9,7 @@ use super::super::coordinate::{Candidate, coordinates};
 use super::super::fit::Fit;
 use super::before::Before;
 use super::begin::{measured, suit};
+use super::held::NEARLY;
 use super::rounds::{BEHIND, SAME, SETTLES, Solved};
 use super::{Explanation, Search, names, score};
 
@@ -33,6 +34,15 @@ const BELIEVED: f64 = 30.0;
 const FOLLOWED: usize = 2;
 /// Modulus and exponent (their logarithms), ratio and second exponent of two laws lie this near each other in one valley: different valleys were found two to twenty times as far apart, the same ones half as far at most.
 const ONE_VALLEY: f64 = 0.1;
+
+/// What explanations are wanted for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Aim {
+    /// To know how well each does.
+    Explain,
+    /// To name one: where none could be, whatever it comes to, there is no need to know.
+    Name,
+}
 
 /// What the first solves of a fit led to.
 struct Looked {
@@ -190,9 +200,9 @@ impl Search<'_> {
     }
 
     /// Finite elements of the whole paths for the best of a list, each of which is compared with what it extends: the chain is not let
-    /// alone with a name.
-    pub(super) fn solve_best(&self, list: &mut [Explanation], before: &[&Before]) {
-        let Some(best) = list.iter().map(Explanation::score).min_by(f64::total_cmp) else { return };
+    /// alone with a name. False where that was given up, since none could be named whatever it leads to.
+    pub(super) fn solve_best(&self, list: &mut [Explanation], before: &[&Before], aim: Aim) -> bool {
+        let Some(best) = list.iter().map(Explanation::score).min_by(f64::total_cmp) else { return true };
         // of forms of one effect the chain may prefer the wrong one by as much as it is itself wrong by
         let codes = |e: &Explanation| names(&e.fit);
         let words = |e: &Explanation| e.fit.codes().collect::<Vec<_>>();
@@ -218,26 +228,58 @@ impl Search<'_> {
         };
         let (later, first): (Vec<usize>, Vec<usize>) = own.iter().partition(|at| again(**at));
         let mut known = Known { sure: f64::INFINITY, vain: Vec::new() };
-        self.solve_some(list, before, &first, &mut known);
-        self.solve_some(list, before, &later, &mut known);
+        let looked = self.looked(list, &first, &known);
+        if aim == Aim::Name && self.all_are_nameless(list, &looked) {
+            for (at, Looked { mut solves, .. }) in looked {
+                list[at] = self.compared(solves.swap_remove(0).near, before[at]);
+            }
+            return false;
+        }
+        self.follow_all(list, before, looked, &mut known);
+        let looked = self.looked(list, &later, &known);
+        self.follow_all(list, before, looked, &mut known);
+        true
     }
 
-    /// The same for some of a list, with what is known from others.
-    fn solve_some(&self, list: &mut [Explanation], before: &[&Before], some: &[usize], known: &mut Known) {
-        let looked = some.par_iter().map(|at| {
+    /// The first solves of some of a list, with what is known from others.
+    fn looked(&self, list: &[Explanation], some: &[usize], known: &Known) -> Vec<(usize, Looked)> {
+        let look = |at: &usize| {
             let fit = &list[*at].fit;
-            if known.is_in_vain(fit) { self.glance(fit) } else { self.look(fit) }
-        });
-        let looked: Vec<Option<Looked>> = looked.collect();
-        let surely = looked.iter().flatten().map(Looked::sure);
+            let looked = if known.is_in_vain(fit) { self.glance(fit) } else { self.look(fit) };
+            looked.filter(|looked| !looked.solves.is_empty()).map(|looked| (*at, looked))
+        };
+        some.par_iter().filter_map(look).collect()
+    }
+
+    /// True where all that may come to hold are effects together that are not told from an elastic departure without a name if all that their first solves promise comes true.
+    fn all_are_nameless(&self, list: &[Explanation], looked: &[(usize, Looked)]) -> bool {
+        let promised = |at: usize| -> Vec<&Fit> {
+            match looked.iter().find(|(other, _)| *other == at) {
+                Some((_, looked)) => looked.solves.iter().map(|solved| &solved.near).collect(),
+                None => vec![&list[at].fit],
+            }
+        };
+        let clear: Vec<Vec<&Fit>> = (0..list.len()).filter(|at| list[*at].beats_noise).map(promised).collect();
+        let best = clear.iter().flatten().map(|fit| score(fit)).fold(f64::INFINITY, f64::min);
+        let mut near = clear.iter().flatten().filter(|fit| score(fit) < best + NEARLY);
+        near.all(|fit| self.is_lost_in_nameless(fit))
+    }
+
+    /// Where the first solves of some of a list lead to.
+    fn follow_all(
+        &self,
+        list: &mut [Explanation],
+        before: &[&Before],
+        mut looked: Vec<(usize, Looked)>,
+        known: &mut Known,
+    ) {
+        let surely = looked.iter().map(|(_, looked)| looked.sure());
         // one that is not solved, and should be, may be wrong
         let exact = list.iter().filter(|e| !lut_gen::chain::is_rough(&e.fit.model)).map(Explanation::score);
         known.sure = surely.chain(exact).fold(known.sure, f64::min);
         // the most promising first: what it comes to spares the others the way to their ends
-        let mut order: Vec<(usize, Looked)> =
-            some.iter().zip(looked).filter_map(|(at, looked)| Some((*at, looked?))).collect();
-        order.sort_by(|a, b| a.1.promised().total_cmp(&b.1.promised()));
-        for (at, looked) in order {
+        looked.sort_by(|a, b| a.1.promised().total_cmp(&b.1.promised()));
+        for (at, looked) in looked {
             let explanation = &mut list[at];
             let promised = looked.promised();
             let against = if known.is_in_vain(&explanation.fit) { f64::NEG_INFINITY } else { known.sure };
