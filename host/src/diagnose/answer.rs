@@ -99,11 +99,11 @@ fn on(on: On) -> Value {
 /// What one effect alone explains, and which demands it meets. `leaves` is the largest margin over its threshold.
 fn candidate(evidence: &Evidence, single: &Explanation) -> Value {
     let effect = single.fit.candidates.first().map(|c| c.effect);
-    let excess = evidence.base.square - evidence.base.residual.len() as f64;
+    let excess = evidence.compared_square - evidence.base.residual.len() as f64;
     json!({
         "code": effect.map(|e| e.code),
         "form": effect.map(|e| e.form),
-        "explains": (evidence.base.square - single.fit.square) / excess.max(1.0),
+        "explains": (evidence.compared_square - single.fit.square) / excess.max(1.0),
         "leaves": single.adequacy.worst(),
         "beats_noise": single.beats_noise,
         "predicts": single.predicts,

@@ -98,7 +98,7 @@ pub fn rest_of(columns: &DMatrix<f64>, basis: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Directions with what they measure in clean twins before any parameter is taken off.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Panel {
     raw: DMatrix<f64>,
     of_twins: DMatrix<f64>,
@@ -221,7 +221,7 @@ impl<V: PartialEq> Adequacy<V> {
 }
 
 /// Subspaces, each of which an effect could move the data in, with what they hold of clean twins.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Spaces {
     each: Vec<Space>,
     /// What the largest reading exceeds in one clean twin of two hundred.

@@ -116,10 +116,12 @@ pub struct Diagnosis {
 pub struct Evidence {
     /// The data.
     pub design: Design,
-    /// The noise.
+    /// The noise: that of the likeliest explanation that holds, or of the base where none does.
     pub noise: Noise,
-    /// The base.
+    /// The base, fitted to that noise.
     pub base: Fit,
+    /// Sum of squares that the base leaves where explanations are compared: in the noise of the likeliest, whether it holds or not.
+    pub compared_square: f64,
     /// Contact point of every run, mm, as the base fit sees it.
     pub contacts_mm: Vec<f64>,
     /// What the base predicts there for every run.
@@ -285,17 +287,19 @@ impl Diagnosis {
         self.blind_to = verdict::blind_spots(&first);
         let visible = !first.adequacy.passes() || first.catalogue() > first.spaces.threshold;
         self.shows_in = first.adequacy.shows_in.iter().map(|v| v.word()).collect();
-        let Found { search, singles, pairs, held, beyond_nameless } = if visible {
-            Found::of(first, experiment.sensor.noise_n, progress)
+        let found = if visible {
+            Found::of(first.clone(), experiment.sensor.noise_n, progress)
         } else {
-            Found { search: first, singles: Vec::new(), pairs: Vec::new(), held: Vec::new(), beyond_nameless: None }
+            Found::nothing(first.clone())
         };
+        let Found { search, singles, pairs, held, beyond_nameless } = found;
         let best = held.first().or(singles.first());
-        let contacts_mm = search.problem.contacts_mm.clone();
-        let extended_curves = best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &contacts_mm));
-        let shown = extended_curves.as_ref().unwrap_or(&search.curves);
+        let curves_of =
+            |problem: &Problem<'_>| best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
+        let explained = curves_of(&search.problem);
+        let explained = explained.as_ref().unwrap_or(&search.curves);
         let adequate = best.map_or(!visible, |e| e.adequacy.passes());
-        let ripple = ripple::of(experiment, &design, shown, &search.noise.sensor, adequate);
+        let ripple = ripple::of(experiment, &design, explained, &search.noise.sensor, adequate);
         self.messages.extend(ripple.map(|r| r.to_string()));
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(&design);
@@ -309,12 +313,17 @@ impl Diagnosis {
             nameless: held.first().filter(|_| is_nameless(beyond_nameless)).map(|best| search::rival(best, &design)),
         };
         verdict::conclude(self, experiment, seen, &held, held_out.as_ref());
-        let Search { noise, base, curves: base_curves, adequacy, margins, .. } = search;
+        let compared_square = search.base.square;
+        // a noise that was told about what does not hold may leave the base anywhere
+        let shown = if held.is_empty() { first } else { search };
+        let extended_curves = curves_of(&shown.problem);
+        let Search { problem, noise, base, curves: base_curves, adequacy, margins, .. } = shown;
         self.evidence = Some(Box::new(Evidence {
             design: design.clone(),
             noise,
             base,
-            contacts_mm,
+            compared_square,
+            contacts_mm: problem.contacts_mm,
             base_curves,
             extended_curves,
             adequacy,

@@ -82,7 +82,7 @@ fn base(evidence: &Evidence) -> String {
     )
 }
 
-/// The three best single effects, with what they leave.
+/// The three best single effects, with what they leave, and what the base leaves in the noise that they are compared in.
 fn nearest(evidence: &Evidence) -> String {
     let one = |e: &palpate::diagnose::search::Explanation| {
         let codes: Vec<String> =
@@ -94,7 +94,11 @@ fn nearest(evidence: &Evidence) -> String {
             e.adequacy.worst()
         )
     };
-    evidence.singles.iter().take(3).map(one).collect::<Vec<_>>().join("; ")
+    let told: Vec<String> = evidence.singles.iter().take(3).map(one).collect();
+    if told.is_empty() {
+        return String::new();
+    }
+    format!("{} (the base beside them: {:.0})", told.join("; "), evidence.compared_square)
 }
 
 fn all(what: &str, experiment: &Experiment, models: &Models) -> Outcome<Vec<(String, Diagnosis)>> {

@@ -254,7 +254,7 @@ fn detail(e: &Evidence, spec: &Spec) -> String {
         format!(
             "{}:{:.0}/{:.2}/{:+.1}{}{}{}{}",
             codes.join("+"),
-            e.base.square - s.fit.square,
+            e.compared_square - s.fit.square,
             s.adequacy.worst(),
             s.beyond_causeless,
             letter(s.beats_noise, "n"),

@@ -43,13 +43,19 @@ pub struct Found<'a> {
 }
 
 impl<'a> Found<'a> {
+    /// Where nothing was looked for.
+    #[must_use]
+    pub fn nothing(search: Search<'a>) -> Self {
+        Self { search, singles: Vec::new(), pairs: Vec::new(), held: Vec::new(), beyond_nameless: None }
+    }
+
     /// Searches for one effect and then for two. After each the noise is told about the likeliest explanation: jitter that is told about a base which is wrong
     /// by a tenth of the force passes for many times what it is, and hides whatever else is there.
     #[must_use]
     pub fn of(search: Search<'a>, stated_n: Option<f64>, progress: &Progress<'_>) -> Self {
         progress("effects", 0, 2);
         let singles = search.singles();
-        let mut found = Self { search, singles, pairs: Vec::new(), held: Vec::new(), beyond_nameless: None };
+        let mut found = Self { singles, ..Self::nothing(search) };
         found.settle_singles(stated_n);
         found.held = found.alike(&found.singles);
         // where an explanation that may itself be wrong holds nothing is added to it: a second name for what it leaves would be a wrong one

@@ -107,7 +107,7 @@ pub(super) fn score(fit: &Fit) -> f64 {
 }
 
 /// Data, noise and base, with all that a search among effects needs of them.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Search<'a> {
     /// Data and model.
     pub problem: Problem<'a>,

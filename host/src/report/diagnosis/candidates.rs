@@ -16,10 +16,10 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
     }
     let count = entries(evidence);
     page.paragraph(&format!(
-        "Each effect of the catalogue was added to the base and everything was fitted again. The base leaves a sum of squares of {} where {count} is expected of noise; \
+        "Each effect of the catalogue was added to the base and everything was fitted again. In the noise that the likeliest of them leaves, the base has a sum of squares of {} where {count} is expected; \
          'explains' is the share of that excess that an effect removes. A name needs every demand; the order is that of the likelihood with a charge for each parameter. \
          'behind' is the distance to the best: {} is a likelihood ratio of 100.",
-        number(evidence.base.square.round()),
+        number(evidence.compared_square.round()),
         number(RATIO_100),
     ));
     let best = evidence.singles.first().map_or(0.0, Explanation::score);
@@ -47,8 +47,8 @@ fn entries(evidence: &Evidence) -> usize {
 
 /// Share of the base's excess over noise that a sum of squares has lost; none where there is no excess.
 fn explained(evidence: &Evidence, square: f64) -> Option<f64> {
-    let excess = evidence.base.square - entries(evidence) as f64;
-    (excess > 0.0).then(|| (evidence.base.square - square) / excess)
+    let excess = evidence.compared_square - entries(evidence) as f64;
+    (excess > 0.0).then(|| (evidence.compared_square - square) / excess)
 }
 
 /// Whole percents, without a minus before nothing.

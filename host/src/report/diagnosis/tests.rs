@@ -189,6 +189,7 @@ fn evidence(held: Vec<Explanation>) -> Evidence {
             sensor_freedom: 30.0,
         },
         base: fit(Vec::new(), 1018.0),
+        compared_square: 1018.0,
         contacts_mm: vec![0.01, -0.01],
         extended_curves: (!held.is_empty()).then(|| curves.clone()),
         base_curves: curves,
