@@ -381,8 +381,13 @@ impl Search<'_> {
             // what is beside one form of an effect is mostly beside another
             let is_form =
                 worth.iter().take_while(|other| **other < at).any(|other| names(&than[*other].fit) == names(fit));
-            let partners = if is_form { PARTNERS } else { many };
             let others: Vec<Candidate> = self.candidates.iter().filter(|c| other(c, fit)).copied().collect();
+            let partners = match is_form {
+                // what is missing has bent the base as far as it goes, and from there its own shape says little
+                _ if self.is_pinned(fit) => others.len(),
+                true => PARTNERS,
+                false => many,
+            };
             let signatures: Vec<DMatrix<f64>> = others.par_iter().map(|c| signature(&self.problem, fit, c)).collect();
             let spaces = Spaces::new(&signatures, &fit.jacobian, &few);
             let mut promise: Vec<(f64, Candidate)> =
@@ -421,6 +426,13 @@ impl Search<'_> {
         let mut list: Vec<Explanation> = each.collect();
         let solved = self.solve_best(&mut list, &before, aim);
         (sorted(list), solved)
+    }
+
+    /// True where modulus or exponent lie on a bound.
+    fn is_pinned(&self, fit: &Fit) -> bool {
+        let base = fit.coordinates.iter().zip(&fit.x).take(self.base.x.len());
+        base.map(|(coordinate, x)| (coordinate.bounds(), *x))
+            .any(|((low, high), x)| (x - low).min(high - x) < 1e-3 * (high - low))
     }
 
     /// What was found out about a fit with one candidate more than another.
