@@ -98,6 +98,10 @@ impl<'a> Found<'a> {
     /// Extends single effects by a second one.
     fn look_for_pairs(&mut self, stated_n: Option<f64>) {
         let mut base: Vec<Explanation> = self.singles.iter().filter(|e| e.beats_noise).cloned().collect();
+        if base.is_empty() {
+            // two that hide each other may each be no more than noise alone
+            base = self.singles.clone();
+        }
         if let Some(best) = self.held.first() {
             // a second effect may be what the richer form of the first was taken for
             base.retain(|e| key(e) == key(best));
