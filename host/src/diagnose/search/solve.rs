@@ -30,6 +30,9 @@ const ENDS: f64 = 0.04;
 /// to. An offset of the contact beside softening, whose exponent of 11.3 was 13.6 without it, lay 160 off its own solve and was lost with the 16 standard deviations that it explains (D36).
 const BELIEVED: f64 = 30.0;
 
+/// Ratio of two exponents from which on what finite elements of one miss is not what those of the other do.
+const MOVED: f64 = 1.1;
+
 /// Valleys of a second term beside another effect that are followed to their ground.
 const FOLLOWED: usize = 2;
 /// Modulus and exponent (their logarithms), ratio and second exponent of two laws lie this near each other in one valley: different valleys were found two to twenty times as far apart, the same ones half as far at most.
@@ -79,6 +82,14 @@ impl Search<'_> {
     /// The same, not to the end where that would not come near a score.
     fn solved_against(&self, fit: &Fit, best: f64) -> Option<Fit> {
         self.look(fit).and_then(|looked| self.follow(&fit.candidates, looked, best))
+    }
+
+    /// True where a fit has finite elements of fewer effects than its own, and of another exponent.
+    pub(super) fn is_beside_its_solve(&self, fit: &Fit) -> bool {
+        fit.model.whole.as_ref().is_some_and(|whole| {
+            let ratio = fit.model.alpha / whole.place().alpha;
+            whole.place().settings.len() < fit.model.settings.len() && ratio.max(ratio.recip()) > MOVED
+        })
     }
 
     /// The first solves of a fit: one, or of a second term one in each of its valleys.
