@@ -63,8 +63,11 @@ fn zero(evidence: &Evidence) -> String {
 fn noise(page: &mut Page, evidence: &Evidence) {
     let (sensor, jitter) = (evidence.noise.sensor, evidence.noise.jitter);
     let row = |name: &str, value: String| vec![name.to_owned(), value];
+    // what an explanation that does not hold would leave of it is another one, which notes may refer to
+    let about =
+        if evidence.held.is_empty() { "noise of these data, as the base sees it" } else { "noise of these data" };
     page.table(
-        &["noise of these data", "standard deviation"],
+        &[about, "standard deviation"],
         &[
             row("one sample of the force (N)", number(sensor.sigma_n)),
             row("  of its variance: white (%)", number(100.0 * sensor.white)),

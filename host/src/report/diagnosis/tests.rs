@@ -292,6 +292,18 @@ fn a_clean_page_shows_no_extension() {
 }
 
 #[test]
+fn where_nothing_holds_the_noise_is_told_to_be_that_of_the_base() {
+    const BASES: &str = "noise of these data, as the base sees it";
+    let of = |held: Vec<Explanation>| {
+        let mut found = diagnosis(Verdict::Unknown);
+        found.evidence = Some(Box::new(evidence(held)));
+        page(&experiment(), &[found]).html()
+    };
+    assert!(of(Vec::new()).contains(BASES));
+    assert!(!of(vec![explanation("relaxation", 18.0)]).contains(BASES));
+}
+
+#[test]
 fn a_refusal_is_a_page_with_its_reason_and_what_to_measure() {
     let mut found = diagnosis(Verdict::Refused);
     found.refusal = Some(Refusal::NoNoise);
