@@ -54,6 +54,12 @@ impl Coordinate {
         }
     }
 
+    /// True for a place that lies within a thousandth of the way on one of the bounds.
+    pub(super) fn is_at_end(&self, x: f64) -> bool {
+        let (low, high) = self.bounds();
+        (x - low).min(high - x) < 1e-3 * (high - low)
+    }
+
     /// Step of a difference quotient.
     pub(super) fn step(&self) -> f64 {
         match self {

@@ -283,7 +283,7 @@ impl Problem<'_> {
                 let null = c.of(q.null);
                 (near(*low) && (low - null).abs() > 1e-9) || (near(*high) && (high - null).abs() > 1e-9)
             }
-            Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => (x - low).min(high - x) < 1e-3 * (high - low),
+            Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => c.is_at_end(*x),
         });
         let model = self.model(&coordinates, candidates, &x);
         let at_bound = ends || relaxing_part(&model) > relaxation::MOST;

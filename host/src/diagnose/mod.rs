@@ -297,9 +297,9 @@ impl Diagnosis {
         let curves_of =
             |problem: &Problem<'_>| best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
         let explained = curves_of(&search.problem);
-        let explained = explained.as_ref().unwrap_or(&search.curves);
         let adequate = best.map_or(!visible, |e| e.adequacy.passes());
-        let ripple = ripple::of(experiment, &design, explained, &search.noise.sensor, adequate);
+        let predicted = explained.as_ref().unwrap_or(&search.curves);
+        let ripple = ripple::of(experiment, &design, predicted, &search.noise.sensor, adequate);
         self.messages.extend(ripple.map(|r| r.to_string()));
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
         self.cancelling = verdict::cancelling(&design);
@@ -315,8 +315,8 @@ impl Diagnosis {
         verdict::conclude(self, experiment, seen, &held, held_out.as_ref());
         let compared_square = search.base.square;
         // a noise that was told about what does not hold may leave the base anywhere
-        let shown = if held.is_empty() { first } else { search };
-        let extended_curves = curves_of(&shown.problem);
+        let (extended_curves, shown) =
+            if held.is_empty() { (curves_of(&first.problem), first) } else { (explained, search) };
         let Search { problem, noise, base, curves: base_curves, adequacy, margins, .. } = shown;
         self.evidence = Some(Box::new(Evidence {
             design: design.clone(),

@@ -1,6 +1,6 @@
 //! What effects may be wrong by as they are written down, which is no evidence for another one.
 
-use lut_gen::chain::{Model, Setting};
+use lut_gen::chain::Model;
 use lut_gen::effect::{Stage, adhesion, friction, nameless, poisson, relaxation, sensor_creep, softening};
 use nalgebra::{DMatrix, DVector};
 
@@ -67,7 +67,7 @@ pub(super) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
             }
         }
     }
-    columns.extend(remembered(problem, fit).into_iter().filter(|column| column.norm() > 0.0));
+    columns.extend(remembered(problem, fit).filter(|column| column.norm() > 0.0));
     if columns.is_empty() {
         return DMatrix::zeros(len, 0);
     }
@@ -154,36 +154,32 @@ pub fn allowed(problem: &Problem<'_>, fit: &Fit) -> Allowed {
     Allowed::new(form_error(problem, fit))
 }
 
-/// What a sensor that creeps still reads of the run before, N, a column each creep: it recovers while nothing loads it, and whether its zero was taken again
-/// before the touch is not known.
-fn remembered(problem: &Problem<'_>, fit: &Fit) -> Vec<DVector<f64>> {
+/// What a sensor that creeps still reads of the run before, N: it recovers while nothing loads it, and whether its zero was taken again before the touch is not known.
+fn remembered(problem: &Problem<'_>, fit: &Fit) -> Option<DVector<f64>> {
+    let creep = fit.model.settings.iter().find(|s| *s.effect == sensor_creep::CREEP)?;
+    let (amplitude, tau_s) = (creep.values[0], creep.values[1]);
+    let mut bare = fit.model.clone();
+    bare.settings.retain(|s| s != creep);
     let series = &problem.design.series;
     let mut session: Vec<(f64, usize)> =
         series.iter().enumerate().filter_map(|(run, s)| Some((s.start_s?, run))).collect();
     session.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let creeps = |s: &&Setting| *s.effect == sensor_creep::CREEP;
-    let of = |creep: &Setting| {
-        let mut bare = fit.model.clone();
-        bare.settings.retain(|s| *s.effect != sensor_creep::CREEP);
-        let forces = problem.chain.predict(&bare, &problem.contacts_mm);
-        let (amplitude, tau_s) = (creep.values[0], creep.values[1]);
-        let mut column = DVector::zeros(problem.whitening.residuals());
-        let (mut late_n, mut since_s) = (0.0, f64::NEG_INFINITY);
-        for (start_s, run) in &session {
-            let (own, passage) = (&series[*run], &problem.chain.passages[*run]);
-            let first_n: f64 = late_n * (-(start_s - since_s).max(0.0) / tau_s).exp();
-            for (k, node) in own.nodes.iter().enumerate() {
-                column[problem.whitening.first(*run) + k] = amplitude * first_n * (-node.time_s / tau_s).exp();
-            }
-            let (Some(last_s), Some(last_n)) = (passage.time_s.last(), forces[*run].last()) else { continue };
-            let mut read_n = forces[*run].clone();
-            sensor_creep::creep(&passage.time_s, &mut read_n, (1.0, tau_s));
-            late_n = read_n.last().map_or(0.0, |n| n - last_n) + first_n * (-last_s / tau_s).exp();
-            since_s = start_s + last_s;
+    let mut column = DVector::zeros(problem.whitening.residuals());
+    let (mut late_n, mut since_s) = (0.0, f64::NEG_INFINITY);
+    let forces = problem.chain.predict(&bare, &problem.contacts_mm);
+    for (start_s, run) in session {
+        let time_s = &problem.chain.passages[run].time_s;
+        let first_n: f64 = late_n * (-(start_s - since_s).max(0.0) / tau_s).exp();
+        for (k, node) in series[run].nodes.iter().enumerate() {
+            column[problem.whitening.first(run) + k] = amplitude * first_n * (-node.time_s / tau_s).exp();
         }
-        column
-    };
-    fit.model.settings.iter().filter(creeps).map(of).collect()
+        let (Some(last_s), Some(last_n)) = (time_s.last(), forces[run].last()) else { continue };
+        let mut read_n = forces[run].clone();
+        sensor_creep::creep(time_s, &mut read_n, (1.0, tau_s));
+        late_n = read_n.last().map_or(0.0, |n| n - last_n) + first_n * (-last_s / tau_s).exp();
+        since_s = start_s + last_s;
+    }
+    Some(column)
 }
 
 /// A vector times a polynomial along one branch of one group, 0 elsewhere.

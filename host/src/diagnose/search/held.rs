@@ -147,11 +147,10 @@ impl<'a> Found<'a> {
         let rivals: Vec<usize> = (0..self.pairs.len()).filter(|at| is_rival(&self.pairs[*at])).collect();
         for at in rivals {
             let fit = &self.pairs[at].fit;
-            let first = &fit.candidates[..fit.candidates.len() - 1];
-            let Some(single) = self.singles.iter().find(|e| e.fit.candidates == first) else { continue };
+            let [first, _] = fit.candidates[..] else { continue };
             let rounds = (SETTLES, SAME);
             let Some(solved) = self.search.rounds_at(&fit.candidates, &fit.x, rounds, least) else { continue };
-            let before = Before::new(&self.search.problem, single.fit.clone());
+            let Some(before) = self.before(first) else { continue };
             self.pairs[at] = self.search.compared(solved, &before);
             if self.pairs[at].holds() {
                 least = least.min(self.pairs[at].score());
@@ -288,10 +287,16 @@ impl<'a> Found<'a> {
         }
     }
 
+    /// What pairs that begin with an effect extend.
+    fn before(&self, first: Candidate) -> Option<Before> {
+        let single = self.singles.iter().find(|e| e.fit.candidates == [first])?;
+        Some(Before::new(&self.search.problem, single.fit.clone()))
+    }
+
     /// Tries pairs that have a stated twin in the place of the second effect: what was not tried is not excluded.
     fn try_twins(&mut self, best: &Fit) {
         let [first, second] = best.candidates[..] else { return };
-        let Some(before) = self.singles.iter().find(|e| e.fit.candidates == [first]) else { return };
+        let Some(before) = self.before(first) else { return };
         let tried = |c: &Candidate| {
             self.pairs.iter().any(|e| e.fit.candidates.contains(c) && e.fit.candidates.contains(&first))
         };
@@ -301,7 +306,6 @@ impl<'a> Found<'a> {
             .par_iter()
             .filter(|c| are_twins(c, &second) && c.effect.code != first.effect.code && !tried(c));
         let score = score(best);
-        let before = Before::new(&self.search.problem, before.fit.clone());
         let more: Vec<Explanation> = missing.map(|c| self.search.with(&before, c, score)).collect();
         self.pairs.extend(more);
         self.pairs = sorted(std::mem::take(&mut self.pairs));

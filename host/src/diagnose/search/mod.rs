@@ -428,11 +428,10 @@ impl Search<'_> {
         (sorted(list), solved)
     }
 
-    /// True where modulus or exponent lie on a bound.
+    /// True where a parameter of the base lies on a bound.
     fn is_pinned(&self, fit: &Fit) -> bool {
-        let base = fit.coordinates.iter().zip(&fit.x).take(self.base.x.len());
-        base.map(|(coordinate, x)| (coordinate.bounds(), *x))
-            .any(|((low, high), x)| (x - low).min(high - x) < 1e-3 * (high - low))
+        let mut base = fit.coordinates.iter().zip(&fit.x).take(self.base.x.len());
+        base.any(|(coordinate, x)| coordinate.is_at_end(*x))
     }
 
     /// What was found out about a fit with one candidate more than another.

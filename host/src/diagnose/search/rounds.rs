@@ -82,7 +82,7 @@ impl Search<'_> {
     }
 
     /// Where finite elements were solved, in the coordinates of a fit; none if they were of other effects.
-    fn place_of(&self, fit: &Fit, whole: &Whole) -> Option<DVector<f64>> {
+    pub(super) fn place_of(&self, fit: &Fit, whole: &Whole) -> Option<DVector<f64>> {
         point(&coordinates(self.problem.design, &fit.candidates), &fit.candidates, whole.place())
     }
 

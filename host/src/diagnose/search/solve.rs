@@ -84,12 +84,10 @@ impl Search<'_> {
         self.look(fit).and_then(|looked| self.follow(&fit.candidates, looked, best))
     }
 
-    /// True where a fit has finite elements of fewer effects than its own, and of another exponent.
+    /// True where a fit has finite elements of other effects than its own, and of another exponent.
     pub(super) fn is_beside_its_solve(&self, fit: &Fit) -> bool {
-        fit.model.whole.as_ref().is_some_and(|whole| {
-            let ratio = fit.model.alpha / whole.place().alpha;
-            whole.place().settings.len() < fit.model.settings.len() && ratio.max(ratio.recip()) > MOVED
-        })
+        let whole = fit.model.whole.as_ref();
+        whole.is_some_and(|whole| self.place_of(fit, whole).is_none() && whole.moved(&fit.model) > MOVED)
     }
 
     /// The first solves of a fit: one, or of a second term one in each of its valleys.

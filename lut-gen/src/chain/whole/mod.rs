@@ -78,8 +78,14 @@ impl Whole {
     #[must_use]
     pub fn is_far_from(&self, model: &Model) -> bool {
         const FAR: f64 = 1.3;
+        self.moved(model) > FAR
+    }
+
+    /// Ratio, the larger over the smaller, of a model's exponent and that which it was found at.
+    #[must_use]
+    pub fn moved(&self, model: &Model) -> f64 {
         let ratio = model.alpha / self.place.alpha;
-        ratio.max(ratio.recip()) > FAR
+        ratio.max(ratio.recip())
     }
 
     /// What is missed in a run of `places` places by a model, N; nothing for a run that it was not made for.
