@@ -13,6 +13,7 @@ pub mod experiment;
 pub mod extended;
 pub mod flash;
 pub mod identify;
+pub mod infer;
 pub mod link;
 pub mod log;
 pub mod monitor;

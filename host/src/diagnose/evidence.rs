@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use super::fit::Fit;
 use super::margin::{Margin, Variable};
 use super::noise::{Jitter, Noise};
-use super::product::inner;
 use super::spike::{self, SPIKE};
 use super::whiten::Whitening;
+use crate::infer::product::inner;
 
 /// Clean twins that thresholds are taken from.
 pub const TWINS: usize = 1000;

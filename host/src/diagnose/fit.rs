@@ -13,8 +13,8 @@ use super::coordinate::{Candidate, Coordinate, coordinates, model};
 use super::design::Design;
 use super::evidence::exceeded;
 use super::noise::Curve;
-use super::product::inner;
 use super::whiten::{Whitening, kernel};
+use crate::infer::product::inner;
 
 /// Data, model and noise: what is fitted.
 #[derive(Debug, Clone)]

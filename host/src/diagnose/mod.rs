@@ -22,7 +22,7 @@ pub mod noise;
 mod placebo;
 pub mod plan;
 mod prepared;
-mod product;
+
 pub mod ripple;
 pub mod search;
 mod spike;

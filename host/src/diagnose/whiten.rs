@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::design::{Design, Series};
 use super::noise::{Curve, Noise, SensorNoise};
-use super::product::{inner, turn_rows};
 use super::spike::Spike;
+use crate::infer::product::{inner, turn_rows};
 
 /// A linear map of residuals (N, all runs one after the other) that makes their noise white.
 #[derive(Debug, Clone)]

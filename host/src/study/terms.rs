@@ -12,11 +12,11 @@ use crate::identify::data::Selection;
 use crate::identify::fe::{ModelError, Progress};
 use crate::identify::newton::condition::{Condition, Source};
 use crate::identify::newton::coordinate::{Kind, Unknown};
-use crate::identify::newton::levenberg::minimise;
 use crate::identify::newton::problem::Problem;
 use crate::identify::newton::setup;
 use crate::identify::newton::surrogate::Node;
 use crate::identify::spec::{FitSpec, FittedLaw};
+use crate::infer::descent::{Rule, Together, minimise};
 
 use super::{StudyError, Subject};
 
@@ -234,7 +234,7 @@ fn best_of(problem: &Problem<'_>, places: &Places, starts: Vec<Start>, count: us
             for axis in (0..point.len()).filter(|axis| *axis != places.mu) {
                 (region.low[axis], region.high[axis]) = (point[axis], point[axis]);
             }
-            (start, minimise(&|x| problem.quadratic(x), &region, &point).at.value)
+            (start, minimise(&Together(|x: &[f64]| problem.quadratic(x)), &region, &point, &Rule::default()).value)
         })
         .collect();
     judged.sort_by(|a, b| a.1.total_cmp(&b.1));

@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 use crate::identify::data::LoadingCurve;
-use crate::identify::newton::levenberg::{Quadratic, Region, minimise};
+use crate::infer::descent::{Quadratic, Region, Rule, Together, minimise};
 
 /// A fitted run.
 pub struct Run<'a> {
@@ -196,7 +196,7 @@ pub fn with_contacts_held(runs: &[Run<'_>], start: [f64; 2], by_mm: f64) -> [f64
     let alpha = runs.first().map_or((1.0, 24.0), |run| run.model.spec().alpha);
     let region =
         Region { low: vec![start[0] - wide, alpha.0.ln()], high: vec![start[0] + wide, alpha.1.ln()], held: None };
-    let end = minimise(&model, &region, &start).x;
+    let end = minimise(&Together(model), &region, &start, &Rule::default()).x;
     [end[0], end[1]]
 }
 

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::super::coordinate::Coordinate;
 use super::super::design::Design;
 use super::super::fit::{Fit, Problem};
-use super::super::product::inner;
+use crate::infer::product::inner;
 
 /// Minus twice the logarithm of the density that the other groups of conditions predict every group with, to first order about the fit, less what all fits have in common.
 /// What the others do not tell of the parameters is in it: a prediction that is uncertain is no wrong one.

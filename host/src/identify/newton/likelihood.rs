@@ -1,12 +1,13 @@
 //! Profile-likelihood intervals (Venzon and Moolgavkar 1988, doi:10.2307/2347496): a value belongs to the interval as long as
 //! some choice of all other parameters, contact points included, explains the data as well as chance allows.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::levenberg::{Minimum, Region, minimise};
 use super::problem::Problem;
 use crate::identify::spec::Loss;
+use crate::infer::covariance::covariance;
+use crate::infer::descent::{Minimum, Region};
 
 /// Rise of the objective at the end of a 95 % interval: the quantile of chi-squared with one degree of freedom.
 pub const RISE: f64 = 3.841_458_820_694_124;
@@ -32,28 +33,6 @@ pub struct End {
     pub support: Vec<f64>,
     /// The bound of the search came first.
     pub at_bound: bool,
-}
-
-/// Standard errors by linearisation, from the Gauss-Newton Hessian; infinite where it is singular.
-#[must_use]
-pub fn standard_errors(hessian: &DMatrix<f64>) -> Vec<f64> {
-    match covariance(hessian) {
-        Some(covariance) => covariance.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect(),
-        None => vec![f64::INFINITY; hessian.nrows()],
-    }
-}
-
-/// Inverse of a Hessian whose coordinates differ in scale; `None` if it is singular.
-#[must_use]
-pub fn covariance(hessian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let n = hessian.nrows();
-    let scale: Vec<f64> = (0..n).map(|i| hessian[(i, i)].sqrt()).collect();
-    if scale.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
-        return None;
-    }
-    let scaled = DMatrix::from_fn(n, n, |i, j| hessian[(i, j)] / scale[i] / scale[j]);
-    let inverse = scaled.cholesky()?.inverse();
-    Some(DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / scale[i] / scale[j]))
 }
 
 impl Problem<'_> {
@@ -145,7 +124,7 @@ impl Problem<'_> {
         let mut start = start.to_vec();
         start[axis] = x.clamp(region.low[axis], region.high[axis]);
         let region = Region { held: Some(axis), ..region.clone() };
-        minimise(&|x| self.quadratic(x), &region, &start)
+        self.minimised(&region, &start)
     }
 
     /// How far an error of the simulation itself may have moved each coordinate (one standard deviation): a relative force

@@ -7,7 +7,6 @@
 //! surrogate   what the solves so far say about the points between them
 //! track       force over depth and hold time from the surrogate's values
 //! problem     weighted differences of all runs, contact points eliminated
-//! levenberg   Levenberg-Marquardt in a box, on the surrogate
 //! search      solve, minimise on what is known, solve there: until nothing moves
 //! absolute    the kinked objective of Eq. 14 by a simplex on what was solved
 //! likelihood  profile intervals
@@ -21,7 +20,6 @@ pub mod condition;
 pub mod coordinate;
 mod coupon;
 pub mod fit;
-pub mod levenberg;
 pub mod likelihood;
 pub mod problem;
 pub mod search;

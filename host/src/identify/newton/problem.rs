@@ -5,10 +5,10 @@ use rayon::prelude::*;
 
 use crate::identify::data::{LoadingCurve, Selection};
 use crate::identify::spec::{HUBER, Loss};
+use crate::infer::descent::{Minimum, Quadratic, Region, Rule, Together, minimise};
 
 use super::condition::Condition;
 use super::coordinate::{Kind, Unknown, Values};
-use super::levenberg::{Minimum, Quadratic, Region};
 use super::track::Track;
 
 /// How much a run's samples count.
@@ -68,6 +68,12 @@ impl Problem<'_> {
     pub fn region(&self) -> Region {
         let (low, high) = self.unknowns.iter().map(Unknown::bounds).unzip();
         Region { low, high, held: None }
+    }
+
+    /// The minimum near a point inside a region, on what is solved.
+    #[must_use]
+    pub fn minimised(&self, region: &Region, start: &[f64]) -> Minimum {
+        minimise(&Together(|x: &[f64]| self.quadratic(x)), region, start, &Rule::default()).into()
     }
 
     /// Curves that are fitted.

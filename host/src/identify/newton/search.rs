@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use lut_gen::solve::SolveError;
 
-use super::levenberg::{Minimum, Region, minimise};
+use crate::infer::descent::{Minimum, Region};
+
 use super::problem::Problem;
 
 /// One point that was solved, and the objective there.
@@ -103,7 +104,7 @@ impl Problem<'_> {
                 (region.low[axis], region.high[axis]) = (point[axis], point[axis]);
             }
         }
-        minimise(&|x| self.quadratic(x), &region, point)
+        self.minimised(&region, point)
     }
 
     /// Searches from the given points, which are solved first. At most `budget` solves.
@@ -134,7 +135,7 @@ impl Problem<'_> {
         let mut trust = FIRST_TRUST;
         let mut expected_within = f64::INFINITY;
         loop {
-            let aim = minimise(&|x| self.quadratic(x), &around(&full, &best.point, trust), &best.point);
+            let aim = self.minimised(&around(&full, &best.point, trust), &best.point);
             if self.rests(&best.point, &aim) {
                 // The minimum between solves, so near to one that the solve there would add nothing.
                 return Ok(Found { minimum: aim, path, converged: true, expected_within, failures });

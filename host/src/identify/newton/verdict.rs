@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::likelihood::covariance;
+use crate::infer::covariance::covariance;
 
 /// What can be said of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::identify::data::{Height, LoadingCurve, Selection};
 use crate::identify::model::{ForwardModel, Shape, UnitCurve};
-use crate::identify::newton::levenberg::Quadratic;
 use crate::identify::objective::best_mu;
+use crate::infer::descent::Quadratic;
 
 /// Nodes over ln alpha: the cubic between them is within 1e-8 of the force of the interpolated model.
 const NODES: usize = 97;

@@ -11,8 +11,8 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-use crate::identify::newton::levenberg::{Region, minimise};
 use crate::identify::simplex::{self, Bounds, Stop};
+use crate::infer::descent::{Region, Rule, Together, minimise};
 
 use super::evolution::{cma_es, hooke_jeeves};
 use super::landscape::Counted;
@@ -126,7 +126,7 @@ fn gauss_newton(problem: &Counted<'_>, start: &[f64], sensitivities: bool) {
         best.set(best.get().min(quadratic.value));
         quadratic
     };
-    minimise(&model, &region, start);
+    minimise(&Together(model), &region, start, &Rule::default());
 }
 
 fn nelder_mead(problem: &Counted<'_>, start: &[f64]) {

@@ -19,7 +19,7 @@ pub fn inner(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
 ///
 /// # Panics
 /// When the rows are not there.
-pub(super) fn turn_rows(by: &DMatrix<f64>, of: &mut DMatrix<f64>, first: usize) {
+pub fn turn_rows(by: &DMatrix<f64>, of: &mut DMatrix<f64>, first: usize) {
     let own = of.rows(first, by.nrows()).into_owned();
     let columns = of.ncols();
     let rows = seen_mut(of).submatrix_mut(first, 0, by.nrows(), columns);

@@ -1,0 +1,21 @@
+//! Inference: from rows that a model predicts to parameters, their errors, and what they rest on. It knows no physics.
+//!
+//! ```text
+//! rows        which rows count; those left out are removed, not set to zero
+//! product     products of tall matrices
+//! eigen       eigenvalues of a symmetric matrix, with an end
+//! covariance  inverse of an information matrix, standard errors, determinants, marginals
+//! lowrank     Gaussian errors along a few columns: the one low-rank step
+//! descent     Levenberg-Marquardt in a box: the one local optimiser of sums of squares
+//! starts      where searches begin: a space-filling design, and a search from many starts
+//! ```
+//!
+//! Users are [`crate::identify`], [`crate::extended`] and [`crate::diagnose`]. Nothing here imports any of them.
+
+pub mod covariance;
+pub mod descent;
+pub mod eigen;
+pub mod lowrank;
+pub mod product;
+pub mod rows;
+pub mod starts;
