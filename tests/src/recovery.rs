@@ -7,7 +7,7 @@ use lut_gen::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen as
 use lut_gen::solve::SolveError;
 use palpate::experiment::{self, BaseLaw, Experiment};
 use palpate::identify::newton::condition::{Condition, Source};
-use palpate::identify::newton::likelihood::standard_errors;
+use palpate::infer::covariance::standard_errors;
 use palpate::identify::newton::problem::Weight;
 use palpate::identify::newton::setup;
 use palpate::identify::spec::{FitSpec, Loss};
