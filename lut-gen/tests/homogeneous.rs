@@ -217,3 +217,65 @@ fn a_state_that_does_not_exist_is_named() {
     assert!(said.starts_with("no uniaxial state without lateral stress at stretch 0."), "{said}");
     assert!(said.contains("alpha_2 3"), "{said}");
 }
+
+/// Free expansion is stress free, whatever the law, and every stretch is then `1 + e` (thesis Eqs. 3 to 5).
+#[test]
+fn a_free_specimen_grows_without_stress() {
+    let laws: [Material; 3] =
+        [two_terms().into(), nearly(0.1, 3.0, 1e-3).into(), Hencky::new(0.1, 0.3).unwrap().into()];
+    for (law, strain) in laws.iter().flat_map(|l| [0.02, -0.05, 0.3].map(|e| (l, e))) {
+        let warm = law.clone().warmed(strain).unwrap();
+        for mode in [Mode::Uniaxial, Mode::Equibiaxial] {
+            let grown = 1.0 + strain;
+            let coupon = coupon(warm.clone(), mode);
+            // the bisection ends at rounding; a nearly incompressible solid makes 1e-13 of stretch 1e-12 MPa
+            assert!((coupon.rest_stretch().unwrap() - grown).abs() < 1e-13, "{mode} {strain}");
+            let r = coupon.follow(&even(vec![grown, grown]), &[]).unwrap();
+            assert!(r.stress_mpa.iter().all(|p| p.abs() < 1e-11), "{mode} {strain}: {:?}", r.stress_mpa);
+            assert!((r.side[1] - grown).abs() < 1e-12, "{mode} {strain}: {:?}", r.side);
+        }
+    }
+}
+
+/// A foam that is warmed in a ring between fixed faces: all stretches stay 1, the elastic ones are `1 / (1 + e)`, so that
+/// `P = 1/(1+e) sum 2 mu/alpha (1+e) [(1+e)^-alpha - (1+e)^(3 alpha b)]`. To first order that is `-3 K e`.
+#[test]
+fn confined_heating_is_the_closed_form() {
+    for strain in [0.001, 0.05, -0.1] {
+        let grown: f64 = 1.0 + strain;
+        let warm = Material::from(two_terms()).warmed(strain).unwrap();
+        let p = coupon(warm, Mode::Confined).follow(&even(vec![1.0, 1.0]), &[]).unwrap().stress_mpa[1];
+        let term = |mu: f64, alpha: f64, nu: f64| {
+            let beta = nu / (1.0 - 2.0 * nu);
+            (2.0 * mu / alpha * (grown.powf(-alpha) - grown.powf(3.0 * alpha * beta)), 2.0 * mu * (1.0 / 3.0 + beta))
+        };
+        let ((a, bulk_a), (b, bulk_b)) = (term(0.1, 8.0, 0.2), term(0.02, -2.0, 0.1));
+        assert!((p - (a + b)).abs() < 1e-13, "{strain}: {p} {}", a + b);
+        let linear = -3.0 * (bulk_a + bulk_b) * strain;
+        // the next term is of the order alpha e
+        assert!((p / linear - 1.0).abs() < 10.0 * strain.abs(), "{strain}: {p} {linear}");
+    }
+}
+
+/// Derivatives of a warmed, relaxing specimen by every parameter, the thermal strain among them, against differences.
+#[test]
+fn a_warmed_specimen_has_its_derivatives() {
+    let series = vec![PronyTerm { g: 0.3, k: 0.1, tau_s: 0.8 }];
+    let warm = Material::from(two_terms()).relaxing(series).unwrap().warmed(0.04).unwrap();
+    let path = even(vec![1.04, 0.9, 0.7, 0.7, 0.8]);
+    for mode in [Mode::Uniaxial, Mode::Confined, Mode::Planar] {
+        let parameters: Vec<Parameter> = warm.parameters().iter().map(|(p, _)| *p).collect();
+        assert!(parameters.contains(&Parameter::ThermalStrain));
+        let exact = coupon(warm.clone(), mode).follow(&path, &parameters).unwrap();
+        for sensitivity in &exact.sensitivities {
+            let at =
+                |by: f64| coupon(warm.shifted(sensitivity.parameter, by), mode).follow(&path, &[]).unwrap().stress_mpa;
+            let h = 1e-5;
+            let scale = sensitivity.stress_mpa.iter().fold(1e-3_f64, |m, s| m.max(s.abs()));
+            for ((low, high), value) in at(-h).iter().zip(at(h)).zip(&sensitivity.stress_mpa) {
+                // h^2 alpha^3 of the quotient, and rounding of the lateral stretch over h
+                assert!(((high - low) / (2.0 * h) - value).abs() < 1e-6 * scale, "{mode} {}", sensitivity.parameter);
+            }
+        }
+    }
+}

@@ -49,7 +49,7 @@ fn check_derivatives(law: &Elastic, f: &Gradient) {
             assert!(miss < BY_DIFFERENCES, "tangent {i}{j} at {f:?}: {value} {by_difference}");
         }
     }
-    let material = Material { elastic: law.clone(), prony: Vec::new(), softening: None };
+    let material = Material { elastic: law.clone(), prony: Vec::new(), softening: None, thermal: None };
     for (parameter, value) in material.parameters() {
         let direction = [0.3, -0.2, 0.5, 0.4, -0.6];
         let moving: [Dual; 5] = std::array::from_fn(|i| Dual::new(f[i], direction[i]));
@@ -114,13 +114,16 @@ proptest! {
     /// that two earlier steps leave behind, also on the unloading side.
     #[test]
     fn the_tangent_of_a_step_is_the_derivative_of_its_stress(
-        g in 0.0..0.6_f64, k in 0.0..0.6_f64, tau in 0.01..10.0_f64, dt in 0.0..3.0_f64, softens in any::<bool>(),
+        g in 0.0..0.6_f64, k in 0.0..0.6_f64, tau in 0.01..10.0_f64, dt in 0.0..3.0_f64, softens in any::<bool>(), warms in any::<bool>(),
         rr in 0.7..1.2_f64, zz in 0.5..1.1_f64, tt in 0.8..1.2_f64, rz in -0.2..0.2_f64, zr in -0.2..0.2_f64,
     ) {
         let series = vec![PronyTerm { g, k, tau_s: tau }, PronyTerm { g: 0.1, k: 0.2, tau_s: 1.0 }];
         let mut material = Material::from(two_terms()).relaxing(series).unwrap();
         if softens {
             material = material.softening(OgdenRoxburgh::new(1.5, 0.001, 0.2).unwrap());
+        }
+        if warms {
+            material = material.warmed(0.07).unwrap();
         }
         let mut history = vec![0.0; material.history()];
         for early in [[0.9, 0.1, 0.0, 0.6, 0.95], [0.8, 0.1, 0.1, 0.45, 0.9]] {
@@ -256,6 +259,31 @@ fn ogden_at_rest_is_linear_elastic() {
     assert!((r.tangent[0][3] - (bulk - 2.0 / 3.0 * mu)).abs() < 1e-12);
     let nu = (3.0 * bulk - 2.0 * mu) / (6.0 * bulk + 2.0 * mu);
     assert!((law.poisson_ratio() - nu).abs() < 1e-14);
+}
+
+/// A warmed block of the law is the grown block of `mu (1 + e)^-3`: stress over the grown faces at the stretches from the grown state.
+#[test]
+fn a_warmed_block_is_a_grown_one() {
+    let strain = 0.06;
+    let grown: f64 = 1.0 + strain;
+    let law = |part: f64| {
+        Hyperfoam::new(vec![
+            Term { mu_mpa: 0.15 * part, alpha: 8.0, nu: 0.1 },
+            Term { mu_mpa: 0.05 * part, alpha: -4.0, nu: 0.2 },
+        ])
+        .unwrap()
+    };
+    let warm = Material::from(law(1.0)).warmed(strain).unwrap();
+    let f = [0.9, 0.1, -0.05, 0.6, 1.05];
+    let step = warm.relaxation(1.0);
+    let p = warm.stress(&step, &f, &[], None).unwrap().1;
+    let of_grown = first_piola(&law(grown.powi(-3)), &f.map(|x| x / grown)).unwrap().1.map(|x| x * grown * grown);
+    // rounding of a few hundred operations
+    assert!(worst_mismatch(&p, &of_grown) < 1e-12, "{p:?} {of_grown:?}");
+    assert_eq!(
+        Material::from(law(1.0)).warmed(-1.0).unwrap_err().to_string(),
+        "thermal expansion term 0: strain = -1 must be above -1"
+    );
 }
 
 /// Two stretches are one rotation apart from a ramp with a corner: the update must not depend on

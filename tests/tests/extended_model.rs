@@ -5,6 +5,7 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
+use lut_gen::law::PronyTerm;
 use lut_gen::model::Resolution;
 use palpate::diagnose::Models;
 use palpate::experiment::Experiment;
@@ -32,7 +33,7 @@ static EXPERIMENT: LazyLock<Experiment> = LazyLock::new(|| {
     spec.refinement = 0.8;
     spec.noise =
         Noise { sensor_n: 0.003, correlation_s: 0.1, contact_jitter_mm: 0.01, gain_jitter: 0.005, ..Noise::default() };
-    let spec = spec.with(Effect::Relaxation(vec![(G, TAU_S)]));
+    let spec = spec.with(Effect::Relaxation(vec![PronyTerm::alike(G, TAU_S)]));
     simulate(&spec, &Solver::new(), &|_, _, _| {}).unwrap().experiment()
 });
 

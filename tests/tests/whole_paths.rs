@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 
 use lut_gen::chain::{Chain, Detail, Model, Setting};
 use lut_gen::effect::{self, Effect};
+use lut_gen::law::PronyTerm;
 use palpate::diagnose::Models;
 use palpate::diagnose::design::{Branch, Design};
 use palpate::diagnose::fit;
@@ -86,7 +87,7 @@ fn misses_of(hidden: Vec<simulate::Effect>, settings: &[Setting], late: usize) -
 #[test]
 fn relaxation_is_met_on_the_way_back_too() {
     for (g, tau_s) in [(0.2, 0.7), (0.4, 2.7)] {
-        let hidden = simulate::Effect::Relaxation(vec![(g, tau_s)]);
+        let hidden = simulate::Effect::Relaxation(vec![PronyTerm::alike(g, tau_s)]);
         let [chain, whole] = misses(hidden, &effect::relaxation::ONE, &[g, tau_s]);
         assert!(chain[2] > 0.012, "the chain alone was not that good: {chain:?}");
         assert!(whole[0] < 0.008 && whole[1] < 0.002 && whole[2] < 0.005, "{whole:?}");
@@ -161,7 +162,7 @@ fn a_run_that_begins_late_turns_at_its_own_time() {
 fn a_machine_that_yields_lets_the_ball_creep() {
     let setting = |effect, values: &[f64]| Setting { effect, owner: 0, values: values.to_vec() };
     let yields = simulate::Effect::Compliance { mm_per_n: 0.1 };
-    let relaxes = simulate::Effect::Relaxation(vec![(0.2, 0.7)]);
+    let relaxes = simulate::Effect::Relaxation(vec![PronyTerm::alike(0.2, 0.7)]);
     let [chain, whole] = misses_of(
         vec![relaxes, yields],
         &[setting(&effect::relaxation::ONE, &[0.2, 0.7]), setting(&effect::compliance::EFFECT, &[0.1])],

@@ -3,6 +3,7 @@
 
 use std::sync::LazyLock;
 
+use lut_gen::law::PronyTerm;
 use palpate::diagnose::{self, Diagnosis, Models, Verdict};
 use palpate::experiment::{Experiment, Test};
 use palpate::simulate::{Effect, RunTemplate, Solver, Spec, TrueLaw, TrueSpecimen, simulate};
@@ -109,7 +110,7 @@ fn a_stiff_block_shows_what_cancels() {
     for run in &mut spec.runs {
         run.hold_s = 5.0;
     }
-    spec.effects.push(Effect::Relaxation(vec![(0.1, 1.5)]));
+    spec.effects.push(Effect::Relaxation(vec![PronyTerm::alike(0.1, 1.5)]));
     spec.effects.push(Effect::SensorCreep { amplitude: 0.1, tau_s: 1.5 });
     let without = experiment(&spec);
     let alone = diagnosed(&without);

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use lut_gen::effect::{CATALOGUE, Owner, Spread};
+use lut_gen::law::PronyTerm;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -300,7 +301,7 @@ mod truth {
         };
         let made = spec("[model]\nfile = \"model.toml\"\n").unwrap();
         assert_eq!((made.specimens[0].mu_mpa, made.specimens[0].alpha), (0.22, 10.5));
-        assert_eq!(made.effects, [Effect::Relaxation(vec![(0.3, 1.0)])]);
+        assert_eq!(made.effects, [Effect::Relaxation(vec![PronyTerm::alike(0.3, 1.0)])]);
         let missing = spec("").unwrap_err().to_string();
         assert!(missing.contains("[specimen.eva] lacks the key `alpha`"), "{missing}");
         let nowhere = spec("[model]\nfile = \"none.toml\"\n").unwrap_err().to_string();

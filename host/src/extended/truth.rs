@@ -1,6 +1,7 @@
 //! The extended model as the truth of a simulated experiment: finite elements, not the chain that named it.
 
 use lut_gen::effect::{Owner, softening};
+use lut_gen::law::PronyTerm;
 
 use crate::simulate::{Effect, Spec, TrueLaw};
 
@@ -92,7 +93,7 @@ fn effect(
             }
             Effect::SlidingBase
         }
-        ("relaxation", _) => Effect::Relaxation(v.chunks_exact(2).map(|t| (t[0], t[1])).collect()),
+        ("relaxation", _) => Effect::Relaxation(v.chunks_exact(2).map(|t| PronyTerm::alike(t[0], t[1])).collect()),
         ("poisson", _) => Effect::Poisson { nu: one },
         ("second-term", _) if one != 0.0 => Effect::SecondTerm { mu2_ratio: one, alpha2: v[1] },
         ("softening", _) if one >= LEAST_LOSS => {

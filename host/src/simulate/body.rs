@@ -1,7 +1,7 @@
 //! What specimen, material and contact effects make of the declared specimen and ball: the finite-element case.
 
 use lut_gen::contact::{Adhesion, Ball, Interface};
-use lut_gen::law::{Hyperfoam, LawError, Material, Ogden, OgdenRoxburgh, OgdenTerm, PronyTerm, Term};
+use lut_gen::law::{Hyperfoam, LawError, Material, Ogden, OgdenRoxburgh, OgdenTerm, Term};
 use lut_gen::model::{Resolution, Simulation, Specimen as Block};
 use lut_gen::solve::{Base as Bottom, Motion};
 
@@ -16,7 +16,7 @@ use super::spec::{Spec, TrueIndenter, TrueLaw, TrueSpecimen};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Body {
     pub material: Material,
-    /// The true first shear modulus, MPa: factor on the force.
+    /// The true first shear modulus, MPa: factor on the force. Of a warmed specimen that of its grown volume.
     pub scale: f64,
     pub block: Block,
     pub ball: Ball,
@@ -41,6 +41,9 @@ impl Body {
         };
         let scale = if rigid_mpa.is_some() { 1.0 } else { specimen.mu_mpa };
         let material = material(specimen, specimen.alpha, scale, &spec.effects).map_err(law_error)?;
+        // what has grown freely is a larger block with the energy of the smaller one (thesis Eqs. 3 to 5)
+        let grown = 1.0 + specimen.thermal_strain;
+        let scale = scale / grown.powi(3);
         let (mut height_mm, mut base, mut radius_mm) = (specimen.height_mm, specimen.base, indenter.radius_mm);
         let (mut refinement, mut coarse_alpha) = (spec.refinement, None);
         let mut interface = Interface::default();
@@ -60,6 +63,7 @@ impl Body {
                 _ => {}
             }
         }
+        height_mm *= grown;
         for (key, value) in [("true height_mm", height_mm), ("true radius_mm", radius_mm)] {
             if value < 0.05 {
                 let expected = "a length above 0.05 mm after the effect's error".to_owned();
@@ -67,7 +71,7 @@ impl Body {
             }
         }
         let bottom = if base == Base::Bonded { Bottom::Bonded } else { Bottom::Sliding };
-        let block = Block { height_mm, radius_mm: specimen.radius_mm, base: bottom };
+        let block = Block { height_mm, radius_mm: specimen.radius_mm * grown, base: bottom };
         let ball = Ball { radius_mm };
         Ok(Self { material, scale, block, ball, interface, refinement, coarse_alpha, rigid_mpa, place })
     }
@@ -146,9 +150,7 @@ pub(super) fn material(
         match effect {
             Effect::Poisson { nu: ratio } => nu = *ratio,
             Effect::SecondTerm { mu2_ratio, alpha2 } => terms.push((*mu2_ratio, *alpha2)),
-            Effect::Relaxation(parts) => {
-                prony.extend(parts.iter().map(|(g, tau_s)| PronyTerm { g: *g, k: *g, tau_s: *tau_s }))
-            }
+            Effect::Relaxation(terms) => prony.extend_from_slice(terms),
             Effect::Softening { r, m_mpa, beta } => softening = Some(OgdenRoxburgh::new(*r, m_mpa / scale, *beta)?),
             _ => {}
         }
@@ -176,6 +178,20 @@ pub(super) fn material(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_warmed_specimen_is_a_larger_one_of_the_same_energy() {
+        let strain = 0.04;
+        let spec = Spec::new("warm", 1).foam("foam", 0.2, 8.0, 12.7).ball("r4", 4.0);
+        let mut warm = spec.specimens[0].clone();
+        warm.thermal_strain = strain;
+        let mut larger = spec.specimens[0].clone();
+        let grown: f64 = 1.0 + strain;
+        (larger.height_mm, larger.radius_mm, larger.mu_mpa) = (12.7 * grown, 25.0 * grown, 0.2 / grown.powi(3));
+        let body = |specimen| Body::new(&spec, specimen, &spec.indenters[0]);
+        assert_eq!(body(&warm), body(&larger));
+        assert_ne!(body(&warm), body(&spec.specimens[0]));
+    }
 
     #[test]
     fn a_coarse_table_has_the_exponent_between_its_columns() {

@@ -24,6 +24,8 @@ pub(super) struct TrueCoupon {
     /// The true first shear modulus, MPa: factor on the force.
     scale: f64,
     height_mm: f64,
+    /// Stretch of its axis before it is touched: 1 at the temperature at which it was measured.
+    rest: f64,
     /// Names the case.
     place: String,
 }
@@ -59,7 +61,10 @@ impl TrueCoupon {
         let place = format!("coupon \"{}\"", specimen.name);
         let law = |cause| SimulateError::Law { place: place.clone(), cause };
         let scale = specimen.mu_mpa;
-        let material = material(specimen, specimen.alpha, scale, &spec.effects).map_err(law)?;
+        let mut material = material(specimen, specimen.alpha, scale, &spec.effects).map_err(law)?;
+        if specimen.thermal_strain != 0.0 {
+            material = material.warmed(specimen.thermal_strain).map_err(law)?;
+        }
         let error = |effect: &Effect| match effect {
             Effect::Thickness { height_error_mm } => *height_error_mm,
             _ => 0.0,
@@ -76,7 +81,9 @@ impl TrueCoupon {
         }
         let area_mm2 = std::f64::consts::PI * specimen.radius_mm * specimen.radius_mm;
         let mode = mode(run.test).unwrap_or(Mode::Uniaxial);
-        Ok(Self { coupon: Coupon { material, mode, area_mm2 }, scale, height_mm, place })
+        let coupon = Coupon { material, mode, area_mm2 };
+        let rest = coupon.rest_stretch().map_err(|cause| SimulateError::Solve { place: place.clone(), cause })?;
+        Ok(Self { coupon, scale, height_mm, rest, place })
     }
 
     /// Forces (N) of all runs of a visit, where a machine that does not yield drives each run along the depths `driven` (mm) every `step_s`.
@@ -157,7 +164,7 @@ impl TrueCoupon {
             if let Some(last) = time_s.last().copied() {
                 begin_s = begin_s.max(last + 3.0 * APART_S);
                 time_s.extend([last + APART_S, begin_s - APART_S]);
-                stretch.extend([1.0, 1.0]);
+                stretch.extend([self.rest, self.rest]);
             }
             begins.push(time_s.len());
             time_s.extend((0..run.len()).map(|k| begin_s + step_s * k as f64));
@@ -191,7 +198,7 @@ impl TrueCoupon {
     }
 
     fn stretch(&self, depth_mm: f64) -> f64 {
-        1.0 - depth_mm.max(0.0) / self.height_mm
+        self.rest - depth_mm.max(0.0) / self.height_mm
     }
 
     fn failed(&self, cause: SolveError) -> SimulateError {

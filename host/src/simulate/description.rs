@@ -122,6 +122,7 @@ fn specimen((name, section): &(String, Section<'_>), modelled: bool) -> Result<T
         "radius_mm",
         "area_mm2",
         "base",
+        "thermal_strain",
         "reduced_modulus_MPa",
     ])?;
     let modulus = number(section, "reduced_modulus_MPa", 1.0, 1e6, "a modulus of 1 to 1000000 MPa")?;
@@ -149,6 +150,11 @@ fn specimen((name, section): &(String, Section<'_>), modelled: bool) -> Result<T
     };
     let nu = number(section, "nu", -0.9, 0.4999, "a ratio of -0.9 to 0.4999")?;
     let height_mm = number(section, "height_mm", 0.05, 1000.0, LENGTH)?;
+    let thermal = number(section, "thermal_strain", -0.3, 0.3, "a linear strain of -0.3 to 0.3")?;
+    if let Some(value) = section.value("thermal_strain").filter(|_| law == rigid) {
+        let problem = "a rigid block does not grow; `thermal_strain` belongs to a specimen that is soft".to_owned();
+        return Err(section.document.error(value.span(), Problem::Contradiction(problem)));
+    }
     let bases = [("bonded", Base::Bonded), ("sliding", Base::Sliding)];
     Ok(TrueSpecimen {
         name: name.clone(),
@@ -160,6 +166,7 @@ fn specimen((name, section): &(String, Section<'_>), modelled: bool) -> Result<T
         height_mm: needed(section, "height_mm", LENGTH, height_mm)?,
         radius_mm: radius(section)?,
         base: section.word("base", &bases)?.unwrap_or(Base::Bonded),
+        thermal_strain: thermal.unwrap_or(0.0),
     })
 }
 

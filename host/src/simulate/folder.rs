@@ -227,6 +227,9 @@ impl SimulatedExperiment {
             } else {
                 text.push_str(&format!("mu_MPa = {:?}\nalpha = {:?}\nnu = {:?}\n", one.mu_mpa, one.alpha, one.nu));
             }
+            if one.thermal_strain != 0.0 {
+                text.push_str(&format!("thermal_strain = {:?}\n", one.thermal_strain));
+            }
         }
         let n = &spec.noise;
         text.push_str(&format!(

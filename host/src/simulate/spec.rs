@@ -48,6 +48,9 @@ pub struct TrueSpecimen {
     pub radius_mm: f64,
     /// Declared base.
     pub base: Base,
+    /// Linear thermal strain: it is warmer than when its lengths were declared, has grown freely by this, and is then put into
+    /// place; only a ring holds its sides where they were. 0 without.
+    pub thermal_strain: f64,
 }
 
 /// A ball and its declared radius.
@@ -215,6 +218,7 @@ impl Spec {
             height_mm,
             radius_mm: 25.0,
             base: Base::Bonded,
+            thermal_strain: 0.0,
         });
         self
     }

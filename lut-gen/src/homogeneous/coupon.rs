@@ -49,6 +49,8 @@ impl Response {
 const CORRECTIONS: usize = 60;
 /// Correction of its logarithm below which it is known: about the rounding of a nearly incompressible solid's stress.
 const SETTLED: f64 = 1e-13;
+/// Halvings of a factor of 16 in stretch: below rounding.
+const HALVINGS: usize = 56;
 /// Longest correction.
 const STRIDE: f64 = 0.2;
 
@@ -68,6 +70,38 @@ struct Point {
 }
 
 impl Coupon {
+    /// Stretch at which the axis of the test is free of stress: 1, but for a warmed material ([`Material::warmed`]) that its sides hold or do not hold.
+    ///
+    /// # Errors
+    /// As [`Coupon::follow`], for the material; [`SolveError::NoFreeSide`] when there is none within a factor of four.
+    pub fn rest_stretch(&self) -> Result<f64, SolveError> {
+        self.material.check()?;
+        let grown = match self.material.thermal {
+            None => return Ok(1.0),
+            Some(_) if self.mode == Mode::SimpleShear => return Ok(1.0),
+            Some(strain) => 1.0 + strain,
+        };
+        let relaxation = self.material.relaxation(0.0);
+        let history = vec![0.0; self.material.history()];
+        let pulls = |stretch: f64| {
+            let point = self.balance(&relaxation, stretch, grown, &history)?;
+            let (_, stress) = self.material.stress(&relaxation, &point.gradient, &history, None)?;
+            Some(self.mode.measured(&stress) > 0.0)
+        };
+        let (mut low, mut high) = ((0.25 * grown).ln(), (4.0 * grown).ln());
+        let lost = |x: f64| SolveError::NoFreeSide {
+            mode: self.mode.to_string(),
+            stretch: x.exp(),
+            time_s: 0.0,
+            case: self.material.label(),
+        };
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if pulls(middle.exp()).ok_or_else(|| lost(middle))? { high = middle } else { low = middle }
+        }
+        Ok((0.5 * (low + high)).exp())
+    }
+
     /// Stress along a programme, with its derivatives by the given parameters of the material.
     ///
     /// # Errors

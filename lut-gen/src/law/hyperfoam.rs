@@ -26,8 +26,8 @@ pub struct Term<T = f64> {
 ///
 /// With `nu_i = 0` the volumetric part is its exact limit `-a_i ln J`: the
 /// three directions decouple. `U` grows without bound for `J -> 0`, so an
-/// element cannot invert at finite energy. Without thermal expansion the
-/// elastic stretches are the stretches.
+/// element cannot invert at finite energy. Its stretches are the elastic ones;
+/// thermal expansion is the material's, see [`Material::warmed`](super::Material::warmed).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hyperfoam<T = f64> {
     terms: Vec<Term<T>>,

@@ -1,11 +1,12 @@
 //! The material of a specimen: an elastic law, its relaxation and its softening.
 
+use super::error::demand;
 use super::gradient::{Gradient, Response, respond};
 use super::{Elastic, Hencky, Hyperfoam, Law, LawError, Ogden, OgdenRoxburgh, Parameter, PronyTerm, Relaxation};
 use super::{prony, second};
 use crate::scalar::{Dual, Real};
 
-/// An elastic law with instantaneous moduli, relaxing and softening or not.
+/// An elastic law with instantaneous moduli, relaxing and softening or not, at its own temperature or another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material<T = f64> {
     /// The instantaneous response.
@@ -14,23 +15,25 @@ pub struct Material<T = f64> {
     pub prony: Vec<PronyTerm<T>>,
     /// Softening with cycles, off by default.
     pub softening: Option<OgdenRoxburgh<T>>,
+    /// Linear thermal strain `e` (-), above -1; see [`Material::warmed`]. None at the temperature of the reference.
+    pub thermal: Option<T>,
 }
 
 impl From<Hyperfoam> for Material {
     fn from(law: Hyperfoam) -> Self {
-        Self { elastic: Elastic::Hyperfoam(law), prony: Vec::new(), softening: None }
+        Self { elastic: Elastic::Hyperfoam(law), prony: Vec::new(), softening: None, thermal: None }
     }
 }
 
 impl From<Ogden> for Material {
     fn from(law: Ogden) -> Self {
-        Self { elastic: Elastic::Ogden(law), prony: Vec::new(), softening: None }
+        Self { elastic: Elastic::Ogden(law), prony: Vec::new(), softening: None, thermal: None }
     }
 }
 
 impl From<Hencky> for Material {
     fn from(law: Hencky) -> Self {
-        Self { elastic: Elastic::Hencky(law), prony: Vec::new(), softening: None }
+        Self { elastic: Elastic::Hencky(law), prony: Vec::new(), softening: None, thermal: None }
     }
 }
 
@@ -58,6 +61,9 @@ impl Material {
         if let Some(s) = self.softening {
             OgdenRoxburgh::new(s.r, s.m_mpa, s.beta)?;
         }
+        if let Some(strain) = self.thermal {
+            self.clone().warmed(strain)?;
+        }
         prony::check(&self.prony)
     }
 
@@ -66,6 +72,20 @@ impl Material {
     pub fn softening(mut self, softening: OgdenRoxburgh) -> Self {
         self.softening = Some(softening);
         self
+    }
+
+    /// The same material at another temperature: free of stress where every length has grown by the linear thermal strain `e`.
+    ///
+    /// The elastic law takes the elastic stretches `l / (1 + e)`, so that `J_el = J / J_th` with `J_th = (1 + e)^3` (thesis Eqs. 3 to 5);
+    /// its energy is still per volume of the reference, which is cold. Moduli do not change with temperature.
+    ///
+    /// # Errors
+    /// [`LawError`] when the strain is not finite, or not above -1.
+    pub fn warmed(mut self, strain: f64) -> Result<Self, LawError> {
+        let good = strain.is_finite() && strain > -1.0;
+        demand(good, "thermal expansion", 0, "strain", strain, "must be above -1")?;
+        self.thermal = Some(strain);
+        Ok(self)
     }
 
     /// All parameters and their values.
@@ -96,6 +116,7 @@ impl Material {
             elastic: self.elastic.map(&mut f),
             prony: self.prony.iter().enumerate().map(|(i, t)| t.map(i, &mut f)).collect(),
             softening: self.softening.as_ref().map(|s| s.map(&mut f)),
+            thermal: self.thermal.map(|strain| f(Parameter::ThermalStrain, strain)),
         }
     }
 
@@ -152,6 +173,13 @@ impl<T: Real> Material<T> {
     /// `None` when `f` does not preserve orientation.
     #[must_use]
     pub fn stress(&self, step: &Relaxation<T>, f: &[T; 5], old: &[T], new: Option<&mut [T]>) -> Option<(T, [T; 5])> {
+        let Some(strain) = self.thermal else { return self.cold_stress(step, f, old, new) };
+        let grown = strain + 1.0;
+        let (energy, p) = self.cold_stress(step, &f.map(|x| x / grown), old, new)?;
+        Some((energy, p.map(|x| x / grown)))
+    }
+
+    fn cold_stress(&self, step: &Relaxation<T>, f: &[T; 5], old: &[T], new: Option<&mut [T]>) -> Option<(T, [T; 5])> {
         let (energy, mut p) = T::piola(&self.elastic, f)?;
         if self.is_elastic() {
             return Some((energy, p));
@@ -186,6 +214,14 @@ impl Material {
     /// As [`Material::stress`], with the exact tangent `dP/dF` (consistent with the step).
     #[must_use]
     pub fn respond(&self, step: &Relaxation, f: &Gradient, old: &[f64]) -> Option<Response> {
+        let Some(strain) = self.thermal else { return self.cold_respond(step, f, old) };
+        let grown = strain + 1.0;
+        let cold = self.cold_respond(step, &f.map(|x| x / grown), old)?;
+        let tangent = cold.tangent.map(|row| row.map(|a| a / (grown * grown)));
+        Some(Response { energy: cold.energy, stress: cold.stress.map(|p| p / grown), tangent })
+    }
+
+    fn cold_respond(&self, step: &Relaxation, f: &Gradient, old: &[f64]) -> Option<Response> {
         let mut r = respond(&self.elastic, f)?;
         if self.is_elastic() {
             return Some(r);

@@ -25,6 +25,8 @@ pub enum Parameter {
     SofteningM,
     /// Softening's part `beta` of the largest energy (-).
     SofteningBeta,
+    /// Linear thermal strain (-).
+    ThermalStrain,
     /// Coefficient of Coulomb friction between the indenter and the specimen (-).
     Friction,
     /// Work of adhesion (N/mm).
@@ -48,6 +50,7 @@ impl fmt::Display for Parameter {
             Self::SofteningR => f.write_str("softening r"),
             Self::SofteningM => f.write_str("softening m"),
             Self::SofteningBeta => f.write_str("softening beta"),
+            Self::ThermalStrain => f.write_str("thermal strain"),
             Self::Friction => f.write_str("friction"),
             Self::AdhesionWork => f.write_str("adhesion work"),
             Self::BallRadius => f.write_str("ball radius"),

@@ -15,6 +15,14 @@ pub struct PronyTerm<T = f64> {
     pub tau_s: T,
 }
 
+impl PronyTerm {
+    /// The same part of shear and bulk relaxes.
+    #[must_use]
+    pub fn alike(g: f64, tau_s: f64) -> Self {
+        Self { g, k: g, tau_s }
+    }
+}
+
 impl<T: Real> PronyTerm<T> {
     pub(super) fn map<U: Real>(&self, i: usize, f: &mut impl FnMut(Parameter, T) -> U) -> PronyTerm<U> {
         PronyTerm {

@@ -1,6 +1,6 @@
 //! A cylinder between two platens.
 
-use super::simulation::Assembly;
+use super::simulation::{Assembly, cold};
 use super::{Record, Resolution, Sensitivity, Tracker};
 use crate::contact::{Interface, Penalty, Platen, Surface};
 use crate::element::Quadrature;
@@ -155,6 +155,7 @@ impl Compression {
             }
         }
         self.material.check()?;
+        cold(&self.material)?;
         self.motion.check()?;
         self.interface().check()?;
         for s in &self.motion.segments {

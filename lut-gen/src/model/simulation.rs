@@ -173,6 +173,7 @@ impl Simulation {
             }
         }
         self.material.check()?;
+        cold(&self.material)?;
         self.motion.check()?;
         self.interface.check()?;
         let deepest = self.motion.deepest_mm();
@@ -287,6 +288,16 @@ impl Simulation {
         let system = System::over(mesh, nodes, height_mm, self.specimen.base, surface, |_| Quadrature::Reduced);
         Assembly { system, material }
     }
+}
+
+/// A press begins with an undeformed mesh at rest, which a warmed block is not.
+///
+/// # Errors
+/// [`SolveError::Parameter`] for a material with a thermal strain.
+pub(super) fn cold(material: &Material) -> Result<(), SolveError> {
+    let expected =
+        "cannot be pressed from the cold reference; take the grown block, lengths by 1 + e and moduli by (1 + e)^-3";
+    material.thermal.map_or(Ok(()), |strain| Err(SolveError::parameter("thermal strain", strain, expected)))
 }
 
 /// Largest pressure expected (MPa): stress of a column that is free to bulge as its Poisson's

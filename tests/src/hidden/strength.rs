@@ -1,5 +1,6 @@
 //! How strong effects are: five levels each, from below what any design sees to well above.
 
+use lut_gen::law::PronyTerm;
 use palpate::simulate::Effect;
 use rand::Rng;
 use rand_pcg::Pcg64;
@@ -81,7 +82,9 @@ pub(super) fn effect(code: &str, level: usize, scales: &Scales, chance: &mut Pcg
     let peak_n = scales.peak_n;
     let sign = if chance.random::<bool>() { 1.0 } else { -1.0 };
     Some(match code {
-        "relaxation" => Effect::Relaxation(vec![(at([0.01, 0.03, 0.08, 0.2, 0.4]), scaled(chance, 0.2, 3.0))]),
+        "relaxation" => {
+            Effect::Relaxation(vec![PronyTerm::alike(at([0.01, 0.03, 0.08, 0.2, 0.4]), scaled(chance, 0.2, 3.0))])
+        }
         "poisson" => Effect::Poisson { nu: at([0.02, 0.05, 0.1, 0.2, 0.35]) },
         "second-term" => Effect::SecondTerm {
             mu2_ratio: at([0.02, 0.05, 0.12, 0.3, 0.6]),

@@ -68,7 +68,8 @@ fn same_owner(effect: &Effect, finding: &Finding, experiment: &Experiment) -> bo
 fn known(effect: &Effect, form: &str) -> Vec<(&'static str, f64)> {
     match (effect, form) {
         (Effect::Relaxation(terms), "one-term") => match terms.as_slice() {
-            [(g, tau_s)] => vec![("g1", *g), ("tau1_s", *tau_s)],
+            // the catalogue's form relaxes shear and bulk alike
+            [term] if term.g == term.k => vec![("g1", term.g), ("tau1_s", term.tau_s)],
             _ => Vec::new(),
         },
         (Effect::Poisson { nu }, _) => vec![("nu", *nu)],

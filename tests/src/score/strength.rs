@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use lut_gen::chain::{Chain, Model};
+use lut_gen::law::PronyTerm;
 use nalgebra::{DMatrix, DVector};
 use palpate::diagnose::design::{Branch, Design, Node, Series};
 use palpate::diagnose::evidence::{basis, rest_of};
@@ -244,7 +245,7 @@ fn reshaped(effect: &Effect) -> Option<Effect> {
     const BY: f64 = 1.05;
     match effect {
         Effect::Relaxation(terms) => {
-            Some(Effect::Relaxation(terms.iter().map(|(g, tau_s)| (*g, BY * tau_s)).collect()))
+            Some(Effect::Relaxation(terms.iter().map(|t| PronyTerm { tau_s: BY * t.tau_s, ..*t }).collect()))
         }
         Effect::SecondTerm { mu2_ratio, alpha2 } => {
             Some(Effect::SecondTerm { mu2_ratio: *mu2_ratio, alpha2: BY * alpha2 })
@@ -392,7 +393,8 @@ mod tests {
     /// The same size in another shape, where there is more than one.
     #[test]
     fn a_reshaped_effect_is_as_large_as_before() {
-        assert_eq!(reshaped(&Effect::Relaxation(vec![(0.2, 2.0)])), Some(Effect::Relaxation(vec![(0.2, 2.1)])));
+        let relaxes = |tau_s| Effect::Relaxation(vec![PronyTerm::alike(0.2, tau_s)]);
+        assert_eq!(reshaped(&relaxes(2.0)), Some(relaxes(2.1)));
         let creep = reshaped(&Effect::SensorCreep { amplitude: 0.1, tau_s: 4.0 });
         assert_eq!(creep, Some(Effect::SensorCreep { amplitude: 0.1, tau_s: 4.2 }));
         assert_eq!(reshaped(&Effect::Compliance { mm_per_n: 0.1 }), None);

@@ -3,6 +3,8 @@
 use crate::experiment::section::Section;
 use crate::experiment::{ExperimentError, Problem};
 
+use lut_gen::law::PronyTerm;
+
 use super::{Effect, Variable};
 
 /// A parameter: key, lowest, highest, what is expected, and the value when it is left out.
@@ -10,12 +12,13 @@ type Key = (&'static str, f64, f64, &'static str, Option<f64>);
 
 const TINY: f64 = 1e-9;
 
-const RELAXATION: [Key; 4] = [
-    ("g1", 0.0, 0.95, "a part of 0 to 0.95", None),
-    ("tau1_s", 1e-3, 1e5, "a time of 0.001 to 100000 s", None),
-    ("g2", 0.0, 0.95, "a part of 0 to 0.95", Some(0.0)),
-    ("tau2_s", 1e-3, 1e5, "a time of 0.001 to 100000 s", Some(10.0)),
+/// Of each Prony term. Without `k` the bulk relaxes as the shear does.
+const RELAXATION: [[Key; 3]; 2] = [
+    [("g1", 0.0, 0.95, PART, None), ("k1", 0.0, 0.95, PART, None), ("tau1_s", 1e-3, 1e5, TIME, None)],
+    [("g2", 0.0, 0.95, PART, None), ("k2", 0.0, 0.95, PART, None), ("tau2_s", 1e-3, 1e5, TIME, Some(10.0))],
 ];
+const PART: &str = "a part of 0 to 0.95";
+const TIME: &str = "a time of 0.001 to 100000 s";
 const POISSON: [Key; 1] = [("nu", -0.5, 0.49, "a ratio of -0.5 to 0.49", None)];
 const SECOND_TERM: [Key; 2] = [
     ("mu2_ratio", -0.9, 10.0, "a ratio of -0.9 to 10, not 0", None),
@@ -179,15 +182,22 @@ fn one(section: &Section<'_>, (key, low, high, expected, left_out): &Key) -> Res
 }
 
 fn relaxation(section: &Section<'_>) -> Result<Effect, ExperimentError> {
-    let v = numbers(section, &RELAXATION)?;
-    let mut terms = vec![(v[0], v[1])];
-    if section.value("g2").is_some() {
-        terms.push((v[2], v[3]));
+    let known = RELAXATION.iter().flatten().map(|key| key.0);
+    section.only(&std::iter::once("code").chain(known).collect::<Vec<_>>())?;
+    let mut terms = Vec::new();
+    for (at, [g, k, tau]) in RELAXATION.iter().enumerate() {
+        let stands = |key: &Key| section.value(key.0).is_some();
+        if at == 0 || stands(g) || stands(k) {
+            let shear = one(section, g)?;
+            let bulk = section.number(k.0, k.1..=k.2, k.3)?.unwrap_or(shear);
+            terms.push(PronyTerm { g: shear, k: bulk, tau_s: one(section, tau)? });
+        }
     }
-    let sum: f64 = terms.iter().map(|(g, _)| g).sum();
-    if sum >= 1.0 {
-        let problem = format!("the parts g1 and g2 add up to {sum}; expected less than 1");
-        return Err(section.document.error(section.span.clone(), Problem::Contradiction(problem)));
+    for (name, sum) in [("g", terms.iter().map(|t| t.g).sum::<f64>()), ("k", terms.iter().map(|t| t.k).sum())] {
+        if sum >= 1.0 {
+            let problem = format!("the parts {name}1 and {name}2 add up to {sum}; expected less than 1");
+            return Err(section.document.error(section.span.clone(), Problem::Contradiction(problem)));
+        }
     }
     Ok(Effect::Relaxation(terms))
 }

@@ -14,6 +14,8 @@ mod settings;
 pub(crate) use description::effect as parse;
 pub use settings::Setting;
 
+use lut_gen::law::PronyTerm;
+
 /// What a placebo varies with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variable {
@@ -46,9 +48,9 @@ impl Variable {
 /// One effect with its parameters (mm, N, MPa, s).
 #[derive(Debug, Clone, PartialEq)]
 pub enum Effect {
-    /// `relaxation`: Prony terms `(g, tau_s)`, the same part for shear and bulk; the declared moduli are the instantaneous
-    /// ones. Holds decay by about `g (1 - exp(-t / tau))`, slow presses are softer.
-    Relaxation(Vec<(f64, f64)>),
+    /// `relaxation`: Prony terms (thesis Eqs. 10 to 13); the declared moduli are the instantaneous ones. Holds decay by about
+    /// `g (1 - exp(-t / tau))` where shear and bulk relax alike, slow presses are softer.
+    Relaxation(Vec<PronyTerm>),
     /// `poisson`: ratio of the foam instead of 0; positive makes the force larger on a bonded base.
     Poisson {
         /// Poisson's ratio.

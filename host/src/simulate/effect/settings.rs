@@ -1,5 +1,7 @@
 //! Effects as they are written.
 
+use lut_gen::law::PronyTerm;
+
 use super::{Effect, Variable};
 
 /// A parameter as written in a file.
@@ -18,13 +20,15 @@ impl Effect {
         let n = |list: &[(&str, f64)]| list.iter().map(|(k, v)| ((*k).to_owned(), Setting::Number(*v))).collect();
         let word = |key: &str, word: &str| (key.to_owned(), Setting::Word(word.to_owned()));
         match self {
-            Self::Relaxation(terms) => terms
-                .iter()
-                .enumerate()
-                .flat_map(|(i, (g, tau))| {
-                    [(format!("g{}", i + 1), Setting::Number(*g)), (format!("tau{}_s", i + 1), Setting::Number(*tau))]
-                })
-                .collect(),
+            Self::Relaxation(terms) => {
+                let one = |(i, term): (usize, &PronyTerm)| {
+                    let key = |name: &str, unit: &str| format!("{name}{}{unit}", i + 1);
+                    let bulk = (term.k != term.g).then(|| (key("k", ""), Setting::Number(term.k)));
+                    let shear = (key("g", ""), Setting::Number(term.g));
+                    [Some(shear), bulk, Some((key("tau", "_s"), Setting::Number(term.tau_s)))].into_iter().flatten()
+                };
+                terms.iter().enumerate().flat_map(one).collect()
+            }
             Self::Poisson { nu } => n(&[("nu", *nu)]),
             Self::SecondTerm { mu2_ratio, alpha2 } => n(&[("mu2_ratio", *mu2_ratio), ("alpha2", *alpha2)]),
             Self::Softening { r, m_mpa, beta } => n(&[("r", *r), ("m_MPa", *m_mpa), ("beta", *beta)]),

@@ -56,7 +56,7 @@ fn what_a_ball_meets_a_coupon_does_not() {
     }
     for effect in [
         Effect::Thickness { height_error_mm: 0.5 },
-        Effect::Relaxation(vec![(0.1, 1.0)]),
+        Effect::Relaxation(vec![PronyTerm::alike(0.1, 1.0)]),
         Effect::ContactOffset { offset_mm: 0.1 },
         Effect::SensorGain { gain: 1.1 },
         Effect::Lag { lag_s: 0.1 },
@@ -70,13 +70,13 @@ fn what_a_ball_meets_a_coupon_does_not() {
 /// A machine of 0.05 mm/N takes its share of the depth, whatever the material remembers: the force is that of the depth that is left.
 #[test]
 fn machine_and_coupon_share_the_depth() {
-    let terms = [(0.3, 0.5)];
+    let terms = vec![PronyTerm::alike(0.3, 0.5)];
     let spec =
-        compressed(Test::Uniaxial).with(Effect::Relaxation(terms.to_vec())).with(Effect::Compliance { mm_per_n: 0.05 });
+        compressed(Test::Uniaxial).with(Effect::Relaxation(terms.clone())).with(Effect::Compliance { mm_per_n: 0.05 });
     let run = &made(&spec).runs[0];
     let left = |(d, f): (&f64, &f64)| 1.0 - (d - 0.05 * f).max(0.0) / 12.7;
     let stretch = run.depth_mm.iter().zip(&run.force_n).map(left).collect();
-    let material = Material::from(law(0.0)).relaxing(terms.map(|(g, tau_s)| PronyTerm { g, k: g, tau_s }).to_vec());
+    let material = Material::from(law(0.0)).relaxing(terms);
     let coupon = Coupon { material: material.unwrap(), mode: Mode::Uniaxial, area_mm2: AREA_MM2 };
     let exact = coupon.follow(&Programme { time_s: run.time_s.clone(), stretch }, &[]).unwrap().force_n(&coupon);
     let peak = run.force_n.iter().copied().fold(0.0, f64::max);
@@ -119,4 +119,50 @@ fn mistakes_about_coupons_are_told() {
     spec.runs[0].indenter = None;
     spec.specimens[0].law = TrueLaw::Rigid { reduced_modulus_mpa: 3000.0 };
     assert_eq!(error(&spec), "[[run]] 1: there is no specimen that is not rigid \"coupon\"; known: none");
+}
+
+/// At small strain a confined coupon has the modulus `K + 4/3 G`, of which the shear loses `g` and the bulk `k` (thesis Eqs. 10 and 11);
+/// with `nu = 0` that is `2/3 mu (1 - k) + 4/3 mu (1 - g)`. A strain of 0.4 % changes the share by about as much.
+#[test]
+fn shear_and_bulk_relax_by_their_own_parts() {
+    for (g, k) in [(0.3, 0.0), (0.0, 0.6), (0.8, 0.1)] {
+        let press = |spec: Spec| made(&spec).runs[0].force_n.clone();
+        let mut spec = compressed(Test::Confined);
+        (spec.runs[0].depth_mm, spec.runs[0].hold_s, spec.runs[0].unload) = (0.05, 4.0, false);
+        let elastic = press(spec.clone());
+        let relaxed = press(spec.with(Effect::Relaxation(vec![PronyTerm { g, k, tau_s: 0.2 }])));
+        let left = relaxed.last().unwrap() / elastic.last().unwrap();
+        let expected = ((1.0 - k) + 2.0 * (1.0 - g)) / 3.0;
+        assert!((left - expected).abs() < 4e-3, "{g} {k}: {left} {expected}");
+    }
+}
+
+/// A coupon that is warmed between platens is one that was made larger; in a ring it is squeezed: stretches `[l, 1, 1]`, elastic ones
+/// `[l, 1, 1] / (1 + e)`, so that `P = sum 2 mu / (alpha l) [(l/(1+e))^alpha - (l/(1+e)^3)^(-alpha b)]`, none of it at rest.
+#[test]
+fn a_warmed_coupon_has_grown_and_its_ring_has_not() {
+    const STRAIN: f64 = 0.03;
+    let grown = 1.0 + STRAIN;
+    let warm = |test| {
+        let mut spec = compressed(test).with(Effect::Poisson { nu: 0.2 });
+        spec.specimens[0].thermal_strain = STRAIN;
+        made(&spec).runs[0].clone()
+    };
+    let mut larger = compressed(Test::Uniaxial).with(Effect::Poisson { nu: 0.2 });
+    let one = &mut larger.specimens[0];
+    (one.height_mm, one.radius_mm, one.mu_mpa) = (12.7 * grown, 10.0 * grown, one.mu_mpa / grown.powi(3));
+    let larger = &made(&larger).runs[0];
+    for (a, b) in warm(Test::Uniaxial).force_n.iter().zip(&larger.force_n) {
+        // forces are written to 1e-6 N
+        assert!((a - b).abs() < 1e-5, "{a} {b}");
+    }
+    let (alpha, beta) = (8.0, 0.2 / 0.6);
+    let stress = |l: f64| 0.2 / (alpha * l) * ((l / grown).powf(alpha) - (l / grown.powi(3)).powf(-alpha * beta));
+    // free of stress at (l/g)^alpha = (l/g^3)^(-alpha b): l^(1 + b) = g^(1 + 3 b)
+    let rest = grown.powf((1.0 + 3.0 * beta) / (1.0 + beta));
+    let ring = warm(Test::Confined);
+    for (d, f) in ring.depth_mm.iter().zip(&ring.force_n) {
+        let exact = -AREA_MM2 * stress(rest - d.max(0.0) / 12.7);
+        assert!((f - exact).abs() < 2e-5, "{d}: {f} {exact}");
+    }
 }

@@ -49,7 +49,7 @@ fn a_clean_ramp_is_the_finite_elements_of_another_mesh() {
 /// within 1 % (the deviator turns, at finite strain, a little against the pressure).
 #[test]
 fn relaxation_decays_in_the_hold_by_its_own_law() {
-    let spec = press().with(Effect::Relaxation(vec![(0.3, 0.6)]));
+    let spec = press().with(Effect::Relaxation(vec![PronyTerm::alike(0.3, 0.6)]));
     let clean = forces(&press());
     let force = forces(&spec);
     let end = force[HELD];
@@ -140,7 +140,8 @@ fn compliance_is_the_fixed_point_of_depth_and_force() {
 #[test]
 fn a_relaxing_specimen_lets_the_ball_go_on_by_what_the_machine_gave_way() {
     const SOFT: f64 = 0.1;
-    let spec = press().with(Effect::Compliance { mm_per_n: SOFT }).with(Effect::Relaxation(vec![(0.4, 0.5)]));
+    let spec =
+        press().with(Effect::Compliance { mm_per_n: SOFT }).with(Effect::Relaxation(vec![PronyTerm::alike(0.4, 0.5)]));
     let step_s = 1.0 / (spec.sample_hz * condition::FINE as f64);
     let found = condition::conditions(&spec, &SOLVER, &|_, _, _| {}).unwrap();
     let again = found[0].trajectory(step_s);
@@ -224,7 +225,7 @@ fn cycles_remember() {
     let worst =
         (0..PEAK).map(|k| (soft[1].exact_n[k] - soft[0].exact_n[k]) / soft[0].exact_n[PEAK]).fold(0.0, f64::min);
     assert!(worst < -0.02, "{worst}");
-    let mut spec = press().with(Effect::Relaxation(vec![(0.3, 10.0)]));
+    let mut spec = press().with(Effect::Relaxation(vec![PronyTerm::alike(0.3, 10.0)]));
     (spec.runs[0].cycles, spec.runs[0].rest_s) = (2, 5.0);
     let slow = made(&spec).runs;
     assert!(slow[1].exact_n[PEAK] < 0.98 * slow[0].exact_n[PEAK]);
@@ -249,11 +250,12 @@ fn a_rigid_block_shows_the_machine() {
 #[test]
 fn two_effects_act_together() {
     let creep = Effect::SensorCreep { amplitude: 0.1, tau_s: 1.0 };
-    let both = forces(&press().with(Effect::Relaxation(vec![(0.3, 0.6)])).with(creep.clone()));
-    let one = forces(&press().with(Effect::Relaxation(vec![(0.3, 0.6)])));
+    let both = forces(&press().with(Effect::Relaxation(vec![PronyTerm::alike(0.3, 0.6)])).with(creep.clone()));
+    let one = forces(&press().with(Effect::Relaxation(vec![PronyTerm::alike(0.3, 0.6)])));
     let clean = forces(&press());
     assert!(both[HELD] > one[HELD] && both[HELD] < clean[HELD]);
-    let lagging = forces(&press().with(Effect::Relaxation(vec![(0.3, 0.6)])).with(Effect::Lag { lag_s: 0.04 }));
+    let lagging =
+        forces(&press().with(Effect::Relaxation(vec![PronyTerm::alike(0.3, 0.6)])).with(Effect::Lag { lag_s: 0.04 }));
     assert!(
         lagging[PEAK] < one[PEAK] && (lagging[HELD] - one[HELD]).abs() < 0.005 * one[HELD],
         "{} {} {} {}",
@@ -270,7 +272,7 @@ fn two_effects_act_together() {
 #[test]
 fn another_spot_is_what_its_own_solve_would_give() {
     let effects = [
-        (Effect::Relaxation(vec![(0.3, 0.6)]), 0.003),
+        (Effect::Relaxation(vec![PronyTerm::alike(0.3, 0.6)]), 0.003),
         (Effect::Softening { r: 2.0, m_mpa: 0.001, beta: 0.1 }, 0.005),
         (Effect::Friction { coefficient: 0.4 }, 0.003),
     ];

@@ -113,6 +113,6 @@ fn what_cannot_be_is_named() {
         fails(&|s| s.effects.push(Effect::Thickness { height_error_mm: -20.0 })),
         "specimen \"foam\" under ball \"r4\": true height_mm = -7.300000000000001; expected a length above 0.05 mm after the effect's error"
     );
-    let error = fails(&|s| s.effects.push(Effect::Relaxation(vec![(1.5, 1.0)])));
+    let error = fails(&|s| s.effects.push(Effect::Relaxation(vec![PronyTerm::alike(1.5, 1.0)])));
     assert!(error.starts_with("specimen \"foam\" under ball \"r4\": "), "{error}");
 }

@@ -8,6 +8,8 @@ mod text;
 
 use std::sync::LazyLock;
 
+use lut_gen::law::PronyTerm;
+
 use super::*;
 
 /// Cases that several tests share are solved once.

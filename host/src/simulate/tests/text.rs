@@ -12,7 +12,7 @@ const WHOLE: &str = "[specimen.eva]\nmu_MPa = 0.2\nalpha = 8\nheight_mm = 12.7\n
 fn the_example_is_a_specification() {
     let spec = spec(EXAMPLE).unwrap();
     assert_eq!((spec.runs.len(), spec.indenters.len(), spec.effects.len()), (2, 2, 1));
-    assert_eq!(spec.effects[0], Effect::Relaxation(vec![(0.2, 1.0)]));
+    assert_eq!(spec.effects[0], Effect::Relaxation(vec![PronyTerm::alike(0.2, 1.0)]));
     assert_eq!((spec.runs[0].cycles, spec.runs[0].replicates, spec.runs[1].rest_s), (3, 2, 30.0));
 }
 
@@ -43,7 +43,8 @@ fn what_is_left_out_has_defaults() {
 #[test]
 fn effects_survive_a_file() {
     let effects = [
-        Effect::Relaxation(vec![(0.2, 1.0), (0.1, 10.0)]),
+        Effect::Relaxation(vec![PronyTerm::alike(0.2, 1.0), PronyTerm::alike(0.1, 10.0)]),
+        Effect::Relaxation(vec![PronyTerm { g: 0.822, k: 0.003, tau_s: 0.999 }]),
         Effect::Poisson { nu: 0.1 },
         Effect::SecondTerm { mu2_ratio: 0.3, alpha2: -2.0 },
         Effect::Softening { r: 2.0, m_mpa: 0.01, beta: 0.1 },
@@ -105,6 +106,16 @@ fn mistakes_are_named_with_key_value_and_expectation() {
             "spec.toml, line 12, column 1: the parts g1 and g2 add up to 1.1; expected less than 1",
         ),
         (
+            &format!(
+                "{WHOLE}[[effect]]\ncode = \"relaxation\"\ng1 = 0.1\nk1 = 0.7\ntau1_s = 1.0\ng2 = 0.1\nk2 = 0.4\n"
+            ),
+            "spec.toml, line 12, column 1: the parts k1 and k2 add up to 1.1; expected less than 1",
+        ),
+        (
+            &format!("{WHOLE}[[effect]]\ncode = \"relaxation\"\ng1 = 0.2\nk1 = 1.5\ntau1_s = 1.0\n"),
+            "spec.toml, line 15, column 6: `k1` is 1.5; expected a part of 0 to 0.95",
+        ),
+        (
             &format!("{WHOLE}[[effect]]\ncode = \"lag\"\n"),
             "spec.toml, line 12, column 1: [[effect]] has `lag_s` or `rate_limit_mm_s`; expected one of the two",
         ),
@@ -123,6 +134,14 @@ fn mistakes_are_named_with_key_value_and_expectation() {
         (
             &WHOLE.replace("height_mm = 12.7", "height_mm = 12.7\nradius_mm = 9\narea_mm2 = 300"),
             "spec.toml, line 6, column 12: `area_mm2` and `radius_mm` say the same; state one of them",
+        ),
+        (
+            &WHOLE.replace("height_mm = 12.7", "height_mm = 12.7\nthermal_strain = 5.0"),
+            "spec.toml, line 5, column 18: `thermal_strain` is 5.0; expected a linear strain of -0.3 to 0.3",
+        ),
+        (
+            &WHOLE.replace("mu_MPa = 0.2", "law = \"rigid\"\nthermal_strain = 0.01"),
+            "spec.toml, line 3, column 18: a rigid block does not grow; `thermal_strain` belongs to a specimen that is soft",
         ),
         (
             &format!("{WHOLE}[noise]\nsensor_N = \"much\"\n"),
