@@ -228,10 +228,11 @@ fn a_free_specimen_grows_without_stress() {
         for mode in [Mode::Uniaxial, Mode::Equibiaxial] {
             let grown = 1.0 + strain;
             let coupon = coupon(warm.clone(), mode);
-            // the bisection ends at rounding; a nearly incompressible solid makes 1e-13 of stretch 1e-12 MPa
-            assert!((coupon.rest_stretch().unwrap() - grown).abs() < 1e-13, "{mode} {strain}");
+            // rounding: a stress of K = 2000 MPa is known to 1e-12 MPa, over Young's modulus of 0.3 MPa and the lateral stretch
+            assert!((coupon.rest_stretch().unwrap() - grown).abs() < 1e-10, "{mode} {strain}");
             let r = coupon.follow(&even(vec![grown, grown]), &[]).unwrap();
-            assert!(r.stress_mpa.iter().all(|p| p.abs() < 1e-11), "{mode} {strain}: {:?}", r.stress_mpa);
+            // the lateral stretch is settled to 1e-13, which is K 1e-13
+            assert!(r.stress_mpa.iter().all(|p| p.abs() < 1e-9), "{mode} {strain}: {:?}", r.stress_mpa);
             assert!((r.side[1] - grown).abs() < 1e-12, "{mode} {strain}: {:?}", r.side);
         }
     }
