@@ -5,6 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use super::noise::Noise;
 use super::objective::{ALPHA, LN_MU, Objective};
 use super::simplex::Bounds;
+use crate::infer::covariance::covariance;
+use crate::infer::product::inner;
 
 /// Two-sided 95 % of a normal distribution.
 const Z95: f64 = 1.959_963_985;
@@ -52,8 +54,8 @@ pub fn standard_errors(
 ) -> StandardErrors {
     let count = point.len();
     let jacobian = Jacobian::of(objective, bounds, point, contacts);
-    let normal = jacobian.rows.transpose() * &jacobian.rows;
-    let Some(inverse) = scaled_inverse(&normal) else {
+    let normal = inner(&jacobian.rows, &jacobian.rows);
+    let Some(inverse) = covariance(&normal) else {
         return StandardErrors { noise: vec![f64::INFINITY; count], model: vec![0.0; count] };
     };
     let variance = noise.sigma_n.powi(2) * noise.correlated_samples * ABSOLUTE_OVER_SQUARES;
@@ -134,16 +136,6 @@ impl Jacobian {
         });
         DVector::from_iterator(self.samples.len(), errors)
     }
-}
-
-/// Inverse of a symmetric matrix of very different units: scaled to a unit diagonal first.
-fn scaled_inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let count = normal.nrows();
-    let scale: Vec<f64> = (0..count).map(|i| normal[(i, i)].max(f64::MIN_POSITIVE).sqrt()).collect();
-    let scaled = DMatrix::from_fn(count, count, |i, j| normal[(i, j)] / scale[i] / scale[j]);
-    let inverse = scaled.cholesky()?.inverse();
-    let unscaled = DMatrix::from_fn(count, count, |i, j| inverse[(i, j)] / scale[i] / scale[j]);
-    unscaled.iter().all(|value| value.is_finite()).then_some(unscaled)
 }
 
 /// Whether a fitted parameter lies on a wall of the box (within a thousandth of its side).
