@@ -203,7 +203,7 @@ pub fn ends(
     for (at, start) in starts.iter().enumerate() {
         progress("starts", at, starts.len());
         let point = places.point(&problem.unknowns, *start);
-        let end = problem.search(&[point], usize::MAX, &|_| {}).map_err(failed)?;
+        let end = problem.search(&[point], &Budget::endless(), &|_| {}).map_err(failed)?;
         found.push((*start, end.minimum));
     }
     progress("starts", starts.len(), starts.len());

@@ -83,6 +83,23 @@ impl Problem<'_> {
         minimise(&Together(|x: &[f64]| self.quadratic(x)), region, start, &Rule::default()).into()
     }
 
+    /// The same problem with nothing solved: what is asked of it next rests on no interpolation.
+    #[must_use]
+    pub fn clone_unsolved(&self) -> Self {
+        let mut conditions = self.conditions.clone();
+        conditions.iter_mut().for_each(|condition| condition.forget());
+        Self {
+            selection: self.selection,
+            unknowns: self.unknowns.clone(),
+            base: self.base.clone(),
+            conditions,
+            condition_of: self.condition_of.clone(),
+            weights: self.weights.clone(),
+            loss: self.loss,
+            smooth: self.smooth,
+        }
+    }
+
     /// Curves that are fitted.
     pub fn fitted(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.selection.curves.len()).filter(|at| !self.selection.curves[*at].hold_out)

@@ -58,6 +58,12 @@ pub struct Budget {
 }
 
 impl Budget {
+    /// As much as it takes.
+    #[must_use]
+    pub fn endless() -> Self {
+        Self { most_solves: usize::MAX, until: None }
+    }
+
     /// True when no more is to be begun.
     #[must_use]
     pub fn is_spent(&self, solves: usize) -> bool {
