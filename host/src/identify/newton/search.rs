@@ -168,7 +168,7 @@ impl Problem<'_> {
         Visit { point: end.x, value: end.at.value }
     }
 
-    /// Searches from the given points, which are solved first.
+    /// Searches from the given points, which are solved first, and from all over the box on what is known by then.
     ///
     /// # Errors
     /// When none of the first points can be solved.
@@ -176,17 +176,20 @@ impl Problem<'_> {
         self.search_in(&self.region(), starts, budget, told)
     }
 
-    /// As [`Problem::search`], inside a part of the box: a simpler law is one.
+    /// The minimum whose valley the best of the given points lies in, which are solved first; there may be lower ones.
     ///
     /// # Errors
     /// As [`Problem::search`].
-    pub fn search_in(
-        &mut self,
-        region: &Region,
-        starts: &[Vec<f64>],
-        budget: &Budget,
-        told: &Told<'_>,
-    ) -> Result<Found, SolveError> {
+    pub fn search_near(&mut self, starts: &[Vec<f64>], budget: &Budget, told: &Told<'_>) -> Result<Found, SolveError> {
+        let mut state = self.begun(starts, told)?;
+        let region = self.region();
+        let (minimum, converged) = self.refined_in(&region, &mut state, budget, told);
+        let State { path, expected_within, failures, .. } = state;
+        Ok(Found { minimum, path, converged, came_back: (0, 0), expected_within, failures })
+    }
+
+    /// Solves the starts; a search stands at the best of them.
+    fn begun(&mut self, starts: &[Vec<f64>], told: &Told<'_>) -> Result<State, SolveError> {
         let first = self.solve_at(starts);
         told(self.solves());
         let known = |point: &&Vec<f64>| (0..self.conditions.len()).all(|c| self.is_known(c, point));
@@ -200,10 +203,24 @@ impl Problem<'_> {
             }));
         };
         let failures = first.err().map(|cause| cause.to_string()).into_iter().collect();
+        Ok(State { path, best, expected_within: f64::INFINITY, failures })
+    }
+
+    /// As [`Problem::search`], inside a part of the box: a simpler law is one.
+    ///
+    /// # Errors
+    /// As [`Problem::search`].
+    pub fn search_in(
+        &mut self,
+        region: &Region,
+        starts: &[Vec<f64>],
+        budget: &Budget,
+        told: &Told<'_>,
+    ) -> Result<Found, SolveError> {
+        let mut state = self.begun(starts, told)?;
         if self.is_free() {
-            return Ok(self.descended(region, path, budget));
+            return Ok(self.descended(region, state.path, budget));
         }
-        let mut state = State { path, best, expected_within: f64::INFINITY, failures };
         let mut refused: Vec<Vec<f64>> = Vec::new();
         loop {
             let (minimum, rested) = self.refined_in(region, &mut state, budget, told);
