@@ -28,7 +28,7 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 /// Rise above the best that is found otherwise which a minimum may have.
 const WITHIN: f64 = 1e-3;
 /// Where a force costs next to nothing, and where it is solved.
-const CHEAP: Effort = Effort { points: 60, followed: 5, evaluations: 400 };
+const CHEAP: Effort = Effort { points: 60, followed: 4, evaluations: 300 };
 const DEAR: Effort = Effort { points: 30, followed: 2, evaluations: 60 };
 
 /// An experiment and how it is fitted.

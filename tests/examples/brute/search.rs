@@ -8,8 +8,8 @@ use rand::Rng;
 use rand_pcg::Pcg64;
 
 /// Places of a contact point that are looked at, and sections between the neighbours of the best.
-const PLACES: usize = 60;
-const SECTIONS: usize = 30;
+const PLACES: usize = 40;
+const SECTIONS: usize = 24;
 /// The simplex ends when its values agree within this share.
 const AGREES: f64 = 1e-7;
 
