@@ -71,6 +71,9 @@ struct Fitted {
     /// Search
     #[arg(long, value_name = "METHOD", default_value = "gauss-newton")]
     method: MethodWord,
+    /// Longest that one material's fit may take, in seconds; the best so far is told when it is over
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    budget_s: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -119,6 +122,12 @@ fn friction(text: &str) -> Result<f64, String> {
     if (0.0..=1.0).contains(&friction) { Ok(friction) } else { Err("expected a number from 0 to 1".to_owned()) }
 }
 
+fn seconds(text: &str) -> Result<f64, String> {
+    let told = || "expected a positive number of seconds".to_owned();
+    let seconds: f64 = text.parse().map_err(|_| told())?;
+    if seconds > 0.0 && seconds.is_finite() { Ok(seconds) } else { Err(told()) }
+}
+
 impl Arguments {
     fn spec(&self) -> FitSpec {
         let fit = &self.fit;
@@ -160,6 +169,7 @@ impl Arguments {
                 MethodWord::GaussNewton => Method::GaussNewton,
                 MethodWord::Simplex => Method::Simplex,
             },
+            budget_s: fit.budget_s,
             ..FitSpec::default()
         }
     }

@@ -53,6 +53,9 @@ fn material(experiment: &Experiment, found: &Identification) -> Map<String, Valu
     if let Some(newton) = found.fit.as_ref().and_then(|fit| fit.newton.as_ref()) {
         put("method", json!("gauss-newton"));
         put("converged", json!(newton.converged));
+        put("objective", json!(newton.minimum.at.value));
+        put("promised", json!(newton.minimum.promised));
+        put("came_back", json!([newton.came_back.0, newton.came_back.1]));
         if let Some(correlation) = &newton.correlation {
             let rows: Vec<Vec<f64>> = correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
             put("correlation", json!(rows));

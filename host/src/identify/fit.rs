@@ -197,12 +197,8 @@ fn pooled(newton: &Newton, fitted: &[&RunFit]) -> Noise {
     }
 }
 
-/// Within a thousandth of its range a coordinate stands on its bound.
-const ON_BOUND: f64 = 1e-3;
-
 fn found(problem: &Problem<'_>, newton: &Newton, at: usize) -> Parameter {
     let unknown = &problem.unknowns[at];
-    let (low, high) = unknown.bounds();
     let x = newton.minimum.x[at];
     let Span { low: from, high: to, .. } = newton.spans[at];
     Parameter {
@@ -210,7 +206,7 @@ fn found(problem: &Problem<'_>, newton: &Newton, at: usize) -> Parameter {
         value: unknown.value(x),
         interval95: Interval { low: unknown.value(from), high: unknown.value(to) },
         bounds: (unknown.low, unknown.high),
-        at_bound: (x - low).min(high - x) < ON_BOUND * (high - low),
+        at_bound: unknown.stands_on_bound(x),
         verdict: newton.verdicts.get(at).cloned(),
         derived: false,
         logarithmic: unknown.is_logarithmic(),

@@ -23,7 +23,7 @@ pub mod objective;
 pub mod simplex;
 pub mod spec;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub use answer::json;
 pub use inside::deepest_field;
@@ -283,6 +283,7 @@ impl Identification {
             groups: &groups,
             stated_n: experiment.sensor.noise_n,
             most_solves: spec.most_solves,
+            until: spec.budget_s.and_then(|s| Instant::now().checked_add(Duration::try_from_secs_f64(s).ok()?)),
             told: &told,
         };
         let outcome = newton::fit::fit(&mut problem, &demand);

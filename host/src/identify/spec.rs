@@ -100,6 +100,8 @@ pub struct FitSpec {
     pub method: Method,
     /// Most finite-element solves of one material's fit.
     pub most_solves: usize,
+    /// Longest that one material's fit may take, s, with the best so far when it is over; `None` for as long as it takes. It is looked at between solves.
+    pub budget_s: Option<f64>,
 }
 
 impl Default for FitSpec {
@@ -116,6 +118,7 @@ impl Default for FitSpec {
             loss: Loss::default(),
             method: Method::default(),
             most_solves: 400,
+            budget_s: None,
         }
     }
 }

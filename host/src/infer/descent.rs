@@ -5,7 +5,6 @@ use std::cell::OnceCell;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::covariance::Factor;
 use super::product::inner;
 
 /// Objective with half its gradient and half its Gauss-Newton Hessian.
@@ -224,6 +223,8 @@ const STILL: f64 = 1e-12;
 /// A promise below this share of the objective, or below this in its units, is rounding.
 const STATIONARY_SHARE: f64 = 1e-11;
 const STATIONARY: f64 = 1e-12;
+/// Share of the information that is added where some direction has none.
+const RIDGE: f64 = 1e-8;
 /// A search is left after so many gains, where so many like the last would not bring it to its rival.
 const TRIED: usize = 4;
 const AHEAD: f64 = 20.0;
@@ -292,24 +293,28 @@ fn length(from: &[f64], to: &[f64], region: &Region) -> f64 {
     from.iter().zip(to).enumerate().map(|(i, (a, b))| (a - b).abs() / region.width(i)).fold(0.0, f64::max)
 }
 
-/// What a Newton step over the free coordinates promises to gain: `g' H^-1 g`, the projected gradient in units of the objective. Where the Hessian is singular
-/// the gradient along each coordinate alone stands for it.
+/// What a Newton step over the free coordinates promises to gain: `g' H^-1 g`, the projected gradient in units of the objective. Coordinates without any
+/// information have no gradient, and directions without any are left out by a ridge.
 #[must_use]
 pub fn promised(x: &[f64], at: &Quadratic, region: &Region) -> f64 {
-    let free: Vec<usize> = (0..x.len()).filter(|&i| region.is_free(i, x[i], at.gradient[i])).collect();
-    let gradient = DVector::from_fn(free.len(), |i, _| at.gradient[free[i]]);
-    let hessian = DMatrix::from_fn(free.len(), free.len(), |i, j| at.hessian[(free[i], free[j])]);
+    let informed = |i: &usize| region.is_free(*i, x[*i], at.gradient[*i]) && at.hessian[(*i, *i)] > 0.0;
+    let free: Vec<usize> = (0..x.len()).filter(informed).collect();
     if free.is_empty() {
         return 0.0;
     }
-    match Factor::of(&hessian) {
-        Some(factor) => gradient.dot(&factor.solve(&gradient)),
-        None => free
-            .iter()
-            .map(|&i| at.gradient[i].powi(2) / at.hessian[(i, i)].max(f64::MIN_POSITIVE))
-            .filter(|promise| promise.is_finite())
-            .sum(),
-    }
+    // Scaled to a unit diagonal, so that one ridge suits all.
+    let scale = |i: usize| at.hessian[(free[i], free[i])].sqrt();
+    let gradient = DVector::from_fn(free.len(), |i, _| at.gradient[free[i]] / scale(i));
+    let matrix = |ridge: f64| {
+        DMatrix::from_fn(free.len(), free.len(), |i, j| {
+            let scaled = at.hessian[(free[i], free[j])] / scale(i) / scale(j);
+            if i == j { scaled + ridge } else { scaled }
+        })
+    };
+    [0.0, RIDGE]
+        .into_iter()
+        .find_map(|ridge| matrix(ridge).cholesky())
+        .map_or_else(|| gradient.norm_squared(), |factor| gradient.dot(&factor.solve(&gradient)))
 }
 
 /// A damped step; coordinates that would leave the region through an end they stand at are held.

@@ -83,8 +83,13 @@ fn panel(
     let mut problem = setup::problem(&subject.experiment, selection, &subject.material, &spec, &source);
     let told = |solves: usize| progress(&format!("Gauss-Newton, {balls}"), solves, 0);
     let groups = replicate::groups(&subject.experiment, &subject.motions);
-    let demand =
-        Demand { groups: &groups, stated_n: subject.experiment.sensor.noise_n, most_solves: MOST_SOLVES, told: &told };
+    let demand = Demand {
+        groups: &groups,
+        stated_n: subject.experiment.sensor.noise_n,
+        most_solves: MOST_SOLVES,
+        until: None,
+        told: &told,
+    };
     let newton =
         fit(&mut problem, &demand).map_err(|cause| ModelError::Solve { what: subject.material.clone(), cause })?;
     let place = |kind: Kind| problem.unknowns.iter().position(|u: &Unknown| u.kind == kind).unwrap_or(0);

@@ -9,7 +9,7 @@ use crate::identify::simplex::{self, Bounds, Stop};
 use crate::identify::spec::Loss;
 
 use super::problem::Problem;
-use super::search::{Found, Told, Visit};
+use super::search::{Budget, Found, Told, Visit};
 
 /// Absolute differences are rounded below this many standard deviations of what the fit leaves over, for gradients and intervals.
 pub const ROUNDED: f64 = 0.3;
@@ -27,7 +27,7 @@ const MOST_ROUNDS: usize = 6;
 impl Problem<'_> {
     /// Goes on from the minimum of the rounded loss. A singular Hessian leaves it there: no coordinates make the valley round. A solve
     /// that fails is told and ends the rounds.
-    pub fn settle(&mut self, mut found: Found, budget: usize, told: &Told<'_>) -> Found {
+    pub fn settle(&mut self, mut found: Found, budget: &Budget, told: &Told<'_>) -> Found {
         let spread = self.spread(&found.minimum);
         let region = self.region();
         let count = region.low.len();
@@ -38,6 +38,7 @@ impl Problem<'_> {
         let Some(factor) = inner.cholesky().filter(|_| !free.is_empty()) else { return found };
         let round = factor.l().transpose();
         let bounds = Bounds { low: vec![-REACH; free.len()], high: vec![REACH; free.len()] };
+        let was_minimum = found.converged;
         self.smooth = SHARP * spread;
         for _ in 0..MOST_ROUNDS {
             let centre = found.minimum.x.clone();
@@ -58,8 +59,8 @@ impl Problem<'_> {
             );
             let moved = end.point.iter().map(|z| z * z).sum::<f64>().sqrt();
             found.minimum.x = place(&end.point);
-            found.converged = moved < AT_REST;
-            if found.converged || self.solves() >= budget {
+            found.converged = was_minimum && moved < AT_REST;
+            if moved < AT_REST || budget.is_spent(self.solves()) {
                 break;
             }
             if let Err(cause) = self.solve_at(std::slice::from_ref(&found.minimum.x)) {

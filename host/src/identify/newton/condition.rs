@@ -84,6 +84,11 @@ impl Condition {
         self.surrogate = Surrogate::new(locals.iter().map(width).collect());
     }
 
+    /// Forgets what was solved.
+    pub(super) fn forget(&mut self) {
+        self.surrogate = Surrogate::new(self.surrogate.widths.clone());
+    }
+
     /// Its own coordinates out of all.
     pub fn local(&self, point: &[f64]) -> Vec<f64> {
         self.locals.iter().map(|at| point[*at]).collect()

@@ -6,6 +6,9 @@ use lut_gen::solve::SolveError;
 
 use crate::identify::spec::FittedLaw;
 
+/// Within this share of its range a coordinate stands on its bound.
+const ON_BOUND: f64 = 1e-3;
+
 /// A kind of coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -86,6 +89,13 @@ impl Unknown {
     /// Derivative of the value by the coordinate.
     fn slope(&self, value: f64) -> f64 {
         if self.is_logarithmic() { value } else { 1.0 }
+    }
+
+    /// True where a coordinate stands on a bound of its range, or within a thousandth of it.
+    #[must_use]
+    pub fn stands_on_bound(&self, x: f64) -> bool {
+        let (low, high) = self.bounds();
+        (x - low).min(high - x) < ON_BOUND * (high - low)
     }
 
     /// Range of the coordinate.

@@ -1,5 +1,7 @@
 //! A whole fit: weights, search, intervals, verdicts.
 
+use std::time::Instant;
+
 use nalgebra::DMatrix;
 
 use lut_gen::solve::SolveError;
@@ -14,7 +16,7 @@ use super::condition::Source;
 use super::coordinate::{Kind, Unknown, Values};
 use super::likelihood::{End, Z95};
 use super::problem::{MOST_RELAXING, Problem};
-use super::search::{Told, Visit};
+use super::search::{Budget, Found, Told, Visit};
 use super::setup::FIRST_ALPHA;
 use super::valley::Solved;
 use super::verdict::{Judged, Verdict, judge};
@@ -30,6 +32,9 @@ const LOOSE: f64 = 0.3;
 const MOST_CORNERS: usize = 8;
 /// The end of an interval is found to a hundredth of its half-width, the rise there to twice that.
 const EDGE: f64 = 1.02;
+/// Most rounds of weighing and searching; one that changes no noise by more than this factor is the last.
+const WEIGHINGS: usize = 3;
+const REWEIGHED: f64 = 1.1;
 /// A ramp whose depth the fit moved by more than this share is solved anew to where it ends.
 const MOVED: f64 = 0.01;
 
@@ -41,6 +46,8 @@ pub struct Demand<'a> {
     pub stated_n: Option<f64>,
     /// Most solves.
     pub most_solves: usize,
+    /// When to end with the best so far; `None` for no such time.
+    pub until: Option<Instant>,
     /// Told of every solve.
     pub told: &'a Told<'a>,
 }
@@ -75,8 +82,12 @@ pub struct Newton {
     pub verdicts: Vec<Verdict>,
     /// Points that were solved, in order.
     pub path: Vec<Visit>,
-    /// The search came to rest.
+    /// The end is a minimum: its projected gradient vanishes, and searches from around it and from elsewhere end no lower.
     pub converged: bool,
+    /// Searches from points around the end, and those of them that came back to its objective.
+    pub came_back: (usize, usize),
+    /// The budget of solves or time was spent before the search came to rest.
+    pub spent: bool,
     /// How far the last solve lay from what was expected of it, of the peak force.
     pub expected_within: f64,
     /// Solves that failed on the way.
@@ -96,8 +107,17 @@ impl Newton {
     #[must_use]
     pub fn messages(&self) -> Vec<String> {
         let mut messages: Vec<String> = self.verdicts.iter().map(|v| v.sentence.clone()).collect();
-        if !self.converged {
-            messages.push(format!("the search did not come to rest within {} points", self.path.len()));
+        if !self.converged && self.spent {
+            messages.push(format!(
+                "the budget ended the search after {} points: this is the best so far, not shown to be the minimum",
+                self.path.len()
+            ));
+        } else if !self.converged {
+            let (back, tried) = self.came_back;
+            messages.push(format!(
+                "the end of the search is not shown to be a minimum: a further step promises {:.2} of {:.1} in chi-squared, and {back} of {tried} searches from around it came back",
+                self.minimum.promised, self.minimum.at.value
+            ));
         }
         messages.extend(self.walls.iter().cloned());
         messages.extend(self.failures.iter().map(|cause| format!("a solve on the way failed: {cause}")));
@@ -120,8 +140,8 @@ enum Stage {
 /// When no start can be solved.
 pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, SolveError> {
     problem.weigh_by_samples(demand.stated_n);
-    let budget = demand.most_solves;
-    let mut found = problem.search(&starts(problem), budget, demand.told)?;
+    let budget = &Budget { most_solves: demand.most_solves, until: demand.until };
+    let mut found = problem.search_from_simpler(&starts(problem), budget, demand.told)?;
     if problem.anchor(&found.minimum.x) {
         // The minimum lay between solves, and the ramp has become another: what could be solved before is tried next.
         let mut known: Vec<&Visit> = found.path.iter().collect();
@@ -130,26 +150,40 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         let again = problem.search(&[found.minimum.x.clone()], budget, demand.told);
         found = again.or_else(|_| problem.search(&others, budget, demand.told))?.after(&found);
     }
-    let noises = problem.weigh_by_fit(&found.minimum.x, demand.groups, demand.stated_n);
-    let points = |found: &super::search::Found| found.path.iter().map(|v| v.point.clone()).collect::<Vec<_>>();
+    let points = |found: &Found| found.path.iter().map(|v| v.point.clone()).collect::<Vec<_>>();
     let mut path = found.path.clone();
     let mut failures = found.failures.clone();
-    let visited = points(&found);
-    found = problem.search(&visited, budget, demand.told)?.after(&found);
-    path.extend_from_slice(&found.path[visited.len()..]);
+    let mut noises = Vec::new();
+    for _ in 0..WEIGHINGS {
+        let before: Vec<f64> = problem.weights.iter().map(|weight| weight.sigma_n).collect();
+        noises = problem.weigh_by_fit(&found.minimum.x, demand.groups, demand.stated_n);
+        let changed = problem
+            .weights
+            .iter()
+            .zip(before)
+            .any(|(weight, before)| (weight.sigma_n / before).ln().abs() > REWEIGHED.ln());
+        let visited = points(&found);
+        found = problem.search_again(&visited, budget, demand.told)?.after(&found);
+        path.extend_from_slice(found.path.get(visited.len()..).unwrap_or_default());
+        if !changed {
+            break;
+        }
+    }
     if problem.loss == Loss::Absolute {
         problem.smooth = ROUNDED * problem.spread(&found.minimum);
         let visited = points(&found);
-        let rounded = problem.search(&visited, budget, demand.told)?.after(&found);
+        let rounded = problem.search_again(&visited, budget, demand.told)?.after(&found);
         found = problem.settle(rounded, budget, demand.told);
-        path.extend_from_slice(&found.path[visited.len()..]);
+        path.extend_from_slice(found.path.get(visited.len()..).unwrap_or_default());
     }
     let errors = standard_errors(&found.minimum.at.hessian);
     let mut ends = problem.ends(&found.minimum, &errors);
     for stage in [Stage::Ends, Stage::Corners] {
+        // Late, nothing more is solved.
+        let left = |problem: &Problem<'_>| if budget.is_late() { problem.evaluations() } else { budget.most_solves };
         let wanted = match stage {
-            Stage::Ends => problem.worth_solving(&ends, &errors, budget),
-            Stage::Corners => problem.corners(&ends, budget),
+            Stage::Ends => problem.worth_solving(&ends, &errors, left(problem)),
+            Stage::Corners => problem.corners(&ends, left(problem)),
         };
         if wanted.is_empty() {
             continue;
@@ -158,11 +192,11 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         failures.extend(problem.solve_at(&wanted).err().map(|cause| cause.to_string()));
         (demand.told)(problem.solves());
         let visited: Vec<Vec<f64>> = points(&found);
-        found = problem.search(&visited, budget, demand.told)?.after(&found);
+        found = problem.search_again(&visited, budget, demand.told)?.after(&found);
         if problem.loss == Loss::Absolute {
             found = problem.settle(found, budget, demand.told);
         }
-        path.extend_from_slice(&found.path[visited.len()..]);
+        path.extend_from_slice(found.path.get(visited.len()..).unwrap_or_default());
         ends = problem.ends(&found.minimum, &standard_errors(&found.minimum.at.hessian));
     }
     failures.extend(found.failures.clone());
@@ -181,7 +215,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     let moved = problem.moved_by_model(&found.minimum, model_error);
     let supports = supported(problem, &found.minimum, &ends);
     let spans = spans(problem, &found.minimum, &ends, &supports, &moved);
-    let verdicts = judge(&found.minimum.at.hessian, &judged(&problem.unknowns, &spans));
+    let verdicts = judge(&found.minimum.at.hessian, &judged(&problem.unknowns, &spans, &found.minimum.x));
     let correlation = covariance(&found.minimum.at.hessian)
         .map(|c| DMatrix::from_fn(c.nrows(), c.ncols(), |i, j| c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt()));
     Ok(Newton {
@@ -193,6 +227,8 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         verdicts,
         path,
         converged: found.converged,
+        came_back: found.came_back,
+        spent: budget.is_spent(problem.evaluations()),
         expected_within: found.expected_within,
         failures,
         walls,
@@ -202,36 +238,32 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     })
 }
 
-/// Two exponents that enclose most materials, everything else where its guess is; many more where solves cost nothing.
+/// Two exponents that enclose most materials, everything else where its guess is; more where solves cost nothing.
 fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
-    let free = problem.conditions.iter().all(|c| c.is_exact(&problem.base));
-    let firsts: &[f64] = if free { &MANY_ALPHA } else { &[FIRST_ALPHA.0, FIRST_ALPHA.1] };
-    let two = free && problem.base.terms > 1;
-    let seconds: Vec<Option<f64>> = if two { MANY_ALPHA.map(Some).to_vec() } else { vec![None] };
-    let at = |alpha: f64, second: Option<f64>| -> Vec<f64> {
-        let start = |u: &Unknown| match (u.kind, second) {
-            (Kind::Alpha(0), _) => u.coordinate(alpha.clamp(u.low, u.high)),
-            (Kind::Alpha(_), Some(other)) => u.coordinate(other.clamp(u.low, u.high)),
+    let firsts: &[f64] = if problem.is_free() { &MANY_ALPHA } else { &[FIRST_ALPHA.0, FIRST_ALPHA.1] };
+    let at = |alpha: f64| -> Vec<f64> {
+        let start = |u: &Unknown| match u.kind {
+            Kind::Alpha(0) => u.coordinate(alpha.clamp(u.low, u.high)),
             _ => u.coordinate(u.start.clamp(u.low, u.high)),
         };
         problem.unknowns.iter().map(start).collect()
     };
-    let pairs = firsts.iter().flat_map(|&first| seconds.iter().map(move |second| (first, *second)));
-    // Terms that begin alike stay alike, and their order means nothing.
-    pairs.filter(|(first, second)| second.is_none_or(|second| second < *first)).map(|(a, b)| at(a, b)).collect()
+    firsts.iter().map(|alpha| at(*alpha)).collect()
 }
 
-fn judged(unknowns: &[Unknown], spans: &[Span]) -> Vec<Judged> {
+fn judged(unknowns: &[Unknown], spans: &[Span], x: &[f64]) -> Vec<Judged> {
     unknowns
         .iter()
         .zip(spans)
-        .map(|(unknown, span)| {
+        .zip(x)
+        .map(|((unknown, span), x)| {
             let (low, high) = unknown.bounds();
             Judged {
                 name: unknown.name.clone(),
                 range: high - low,
                 interval: span.high - span.low,
                 open: span.open_low && span.open_high,
+                at_bound: unknown.stands_on_bound(*x),
                 logarithmic: unknown.is_logarithmic(),
             }
         })

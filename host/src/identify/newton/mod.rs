@@ -8,6 +8,8 @@
 //! track       force over depth and hold time from the surrogate's values
 //! problem     weighted differences of all runs, contact points eliminated
 //! search      solve, minimise on what is known, solve there: until nothing moves
+//! elsewhere   searches from around an end and from all over the box, which may better it
+//! nested      simpler laws first, whose best a richer one begins from
 //! absolute    the kinked objective of Eq. 14 by a simplex on what was solved
 //! likelihood  profile intervals
 //! fit         all of it, for one material
@@ -19,8 +21,10 @@ pub mod absolute;
 pub mod condition;
 pub mod coordinate;
 mod coupon;
+pub mod elsewhere;
 pub mod fit;
 pub mod likelihood;
+mod nested;
 pub mod problem;
 pub mod search;
 pub mod setup;

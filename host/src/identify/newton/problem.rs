@@ -42,15 +42,22 @@ pub struct Problem<'a> {
 
 /// Most of the stiffness that may relax.
 pub const MOST_RELAXING: f64 = 0.98;
+/// What lies beyond it costs this times its square, as far as this: a millionth beyond costs a hundredth of chi-squared.
+const WALL: f64 = 1e10;
+const FARTHEST: f64 = 0.01;
 /// Places at which a contact point is looked for before it is refined.
 const SCAN: usize = 24;
 /// Samples of a run with which it is looked for, evenly taken: more only say more exactly which of the places is the nearest.
 const SCANNED: usize = 2000;
+/// Valleys of the scan that are followed.
+const VALLEYS: usize = 3;
 const REFINEMENTS: usize = 30;
 /// Steps of a golden section: the bracket shrinks to a millionth.
 const SECTIONS: usize = 29;
 /// Contact points are exact to this share of their range.
 const CONTACT_SHARE: f64 = 1e-9;
+/// And stand at an end of it when nearer than this: what a golden section leaves.
+const END_SHARE: f64 = 1e-6;
 /// Step of a derivative by a coordinate, as a share of its range: the surrogate is smooth, so that the quotient's error is its square.
 const QUOTIENT: f64 = 1e-6;
 
@@ -76,6 +83,23 @@ impl Problem<'_> {
         minimise(&Together(|x: &[f64]| self.quadratic(x)), region, start, &Rule::default()).into()
     }
 
+    /// The same problem with nothing solved: what is asked of it next rests on no interpolation.
+    #[must_use]
+    pub fn clone_unsolved(&self) -> Self {
+        let mut conditions = self.conditions.clone();
+        conditions.iter_mut().for_each(|condition| condition.forget());
+        Self {
+            selection: self.selection,
+            unknowns: self.unknowns.clone(),
+            base: self.base.clone(),
+            conditions,
+            condition_of: self.condition_of.clone(),
+            weights: self.weights.clone(),
+            loss: self.loss,
+            smooth: self.smooth,
+        }
+    }
+
     /// Curves that are fitted.
     pub fn fitted(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.selection.curves.len()).filter(|at| !self.selection.curves[*at].hold_out)
@@ -87,13 +111,13 @@ impl Problem<'_> {
         self.fitted().map(|at| self.selection.curves[at].force_n.len()).sum()
     }
 
-    /// Tracks of all conditions; empty while one of them is not solved anywhere.
+    /// Tracks of all conditions; fewer than these while one is not solved anywhere, or has no force at the point.
     #[must_use]
     pub fn tracks(&self, point: &[f64]) -> Vec<Track> {
-        let one = |condition: &Condition| {
-            let exact =
-                condition.is_exact(&self.base).then(|| condition.exact_track(&self.base, &self.unknowns, point));
-            exact.flatten().or_else(|| condition.track(point))
+        let one = |condition: &Condition| match condition.is_exact(&self.base) {
+            // Where the material does not exist there is no force; what was solved elsewhere says nothing of it.
+            true => condition.exact_track(&self.base, &self.unknowns, point),
+            false => condition.track(point),
         };
         self.conditions.iter().map_while(one).collect()
     }
@@ -116,22 +140,43 @@ impl Problem<'_> {
         compared.residual_n.iter().map(|r| self.loss(r / weight.sigma_n).0).sum::<f64>() / weight.correlated
     }
 
-    /// The best contact point of a run, mm: a scan over its range, then a bracketed search.
+    /// The best contact point of a run, mm: a scan over its range, then a bracketed search in each valley that the scan shows.
     #[must_use]
     pub fn contact(&self, at: usize, track: &Track) -> f64 {
         let data = &self.selection.curves[at];
         let (low, high) = (data.contact.low_mm, data.contact.high_mm);
         let loss = |contact: f64| self.loss_of(at, &compare(data, track, contact));
         let stride = data.force_n.len().div_ceil(SCANNED).max(1);
-        let scanned = |contact: f64| self.loss_of(at, &compare_some(data, track, contact, stride));
         let step = (high - low) / SCAN as f64;
-        let places = (0..=SCAN).map(|i| low + i as f64 * step);
-        let best = places.map(|c| (c, scanned(c))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(low, |(c, _)| c);
-        let bracket = ((best - step).max(low), best, (best + step).min(high));
-        match self.loss {
-            Loss::Absolute => golden(loss, bracket),
-            Loss::Squares | Loss::Huber => self.refined(at, track, bracket),
+        let place = |i: usize| low + i as f64 * step;
+        let scanned: Vec<f64> =
+            (0..=SCAN).map(|i| self.loss_of(at, &compare_some(data, track, place(i), stride))).collect();
+        let is_least = |i: &usize| {
+            let beside = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|j| scanned.get(j));
+            beside.into_iter().all(|other| scanned[*i] <= *other)
+        };
+        let mut valleys: Vec<usize> = (0..=SCAN).filter(is_least).collect();
+        valleys.sort_by(|a, b| scanned[*a].total_cmp(&scanned[*b]));
+        let refined = valleys.iter().take(VALLEYS).map(|&i| {
+            let bracket = ((place(i) - step).max(low), place(i), (place(i) + step).min(high));
+            match self.loss {
+                Loss::Absolute => golden(loss, bracket),
+                Loss::Squares | Loss::Huber => self.refined(at, track, bracket),
+            }
+        });
+        let refined: Vec<f64> = refined.collect();
+        match refined.as_slice() {
+            [] => low,
+            [only] => *only,
+            many => many.iter().map(|c| (*c, loss(*c))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(low, |(c, _)| c),
         }
+    }
+
+    /// True when a contact point stands at an end of its range: it cannot follow the parameters any farther.
+    fn stands_at_end(&self, at: usize, contact_mm: f64) -> bool {
+        let range = &self.selection.curves[at].contact;
+        let near = END_SHARE * (range.high_mm - range.low_mm);
+        contact_mm <= range.low_mm + near || contact_mm >= range.high_mm - near
     }
 
     /// Gauss-Newton along the contact point inside a bracket; a step that does not gain is halved.
@@ -151,7 +196,8 @@ impl Problem<'_> {
             if curvature <= 0.0 {
                 break;
             }
-            let mut move_mm = (contact + slope / curvature).clamp(low, high) - contact;
+            let whole_mm = (contact + slope / curvature).clamp(low, high) - contact;
+            let mut move_mm = whole_mm;
             let mut gained = false;
             for _ in 0..8 {
                 let next = compare(data, track, contact + move_mm);
@@ -162,11 +208,30 @@ impl Problem<'_> {
                 }
                 move_mm *= 0.5;
             }
-            if !gained || move_mm.abs() < CONTACT_SHARE * (data.contact.high_mm - data.contact.low_mm) {
+            let enough = CONTACT_SHARE * (data.contact.high_mm - data.contact.low_mm);
+            if !gained && whole_mm.abs() > enough {
+                // Slopes mislead across a kink; a search without them does not.
+                let around = ((contact - whole_mm.abs()).max(low), contact, (contact + whole_mm.abs()).min(high));
+                return golden(|c| self.loss_of(at, &compare(data, track, c)), around);
+            }
+            if !gained || move_mm.abs() < enough {
                 break;
             }
         }
         contact
+    }
+
+    /// Weighted sums of modelled times measured and of squared modelled forces at a run's best contact point.
+    pub(super) fn overlap(&self, at: usize, track: &Track) -> (f64, f64) {
+        let data = &self.selection.curves[at];
+        let weight = self.weights[at];
+        let scale = 1.0 / (weight.sigma_n * weight.sigma_n * weight.correlated);
+        let model = forces(data, track, self.contact(at, track));
+        let sums = model.iter().zip(&data.force_n).fold((0.0, 0.0), |(mixed, own), (m, f)| {
+            let w = scale * self.loss((f - m) / weight.sigma_n).1;
+            (mixed + w * m * f, own + w * m * m)
+        });
+        sums
     }
 
     /// Sums of the relaxing parts, of the shear and of the bulk.
@@ -183,9 +248,12 @@ impl Problem<'_> {
         sums
     }
 
-    /// A solid keeps a part of its stiffness for ever: no sum of relaxing parts reaches 1.
-    fn holds_together(&self, point: &[f64]) -> bool {
-        self.relaxing(point).iter().all(|sum| *sum <= MOST_RELAXING)
+    /// How far the relaxing parts go beyond what may relax; none where one goes beyond what can.
+    ///
+    /// A solid keeps a part of its stiffness for ever. The wall is a steep parabola, so that a search slides along it.
+    fn beyond(&self, point: &[f64]) -> Option<[f64; 2]> {
+        let beyond = self.relaxing(point).map(|sum| (sum - MOST_RELAXING).max(0.0));
+        beyond.iter().all(|excess| *excess <= FARTHEST).then_some(beyond)
     }
 
     /// What a fit leaves over on average, in the standard deviations of the weights.
@@ -200,16 +268,19 @@ impl Problem<'_> {
     /// Objective at a point, contact points at their best; infinite while nothing is solved.
     #[must_use]
     pub fn value(&self, point: &[f64]) -> f64 {
+        let Some(beyond) = self.beyond(point) else { return f64::INFINITY };
         let tracks = self.tracks(point);
-        if tracks.len() < self.conditions.len() || !self.holds_together(point) {
+        if tracks.len() < self.conditions.len() {
             return f64::INFINITY;
         }
-        self.fitted()
+        let wall: f64 = beyond.iter().map(|excess| WALL * excess * excess).sum();
+        wall + self
+            .fitted()
             .map(|at| {
                 let track = &tracks[self.condition_of[at]];
                 self.loss_of(at, &compare(&self.selection.curves[at], track, self.contact(at, track)))
             })
-            .sum()
+            .sum::<f64>()
     }
 
     /// Objective with its Gauss-Newton model, contact points at their best.
@@ -234,11 +305,12 @@ impl Problem<'_> {
     fn quadratic_on(&self, point: &[f64], tracks: Vec<Track>) -> Quadratic {
         let count = self.unknowns.len();
         let mut sum = Quadratic { value: 0.0, gradient: DVector::zeros(count), hessian: DMatrix::zeros(count, count) };
-        if tracks.len() < self.conditions.len() || !self.holds_together(point) {
+        let Some(beyond) = self.beyond(point).filter(|_| tracks.len() == self.conditions.len()) else {
             sum.value = f64::INFINITY;
             return sum;
-        }
-        let moved: Vec<(Vec<Track>, Vec<Track>, f64)> = (0..count).map(|axis| self.moved(point, axis)).collect();
+        };
+        let moved: Vec<(Vec<Track>, Vec<Track>, f64)> =
+            (0..count).map(|axis| self.moved(point, axis, &tracks)).collect();
         let of = |at: usize| {
             let condition = self.condition_of[at];
             let contact = self.contact(at, &tracks[condition]);
@@ -252,33 +324,53 @@ impl Problem<'_> {
                     DVector::from_iterator(low.len(), low.iter().zip(&high).map(|(l, h)| (h - l) / width))
                 })
                 .collect();
-            (at, compared, DMatrix::from_columns(&columns))
+            (at, compared, self.stands_at_end(at, contact), DMatrix::from_columns(&columns))
         };
         // added up in their order, so that the sum is the same on any number of threads
         let fitted: Vec<usize> = self.fitted().collect();
-        let runs: Vec<(usize, Compared, DMatrix<f64>)> = fitted.into_par_iter().map(of).collect();
-        for (at, compared, jacobian) in &runs {
+        let runs: Vec<(usize, Compared, bool, DMatrix<f64>)> = fitted.into_par_iter().map(of).collect();
+        for (at, compared, ends, jacobian) in &runs {
             sum.value += self.loss_of(*at, compared);
-            self.add(*at, compared, jacobian, &mut sum);
+            self.add(*at, (compared, *ends), jacobian, &mut sum);
         }
+        self.lean(beyond, &mut sum);
         sum
     }
 
+    /// Adds the wall of the relaxing parts.
+    fn lean(&self, beyond: [f64; 2], sum: &mut Quadratic) {
+        for (which, excess) in beyond.into_iter().enumerate().filter(|(_, excess)| *excess > 0.0) {
+            sum.value += WALL * excess * excess;
+            let belongs = |kind: Kind| match which {
+                0 => matches!(kind, Kind::G(_)),
+                _ => matches!(kind, Kind::K(_)),
+            };
+            let axes: Vec<usize> = (0..self.unknowns.len()).filter(|&i| belongs(self.unknowns[i].kind)).collect();
+            for &i in &axes {
+                sum.gradient[i] += WALL * excess;
+                axes.iter().for_each(|&j| sum.hessian[(i, j)] += WALL);
+            }
+        }
+    }
+
     /// Tracks a little below and above along one coordinate, and the distance between.
-    fn moved(&self, point: &[f64], axis: usize) -> (Vec<Track>, Vec<Track>, f64) {
+    fn moved(&self, point: &[f64], axis: usize, here: &[Track]) -> (Vec<Track>, Vec<Track>, f64) {
         let (low, high) = self.unknowns[axis].bounds();
         let step = QUOTIENT * (high - low);
-        // At a wall one-sided: beyond it there may be no material.
-        let (from, to) = ((point[axis] - step).max(low), (point[axis] + step).min(high));
+        // At a wall, and where there is no material, one-sided.
+        let own = point[axis];
         let shifted = |to: f64| {
             let mut point = point.to_vec();
             point[axis] = to;
-            self.tracks(&point)
+            let tracks = self.tracks(&point);
+            if tracks.len() == here.len() { (tracks, to) } else { (here.to_vec(), own) }
         };
-        (shifted(from), shifted(to), (to - from).max(f64::MIN_POSITIVE))
+        let (from, to) = (shifted((own - step).max(low)), shifted((own + step).min(high)));
+        (from.0, to.0, (to.1 - from.1).max(f64::MIN_POSITIVE))
     }
 
-    fn add(&self, at: usize, compared: &Compared, jacobian: &DMatrix<f64>, sum: &mut Quadratic) {
+    /// Adds a run; `ends` where its contact point stands at an end of its range and absorbs nothing.
+    fn add(&self, at: usize, (compared, ends): (&Compared, bool), jacobian: &DMatrix<f64>, sum: &mut Quadratic) {
         let weight = self.weights[at];
         let scale = 1.0 / (weight.sigma_n * weight.sigma_n * weight.correlated);
         let w = |r: f64| scale * self.loss(r / weight.sigma_n).1;
@@ -293,7 +385,7 @@ impl Problem<'_> {
         let columns: Vec<DVector<f64>> = jacobian
             .column_iter()
             .map(|column| {
-                let share = if norm > 0.0 { column.dot(&contact_weight) / norm } else { 0.0 };
+                let share = if norm > 0.0 && !ends { column.dot(&contact_weight) / norm } else { 0.0 };
                 column - share * &by_contact
             })
             .collect();

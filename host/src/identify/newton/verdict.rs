@@ -49,6 +49,8 @@ pub struct Judged {
     pub interval: f64,
     /// The interval ends at a bound.
     pub open: bool,
+    /// The best value stands on a bound of the search.
+    pub at_bound: bool,
     /// A logarithmic coordinate.
     pub logarithmic: bool,
 }
@@ -79,7 +81,10 @@ fn one(hessian: &DMatrix<f64>, covariance: Option<&DMatrix<f64>>, parameters: &[
         if own.logarithmic { 3.92 * alone > WIDE_FACTOR.ln() } else { 3.92 * alone > WIDE_SHARE * own.range };
     let tied_to = partners(hessian, covariance, parameters, at);
     let names: Vec<&str> = tied_to.iter().map(|at| parameters[*at].name.as_str()).collect();
-    let (standing, sentence) = if !wide {
+    let (standing, sentence) = if own.at_bound && !wide {
+        let sentence = format!("{} stands on a bound of its search: the data ask for what lies beyond", own.name);
+        (Standing::NotIdentifiable, sentence)
+    } else if !wide {
         let together =
             if tied_to.is_empty() { String::new() } else { format!("; its error moves with {}", names.join(" and ")) };
         (Standing::Identified, format!("{} is identified{together}", own.name))
@@ -124,7 +129,7 @@ mod tests {
     use super::*;
 
     fn judged(name: &str, interval: f64) -> Judged {
-        Judged { name: name.to_owned(), range: 1.0, interval, open: false, logarithmic: false }
+        Judged { name: name.to_owned(), range: 1.0, interval, open: false, at_bound: false, logarithmic: false }
     }
 
     #[test]
@@ -141,6 +146,8 @@ mod tests {
         assert_eq!(verdicts[1].sentence, "b is known only in combination with c: one makes up for the other");
         assert_eq!(verdicts[1].tied_to, [2]);
         assert_eq!(verdicts[2].standing, Standing::InCombination);
+        let bound = [Judged { at_bound: true, ..all[0].clone() }, all[1].clone(), all[2].clone(), all[3].clone()];
+        assert_eq!(judge(&h, &bound)[0].standing, Standing::NotIdentifiable);
         assert_eq!(verdicts[3].sentence, "d is not identifiable from these runs: they hardly change with it");
     }
 }
