@@ -175,6 +175,13 @@ fn print(found: &Diagnosis) {
     let Some(evidence) = &found.evidence else { return };
     if matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
         print_gain(evidence);
+    } else {
+        for (name, (value, (low, high))) in ["mu_MPa", "alpha"].iter().zip(evidence.base.base()) {
+            outln!("{name:16} {:>10}  95 %: {} to {}", number(value), number(low), number(high));
+        }
+    }
+    for told in evidence.widened(matches!(found.verdict, Verdict::Named | Verdict::Ambiguous)) {
+        outln!("interval         {told}");
     }
     if !found.blind_to.is_empty() {
         outln!("blind to         {}", found.blind_to.join(", "));

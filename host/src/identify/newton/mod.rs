@@ -9,6 +9,7 @@
 //! problem     weighted differences of all runs, contact points eliminated
 //! search      solve, minimise on what is known, solve there: until nothing moves
 //! absolute    the kinked objective of Eq. 14 by a simplex on what was solved
+//! linear      the fit near its minimum, row by row: what others do to its errors
 //! likelihood  profile intervals
 //! fit         all of it, for one material
 //! valley      the objective around the minimum, for the report
@@ -21,6 +22,7 @@ pub mod coordinate;
 mod coupon;
 pub mod fit;
 pub mod likelihood;
+pub mod linear;
 pub mod problem;
 pub mod search;
 pub mod setup;
