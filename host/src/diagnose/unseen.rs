@@ -10,6 +10,7 @@
 
 use lut_gen::effect::{CATALOGUE, Owner, Quantity, Spread, contact_offset, drift, relaxation, thickness};
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use super::check::Check;
 use super::coordinate::Candidate;
@@ -103,10 +104,10 @@ pub fn widening(problem: &Problem<'_>, fit: &Fit) -> Option<Widening> {
     let design = problem.design;
     let rows = problem.whitening.residuals();
     let list = candidates(design);
-    let each = list.iter().filter(|candidate| !is_fitted(candidate, fit));
-    let unseen = each
-        .filter_map(|candidate| columns(design, candidate, |values| changes(problem, fit, candidate, values)))
-        .fold(LowRank::none(rows), |all, one| all.and(&one));
+    let open: Vec<&Candidate> = list.iter().filter(|candidate| !is_fitted(candidate, fit)).collect();
+    let of = |candidate: &&Candidate| columns(design, candidate, |values| changes(problem, fit, candidate, values));
+    let each: Vec<LowRank> = open.par_iter().filter_map(of).collect();
+    let unseen = each.iter().fold(LowRank::none(rows), |all, one| all.and(one));
     // what the effects of the fit may themselves be wrong by is no information
     let forms = allowed(problem, fit);
     let jacobian = forms.all_discounted(fit.jacobian.clone());
