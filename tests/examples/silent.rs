@@ -56,7 +56,7 @@ fn identified(
         let at = usize::from(condition.grip.ball_mm() > 5.0);
         Source::Model(Box::new(forces[at].clone()))
     };
-    let mut found = identify_from(experiment, "foam", &FitSpec::default(), &source)?;
+    let mut found = identify_from(experiment, material(experiment), &FitSpec::default(), &source)?;
     unseen::widen(experiment, &mut found, models, &|_, _| {})?;
     let Some(fit) = &found.fit else { return Ok(None) };
     let of = |name: &str| fit.parameters.iter().find(|p| p.name == name);
@@ -70,9 +70,14 @@ fn identified(
     }))
 }
 
+/// Name of the only material.
+fn material(experiment: &Experiment) -> &str {
+    experiment.specimens.first().map_or("", |one| one.material.as_str())
+}
+
 /// The base's intervals where nothing shows; none where something does.
 fn silent(experiment: &Experiment, models: &Models) -> Result<Option<Spans>, Box<dyn Error>> {
-    let Ok(design) = Read::of(experiment, "foam") else { return Ok(None) };
+    let Ok(design) = Read::of(experiment, material(experiment)) else { return Ok(None) };
     let chain = Chain { library: models.of(&design.geometries, &|_, _| {})?, passages: design.passages() };
     let Some(prepared) = Prepared::new(&design, &chain, experiment.sensor.noise_n) else { return Ok(None) };
     let search = Search::new(prepared, search::candidates(&design));
