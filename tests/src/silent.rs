@@ -3,6 +3,7 @@
 //! The ranges below are those of instruments and foams as their standards and data sheets state them, and as wide as, or wider than, what the
 //! diagnosis takes them to be; nothing here is read from its catalogue. Amounts are even over their range.
 
+use lut_gen::law::PronyTerm;
 use palpate::simulate::{Effect, Spec};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -58,7 +59,10 @@ fn cause(code: &str, peak_n: f64, chance: &mut Pcg64) -> Option<Effect> {
         // open-cell foams in compression
         "poisson" => Effect::Poisson { nu: even(0.0, 0.1) },
         "second-term" => Effect::SecondTerm { mu2_ratio: even(0.002, 0.1), alpha2: even(2.0, 25.0) },
-        "relaxation" => Effect::Relaxation(vec![(even(0.0, 0.1), 0.05 * 800.0_f64.powf(even(0.0, 1.0)))]),
+        "relaxation" => {
+            let g = even(0.0, 0.1);
+            Effect::Relaxation(vec![PronyTerm::alike(g, 0.05 * 800.0_f64.powf(even(0.0, 1.0)))])
+        }
         "sensor-nonlinearity" => Effect::SensorNonlinearity { quadratic_per_n: even(-0.01, 0.01) / peak_n },
         // channels that are read one after the other
         "lag" => Effect::Lag { lag_s: even(0.0, 0.02) },
