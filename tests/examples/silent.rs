@@ -124,7 +124,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let told = Told { code: code.unwrap_or("nothing"), verdict, diagnosed, identified, truth: case.truth };
         println!("{seed} {} {} {verdict} {}", design.name(), told.code, words(&told));
         all.push(told);
-        if all.len() % 50 == 0 {
+        if all.len().is_multiple_of(50) {
             table(&all);
         }
     }
