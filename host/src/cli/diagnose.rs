@@ -173,7 +173,16 @@ fn print(found: &Diagnosis) {
         outln!("note             {note}");
     }
     let Some(evidence) = &found.evidence else { return };
-    print_gain(found, evidence);
+    if found.is_named() {
+        print_gain(found, evidence);
+    } else {
+        for (name, (value, (low, high))) in ["mu_MPa", "alpha"].iter().zip(evidence.base.base()) {
+            outln!("{name:16} {:>10}  95 %: {} to {}", number(value), number(low), number(high));
+        }
+    }
+    for told in evidence.widened(found.is_named()) {
+        outln!("interval         {told}");
+    }
     if !found.blind_to.is_empty() {
         outln!("blind to         {}", found.blind_to.join(", "));
     }

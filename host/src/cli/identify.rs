@@ -12,6 +12,7 @@ use crate::identify::newton::verdict::Standing;
 use crate::identify::spec::{Extra, FitSpec, FittedLaw, Loss, Method, Own};
 use crate::identify::{self, Identification};
 use crate::report::{self, number};
+use crate::{infer, unseen};
 
 use super::progress::Progress;
 
@@ -33,6 +34,9 @@ pub struct Arguments {
     /// Fit the parameters of the model's effects as well
     #[arg(long, requires = "model")]
     free_effects: bool,
+    /// Intervals of noise alone: no force models of the effects that these runs may not show are made
+    #[arg(long, conflicts_with = "model")]
+    noise_only: bool,
     #[command(flatten)]
     fit: Fitted,
 }
@@ -189,8 +193,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let found = identify::identify(&experiment, &spec, &|what: &str, done, total| {
         progress.set(what, done, total);
     });
+    let mut found = found?;
+    if !arguments.noise_only {
+        let models = Models::kept();
+        for one in &mut found {
+            let told = |done, total| progress.set("effects that these runs may not show", done, total);
+            unseen::widen(&experiment, one, &models, &told).map_err(|cause| miette::miette!("{cause}"))?;
+        }
+    }
     progress.end();
-    let found = found?;
     for message in found.iter().flat_map(|one| &one.messages) {
         errln!("{message}");
     }
@@ -287,6 +298,12 @@ fn print(found: &Identification) {
             number(parameter.interval95.low),
             number(parameter.interval95.high),
         );
+    }
+    for parameter in &fit.parameters {
+        let told = parameter.unseen.as_ref().and_then(|u| infer::unseen::sentence(&parameter.name, u.times, &u.by));
+        if let Some(told) = told {
+            outln!("interval         {told}");
+        }
     }
     outln!("residual         {} N rms, noise {} N", number(fit.rmse_n), number(fit.noise.sigma_n));
     if let Some(check) = found.direct_check {

@@ -2,9 +2,11 @@
 
 use serde_json::{Value, json};
 
+use super::fit::Fit;
 use super::plan::On;
 use super::search::Explanation;
 use super::{Diagnosis, Estimate, Evidence};
+use crate::infer::unseen;
 
 /// One material's answer; keys as in the contract, `material`, `faults`, `reason` and `messages` added.
 #[must_use]
@@ -48,8 +50,10 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "held_out": held_out.map(|h| json!({
             "rmse_N_before": h.rmse_before_n, "rmse_N_after": h.rmse_after_n, "conditions": h.conditions,
         })),
-        "base": { "parameters": evidence.map(|e| parameters(e.base.base())) },
-        "extended": { "parameters": extended.map(parameters) },
+        "base": { "parameters": evidence.map(|e| parameters(e.base.base(), e.base.base_of_noise(), &e.base)) },
+        "extended": { "parameters": evidence.zip(extended).and_then(|(e, all)| {
+            Some(parameters(all, e.extended_of_noise()?, &e.held.first()?.fit))
+        }) },
         "messages": diagnosis.messages,
         "report": report,
         "seconds": diagnosis.seconds,
@@ -111,7 +115,12 @@ fn candidate(evidence: &Evidence, single: &Explanation) -> Value {
     })
 }
 
-fn parameters([mu, alpha]: [Estimate; 2]) -> Value {
-    let one = |(value, (low, high)): Estimate| json!({ "value": value, "interval95": [low, high] });
-    json!({ "mu_MPa": one(mu), "alpha": one(alpha) })
+/// Parameters with their intervals, those of noise alone, and what widened them in a fit.
+fn parameters(all: [Estimate; 2], noise: [Estimate; 2], fit: &Fit) -> Value {
+    let one = |at: usize| {
+        let ((value, (low, high)), (_, (least, most))) = (all[at], noise[at]);
+        let by = fit.unseen.as_ref().map_or_else(|| json!([]), |unseen| unseen::json(&unseen.by[at]));
+        json!({ "value": value, "interval95": [low, high], "interval95_noise": [least, most], "widened_by": by })
+    };
+    json!({ "mu_MPa": one(0), "alpha": one(1) })
 }

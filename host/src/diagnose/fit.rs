@@ -19,6 +19,7 @@ use crate::infer::covariance::covariance;
 use crate::infer::descent::{Objective, Quadratic, Region, Rule, minimise};
 use crate::infer::lowrank::Fold;
 use crate::infer::product::inner;
+use crate::infer::unseen::Widening;
 
 /// Data, model and noise: what is fitted.
 #[derive(Debug, Clone)]
@@ -70,6 +71,8 @@ pub struct Fit {
     pub vain: Option<f64>,
     /// More solves from here would be the same again.
     pub settled: bool,
+    /// What effects that are not in it do to the errors of its parameters, once that is asked for.
+    pub unseen: Option<Widening>,
 }
 
 /// A fit has ended when a step changes the sum of squares by less than this.
@@ -229,6 +232,7 @@ impl Problem<'_> {
             at_bound,
             vain: None,
             settled: false,
+            unseen: None,
         }
     }
 
@@ -411,7 +415,7 @@ impl Fit {
         });
         own.map(|(i, c, q)| {
             let sigma = covariance.as_ref().map_or(f64::NAN, |v| v[(i, i)].sqrt());
-            let (low, high) = c.interval(self.x[i], self.reach[i] * sigma);
+            let (low, high) = self.interval(i, sigma);
             let value = c.value(self.x[i]);
             let interval = (low, value + (high - value).hypot(q.understated * value));
             (*q, c.value(self.x[i]), interval)
@@ -419,15 +423,35 @@ impl Fit {
         .collect()
     }
 
-    /// `mu` (MPa) and `alpha`, each with its 95 % interval.
+    /// `mu` (MPa) and `alpha`, each with its 95 % interval, widened by unseen effects where these were asked for.
     #[must_use]
     pub fn base(&self) -> [(f64, (f64, f64)); 2] {
+        let covariance = self.covariance();
+        std::array::from_fn(|i| {
+            let sigma = covariance.as_ref().map_or(f64::NAN, |v| v[(i, i)].sqrt());
+            (self.coordinates[i].value(self.x[i]), self.interval(i, sigma))
+        })
+    }
+
+    /// The same with the intervals that noise alone makes.
+    #[must_use]
+    pub fn base_of_noise(&self) -> [(f64, (f64, f64)); 2] {
         let covariance = self.covariance();
         std::array::from_fn(|i| {
             let c = &self.coordinates[i];
             let sigma = covariance.as_ref().map_or(f64::NAN, |v| v[(i, i)].sqrt());
             (c.value(self.x[i]), c.interval(self.x[i], self.reach[i] * sigma))
         })
+    }
+
+    /// The 95 % interval of a parameter whose standard deviation from noise is given: it lies where the data put the parameter with unseen effects free, and holds the point itself.
+    fn interval(&self, at: usize, sigma: f64) -> (f64, f64) {
+        let (c, x, noise) = (&self.coordinates[at], self.x[at], self.reach[at] * sigma);
+        let Some(unseen) = &self.unseen else { return c.interval(x, noise) };
+        let half = noise.hypot(Z95 * unseen.added[at].sqrt());
+        let (least, most) = c.bounds();
+        let (low, high) = c.interval((x + unseen.shift[at]).clamp(least, most), half);
+        (low.min(c.value(x)), high.max(c.value(x)))
     }
 }
 

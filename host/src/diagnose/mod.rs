@@ -28,6 +28,7 @@ pub mod search;
 mod spike;
 #[cfg(test)]
 mod tests;
+pub mod unseen;
 mod verdict;
 pub mod whiten;
 
@@ -156,12 +157,21 @@ impl Evidence {
     /// `mu` (MPa) and `alpha` of the likeliest explanation that holds, each in an interval that has those of all that hold: which of these is true is not known.
     #[must_use]
     pub fn extended(&self) -> Option<[Estimate; 2]> {
-        let all = self.held.iter().map(|e| e.fit.base());
-        all.reduce(|best, other| {
-            std::array::from_fn(|i| {
-                let ((value, (low, high)), (_, its)) = (best[i], other[i]);
-                (value, (low.min(its.0), high.max(its.1)))
-            })
+        self.held.iter().map(|e| e.fit.base()).reduce(holding)
+    }
+
+    /// The same with the intervals that noise alone makes.
+    #[must_use]
+    pub fn extended_of_noise(&self) -> Option<[Estimate; 2]> {
+        self.held.iter().map(|e| e.fit.base_of_noise()).reduce(holding)
+    }
+
+    /// Sentences that say what widened the intervals of `mu` and `alpha`: of the likeliest explanation where one is named, of the base else.
+    pub fn widened(&self, named: bool) -> impl Iterator<Item = String> + '_ {
+        let fit = self.held.first().filter(|_| named).map_or(&self.base, |best| &best.fit);
+        let each = ["mu", "alpha"].into_iter().enumerate();
+        fit.unseen.iter().flat_map(move |unseen| {
+            each.clone().filter_map(|(at, name)| crate::infer::unseen::sentence(name, unseen.times(at), &unseen.by[at]))
         })
     }
 
@@ -185,6 +195,14 @@ impl Evidence {
     pub fn is_nameless(&self) -> bool {
         is_nameless(self.beyond_nameless)
     }
+}
+
+/// Intervals that hold those of two explanations, about the values of the first.
+fn holding(best: [Estimate; 2], other: [Estimate; 2]) -> [Estimate; 2] {
+    std::array::from_fn(|i| {
+        let ((value, (low, high)), (_, its)) = (best[i], other[i]);
+        (value, (low.min(its.0), high.max(its.1)))
+    })
 }
 
 fn is_nameless(beyond: Option<f64>) -> bool {
@@ -327,7 +345,10 @@ impl Diagnosis {
         } else {
             Found::nothing(first.clone())
         };
-        let Found { search, singles, pairs, held, beyond_nameless } = found;
+        let Found { search, singles, pairs, mut held, beyond_nameless } = found;
+        for explanation in &mut held {
+            explanation.fit.unseen = unseen::widening(&search.problem, &explanation.fit);
+        }
         let best = held.first().or(singles.first());
         let curves_of =
             |problem: &Problem<'_>| best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
@@ -337,7 +358,7 @@ impl Diagnosis {
         let ripple = ripple::of(experiment, &design, predicted, &search.noise.sensor, adequate);
         self.messages.extend(ripple.map(|r| r.to_string()));
         let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
-        self.cancelling = verdict::cancelling(&design);
+        self.cancelling = verdict::cancelling(&design, &self.blind_to);
         self.proposals = plan::proposals(experiment, &search, &held, &self.blind_to);
         let seen = verdict::Seen {
             visible,
@@ -359,7 +380,8 @@ impl Diagnosis {
         // a noise that was told about what does not hold may leave the base anywhere
         let (extended_curves, shown) =
             if held.is_empty() { (curves_of(&first.problem), first) } else { (explained, search) };
-        let Search { problem, noise, base, curves: base_curves, adequacy, margins, .. } = shown;
+        let Search { problem, noise, mut base, curves: base_curves, adequacy, margins, .. } = shown;
+        base.unseen = unseen::widening(&problem, &base);
         self.evidence = Some(Box::new(Evidence {
             design: design.clone(),
             noise,

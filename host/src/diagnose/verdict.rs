@@ -1,6 +1,6 @@
 //! From explanations to a verdict with names.
 
-use lut_gen::effect::{Owner, radius};
+use lut_gen::effect::{Owner, depth_gain, radius};
 
 use super::Diagnosis;
 use super::check::Kind;
@@ -91,14 +91,18 @@ pub(super) fn blind_spots(search: &Search<'_>) -> Vec<&'static str> {
     blind
 }
 
-/// Effects that hide each other when they are of equal size and opposite sign, whatever is pressed into: only runs without the specimen tell.
-pub(super) fn cancelling(design: &Design) -> Vec<&'static str> {
+/// Effects that hide each other when they are of equal size and opposite sign, whatever is pressed into: only runs without the specimen tell. `blind_to` is
+/// what a plausible amount of would not be seen in this design.
+pub(super) fn cancelling(design: &Design, blind_to: &[&str]) -> Vec<&'static str> {
     let has = |kind: Kind| design.checks.iter().any(|check| check.kind == kind);
     let mut list = Vec::new();
     if !has(Kind::Block) && !has(Kind::Mass) {
         list.push(
             "relaxation of the specimen and creep of the sensor with equal size and time cancel: without a hold on a stiff block this design cannot exclude it",
         );
+    }
+    if blind_to.contains(&depth_gain::EFFECT.code) {
+        list.push("the gain of the depth gauge is part of mu and alpha: without the gauge on a block of known height this design cannot exclude it");
     }
     if !has(Kind::Mass) {
         list.push("the gain of the sensor is part of mu: without a known mass this design cannot exclude it");

@@ -1,7 +1,7 @@
 //! Recordings freed from what only the rig did to them: the depth that the ball truly had, the force that truly was on it.
 
 use lut_gen::chain::Setting;
-use lut_gen::effect::{drift, lag, sensor_creep};
+use lut_gen::effect::{depth_gain, drift, lag, sensor_creep, time_gain};
 
 /// Rounds in which a force is found from its reading. Each leaves less than the part by which a sensor misses (a creep of 0.3
 /// leaves 1e-4 after eight).
@@ -17,8 +17,12 @@ pub fn freed(
     depth_mm: &[f64],
     reading_n: &[f64],
 ) -> (Vec<f64>, Vec<f64>) {
+    let clock = of_all(rig, &time_gain::EFFECT);
+    let time_s: Vec<f64> = time_s.iter().map(|t| t / clock).collect();
+    let (time_s, start_s) = (time_s.as_slice(), start_s / clock);
     let force = force_of(rig, time_s, start_s, reading_n);
-    let mut depth = depth_mm.to_vec();
+    let gain = of_all(rig, &depth_gain::EFFECT);
+    let mut depth: Vec<f64> = depth_mm.iter().map(|d| depth_gain::true_mm(*d, gain)).collect();
     let of = |code: &'static str| rig.iter().filter(move |s| s.effect.code == code);
     for setting in of("contact-offset") {
         depth.iter_mut().for_each(|d| *d += setting.values[0]);
@@ -34,6 +38,12 @@ pub fn freed(
         depth.iter_mut().zip(&force).for_each(|(d, f)| *d -= setting.values[0] * f);
     }
     (depth, force)
+}
+
+/// Value of an effect that belongs to the whole experiment; its null value without a setting.
+fn of_all(rig: &[Setting], effect: &lut_gen::effect::Effect) -> f64 {
+    let own = rig.iter().find(|s| s.effect.code == effect.code);
+    own.and_then(|s| s.values.first().copied()).unwrap_or(effect.quantities[0].null)
 }
 
 fn force_of(rig: &[Setting], time_s: &[f64], start_s: f64, reading_n: &[f64]) -> Vec<f64> {

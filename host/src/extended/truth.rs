@@ -103,6 +103,8 @@ fn effect(
         ("friction", _) => Effect::Friction { coefficient: one },
         ("adhesion", _) if one > 0.0 => Effect::Adhesion { work_n_per_mm: one, range_mm: ADHESION_RANGE_MM },
         ("contact-offset", _) => Effect::ContactOffset { offset_mm: one },
+        ("depth-gain", _) => Effect::DepthGain { gain: one },
+        ("time-gain", _) => Effect::TimeGain { gain: one },
         ("compliance", _) => Effect::Compliance { mm_per_n: one },
         ("radius", _) => Effect::Radius { indenter: added.owner.clone().unwrap_or_default(), error_mm: one },
         ("lag", "filter") => Effect::Lag { lag_s: one },

@@ -82,6 +82,10 @@ fn parameters(found: &Identification) -> Value {
             "bounds": bounds(parameter.bounds),
             "at_bound": parameter.at_bound,
         });
+        if let (Some(unseen), Some(map)) = (&parameter.unseen, value.as_object_mut()) {
+            map.insert("interval95_noise".to_owned(), json!([unseen.noise.low, unseen.noise.high]));
+            map.insert("widened_by".to_owned(), crate::infer::unseen::json(&unseen.by));
+        }
         if let (Some(verdict), Some(map)) = (&parameter.verdict, value.as_object_mut()) {
             map.insert("standing".to_owned(), json!(verdict.standing.word()));
             map.insert("sentence".to_owned(), json!(verdict.sentence));

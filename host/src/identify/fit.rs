@@ -10,6 +10,7 @@ use super::model::ForwardModel;
 use super::multistart::{self, Search};
 use super::newton::coordinate::{Kind, Unknown};
 use super::newton::fit::{Newton, Span};
+use super::newton::linear::Linear;
 use super::newton::problem::{Problem, forces};
 use super::newton::verdict::Verdict;
 use super::noise::{self, Noise, NoiseSource, Residual};
@@ -34,6 +35,19 @@ pub struct Parameter {
     pub derived: bool,
     /// It was searched by its logarithm.
     pub logarithmic: bool,
+    /// What effects that nobody fitted do to its interval, once that was asked for ([`crate::unseen`]).
+    pub unseen: Option<Unseen>,
+}
+
+/// What widened an interval.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unseen {
+    /// The interval of noise alone.
+    pub noise: Interval,
+    /// Width of the interval over that of noise alone, in the coordinate of the search.
+    pub times: f64,
+    /// Codes of effects with the share of the variance that each adds, the largest first.
+    pub by: Vec<(&'static str, f64)>,
 }
 
 impl Parameter {
@@ -86,6 +100,8 @@ pub struct Fit {
     pub search: Option<Search>,
     /// Gauss-Newton, if that was the method.
     pub newton: Option<Newton>,
+    /// The fit near its minimum, row by row, of Gauss-Newton.
+    pub linear: Option<Linear>,
     /// The run that went deepest, simulated with what was found.
     pub deepest: Option<Simulation>,
 }
@@ -132,6 +148,7 @@ pub fn by_simplex(
         noise,
         search: Some(search),
         newton: None,
+        linear: None,
         deepest: None,
     };
     Some((fit, point))
@@ -181,6 +198,7 @@ pub fn by_newton(problem: &Problem<'_>, newton: Newton) -> Fit {
         runs,
         search: None,
         deepest,
+        linear: problem.linear(&newton.minimum.x),
         newton: Some(newton),
     }
 }
@@ -210,6 +228,7 @@ fn found(problem: &Problem<'_>, newton: &Newton, at: usize) -> Parameter {
         verdict: newton.verdicts.get(at).cloned(),
         derived: false,
         logarithmic: unknown.is_logarithmic(),
+        unseen: None,
     }
 }
 
@@ -230,6 +249,7 @@ fn derived(problem: &Problem<'_>, newton: &Newton) -> Vec<Parameter> {
             verdict: None,
             derived: true,
             logarithmic: false,
+            unseen: None,
         });
     };
     let value = |at: usize| move |point: &[f64]| problem.unknowns[at].value(point[at]);
@@ -306,6 +326,7 @@ fn parameters(selection: &Selection, point: &[f64], search: &Search, errors: &St
             verdict: None,
             derived: false,
             logarithmic: axis == LN_MU,
+            unseen: None,
         });
     }
     list

@@ -60,6 +60,12 @@ impl LowRank {
         }
     }
 
+    /// The same with columns that something was done to, such as a whitening.
+    #[must_use]
+    pub fn mapped(self, of: impl FnOnce(DMatrix<f64>) -> DMatrix<f64>) -> Self {
+        Self { columns: of(self.columns), ..self }
+    }
+
     /// Number of amounts.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -7,6 +7,7 @@
 //! covariance  inverse of an information matrix, standard errors, determinants, marginals
 //! lowrank     Gaussian errors along a few columns: the one low-rank step
 //! descent     Levenberg-Marquardt in a box: the one local optimiser of sums of squares
+//! unseen      what amounts that nobody saw add to the errors of parameters
 //! starts      where searches begin: a space-filling design, and a search from many starts
 //! ```
 //!
@@ -19,3 +20,4 @@ pub mod lowrank;
 pub mod product;
 pub mod rows;
 pub mod starts;
+pub mod unseen;

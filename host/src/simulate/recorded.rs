@@ -9,6 +9,7 @@ use super::chance::{Purpose, stream};
 use super::condition::{Condition, FINE};
 use super::coupon;
 use super::effect::placebo::{self, Place};
+use super::effect::scales::Scales;
 use super::effect::sensor::Sensor;
 use super::effect::{Effect, outside};
 use super::folder::SimulatedRun;
@@ -143,7 +144,7 @@ fn labelled(spec: &Spec, condition: &Condition, visit: &Visit, at: usize, order:
         place_mm: condition.indenter.map(|_| visit.place_mm.map(|mm| rounded(mm, TIMES))),
         cycle: condition.specimen.map(|_| cycle as i64),
         order: order as i64,
-        start_s: rounded(start_s, TIMES),
+        start_s: rounded(start_s * Scales::of(&spec.effects).time, TIMES),
         hold_out: template.hold_out,
         load_n: (template.test == Test::Mass).then_some(template.load_n),
         time_s: Vec::new(),
@@ -156,6 +157,7 @@ fn labelled(spec: &Spec, condition: &Condition, visit: &Visit, at: usize, order:
 /// Every [`FINE`]th reading, with what is added outside the sensor.
 fn sampled(spec: &Spec, condition: &Condition, ranges: &Ranges, raw: &Raw, reading: &[f64], run: &mut SimulatedRun) {
     let step_s = 1.0 / spec.sample_hz;
+    let scales = Scales::of(&spec.effects);
     let phase: f64 = stream(spec.seed, Purpose::Phase, run.order as u64).random();
     let peak_n = raw.force_n.iter().copied().fold(0.0, f64::max);
     let placebos = spec.effects.iter().any(|effect| matches!(effect, Effect::Placebo { .. }));
@@ -173,8 +175,8 @@ fn sampled(spec: &Spec, condition: &Condition, ranges: &Ranges, raw: &Raw, readi
             let place = ranges.place(condition, run, time_s, depth, raw.force_n[k], peak_n);
             force_n += placebo::added_n(&spec.effects, spec.seed, &place);
         }
-        run.time_s.push(rounded(time_s, TIMES));
-        run.depth_mm.extend(depth_mm.map(|d| rounded(d, TIMES)));
+        run.time_s.push(rounded(scales.time * time_s, TIMES));
+        run.depth_mm.extend(depth_mm.map(|d| rounded(scales.depth * d, TIMES)));
         run.exact_n.push(force_n);
     }
 }

@@ -123,12 +123,12 @@ impl Model {
         }));
         let column = Column { terms, spread: run.sides.spread(nu) };
         let recorded = self.driven(&run.time_s, &run.depth_mm, contact_mm);
-        let shift_mm = recorded.first().zip(run.depth_mm.first()).map_or(0.0, |(x, d)| x - d);
+        let before_mm = self.before_mm(run.before_mm, &run.depth_mm, &recorded);
         let stretch = |depth_mm: f64| (1.0 - depth_mm.max(0.0) / height_mm).max(SHORTEST);
         let force_on = |depth_mm: &[f64]| -> Vec<f64> {
             let stretches: Vec<f64> = depth_mm.iter().map(|d| stretch(*d)).collect();
             let mut force: Vec<f64> = stretches.iter().map(|l| run.area_mm2 * column.at(*l).pressure).collect();
-            let before = if run.before_mm > 0.0 { stretch(run.before_mm + shift_mm) } else { 1.0 };
+            let before = stretch(before_mm);
             for setting in self.of(&softening::EFFECT) {
                 self.soften(&column, (setting.values[0], setting.values[1]), before, &stretches, &mut force);
             }

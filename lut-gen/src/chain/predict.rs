@@ -1,9 +1,9 @@
 //! Force readings that a model predicts for the runs of an experiment.
 
-use super::{Library, Model, Passage};
+use super::{Library, Model, Passage, Setting};
 use crate::effect::{
-    adhesion, compliance, contact_offset, drift, friction, lag, nameless, numerics, poisson, radius, relaxation,
-    second_term, sensor_creep, sensor_gain, sensor_nonlinearity, softening, thickness,
+    adhesion, compliance, contact_offset, depth_gain, drift, friction, lag, nameless, numerics, poisson, radius,
+    relaxation, second_term, sensor_creep, sensor_gain, sensor_nonlinearity, softening, thickness, time_gain,
 };
 use crate::model::ForceSlice;
 
@@ -228,7 +228,7 @@ impl Chain {
             }
         }
         for setting in model.of(&softening::EFFECT) {
-            self.soften(&mut force, setting.values[0], setting.values[1], passage, depth_mm, elastic);
+            self.soften(&mut force, model, setting, passage, depth_mm, elastic);
         }
         self.relax(model, passage, depth_mm, elastic, &mut force);
         let work = model.first(&adhesion::EFFECT, 0);
@@ -239,9 +239,17 @@ impl Chain {
         force
     }
 
-    fn soften(&self, force: &mut [f64], loss: f64, scale: f64, passage: &Passage, depth_mm: &[f64], elastic: &Elastic) {
-        let shift = passage.depth_mm.first().zip(depth_mm.first()).map_or(0.0, |(x, d)| d - x);
-        let mut deepest = if passage.pressed_before_mm > 0.0 { passage.pressed_before_mm + shift } else { 0.0 };
+    fn soften(
+        &self,
+        force: &mut [f64],
+        model: &Model,
+        setting: &Setting,
+        passage: &Passage,
+        depth_mm: &[f64],
+        elastic: &Elastic,
+    ) {
+        let (loss, scale) = (setting.values[0], setting.values[1]);
+        let mut deepest = model.before_mm(passage.pressed_before_mm, &passage.depth_mm, depth_mm);
         for (f, d) in force.iter_mut().zip(depth_mm) {
             if *d >= deepest {
                 deepest = *d;
@@ -272,24 +280,45 @@ impl Chain {
 impl Model {
     /// Depth (mm) past touch that a machine drives to which does not give way, where `depth_mm` was recorded at times (s) and touch was recorded at `contact_mm`.
     pub(super) fn driven(&self, time_s: &[f64], depth_mm: &[f64], contact_mm: f64) -> Vec<f64> {
-        let offset = self.first(&contact_offset::EFFECT, 0) - contact_mm;
-        let mut driven: Vec<f64> = depth_mm.iter().map(|d| d + offset).collect();
+        let (offset, gain) = (self.first(&contact_offset::EFFECT, 0), self.first(&depth_gain::EFFECT, 0));
+        let mut driven: Vec<f64> =
+            depth_mm.iter().map(|d| depth_gain::true_mm(d - contact_mm, gain) + offset).collect();
+        let clock = self.clock();
         for setting in self.of(&lag::FILTER) {
-            driven = lag::filtered(time_s, &driven, setting.values[0]);
+            driven = lag::filtered(time_s, &driven, clock * setting.values[0]);
         }
         for setting in self.of(&lag::RATE_LIMIT) {
-            driven = lag::limited(time_s, &driven, setting.values[0]);
+            driven = lag::limited(time_s, &driven, clock * setting.values[0]);
         }
         driven
     }
 
-    /// Parts and times (s) of all relaxation.
+    /// Depth (mm) of the ball in earlier presses on a spot, 0 on a fresh one, where it was recorded as `before_mm` and the ball of this run follows
+    /// `depth_mm` for the recorded `recorded_mm`.
+    pub(super) fn before_mm(&self, before_mm: f64, recorded_mm: &[f64], depth_mm: &[f64]) -> f64 {
+        if before_mm <= 0.0 {
+            return 0.0;
+        }
+        let gain = self.first(&depth_gain::EFFECT, 0);
+        let shift_mm =
+            recorded_mm.first().zip(depth_mm.first()).map_or(0.0, |(x, d)| d - depth_gain::true_mm(*x, gain));
+        depth_gain::true_mm(before_mm, gain) + shift_mm
+    }
+
+    /// Recorded over true time: by so much longer is what takes its time.
+    fn clock(&self) -> f64 {
+        self.first(&time_gain::EFFECT, 0)
+    }
+
+    /// Parts and times (s, on the recorded clock) of all relaxation.
     #[must_use]
     pub fn relaxing(&self) -> Vec<(f64, f64)> {
+        let clock = self.clock();
         let settings = [&relaxation::ONE, &relaxation::TWO].into_iter().flat_map(|effect| self.of(effect));
         let terms = settings.flat_map(|s| s.values.chunks_exact(2)).map(|t| (t[0], t[1]));
         let spectra = self.of(&relaxation::SPECTRUM).flat_map(|s| s.values.chunks_exact(2));
-        terms.chain(spectra.flat_map(|s| relaxation::spectrum(s[0], s[1]))).collect()
+        let all = terms.chain(spectra.flat_map(|s| relaxation::spectrum(s[0], s[1])));
+        all.map(|(part, tau_s)| (part, clock * tau_s)).collect()
     }
 
     /// Makes readings of the forces (N) on a sensor at times (s) of a run that begins at `start_s` on the session clock.
@@ -297,7 +326,7 @@ impl Model {
         self.remember(time_s, force_n);
         let quadratic = self.first(&sensor_nonlinearity::EFFECT, 0);
         let gain = self.first(&sensor_gain::EFFECT, 0);
-        let per_hour = self.first(&drift::EFFECT, 0);
+        let per_hour = self.first(&drift::EFFECT, 0) / self.clock();
         for (f, t) in force_n.iter_mut().zip(time_s) {
             *f = gain * (*f + quadratic * *f * *f) + drift::zero_n(per_hour, start_s + t);
         }
@@ -306,7 +335,7 @@ impl Model {
     /// The part of [`Model::read`] that depends on earlier forces: creep and hysteresis of the sensor.
     pub fn remember(&self, time_s: &[f64], force_n: &mut [f64]) {
         for setting in self.of(&sensor_creep::CREEP) {
-            sensor_creep::creep(time_s, force_n, (setting.values[0], setting.values[1]));
+            sensor_creep::creep(time_s, force_n, (setting.values[0], self.clock() * setting.values[1]));
         }
         for setting in self.of(&sensor_creep::HYSTERESIS) {
             sensor_creep::hysteresis(force_n, setting.values[0]);
@@ -314,9 +343,10 @@ impl Model {
     }
 
     /// Recorded depth (mm) on a block that does not give way, where its surface is at 0: what the machine yields under a force (N), less what
-    /// the recorded contact is too late.
+    /// the recorded contact is too late, as the gauge of the depth reads it.
     #[must_use]
     pub fn yielded_mm(&self, force_n: f64) -> f64 {
-        self.first(&compliance::EFFECT, 0) * force_n - self.first(&contact_offset::EFFECT, 0)
+        let true_mm = self.first(&compliance::EFFECT, 0) * force_n - self.first(&contact_offset::EFFECT, 0);
+        self.first(&depth_gain::EFFECT, 0) * true_mm
     }
 }

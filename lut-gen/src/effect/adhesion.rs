@@ -11,7 +11,9 @@ pub const EFFECT: Effect = Effect {
     signature: "near contact and at pull-off, in proportion to the radius",
     twins: &["contact-offset", "friction"],
     separated_by: "the pull-off branch; powder",
+    prior: "clean silicone has a work of adhesion of about 44 mJ/m2 = 4.4e-5 N/mm (Chaudhury and Whitesides 1991, doi:10.1021/la00053a033), foams less: 2e-4 mm of the largest force at a quarter of a newton",
     quantities: &[Quantity::amplitude("work_N_per_mm", 0.0, (0.0, 0.5), 5e-4, &[5e-4])
+        .about(2e-4)
         .per_force(1)
         .understated_by(UNDERSTATED)],
     owner: Owner::All,

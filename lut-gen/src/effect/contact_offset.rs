@@ -11,6 +11,7 @@ pub const EFFECT: Effect = Effect {
     signature: "like dF/dd near contact, the same depth for all rates and balls",
     twins: &["lag", "adhesion"],
     separated_by: "a pair of rates",
-    quantities: &[Quantity::amplitude("offset_mm", 0.0, (-0.4, 0.4), 0.05, &[0.0])],
+    prior: "a trigger of 5 mN lies 0.03 mm past the touch of a ball of 4 mm on a foam of 0.1 MPa (Hertz's law)",
+    quantities: &[Quantity::amplitude("offset_mm", 0.0, (-0.4, 0.4), 0.05, &[0.0]).about(0.03)],
     owner: Owner::All,
 };

@@ -11,7 +11,8 @@ pub const EFFECT: Effect = Effect {
     signature: "the session clock only",
     twins: &["softening"],
     separated_by: "an air run; a repeat at the end",
-    quantities: &[Quantity::amplitude("N_per_h", 0.0, (-20.0, 20.0), 0.05, &[0.0]).per_force(1)],
+    prior: "zeros of load cells move by a few hundredths of a percent of full scale an hour or a kelvin; a palpation uses a tenth of that scale, and rooms warm by some kelvin",
+    quantities: &[Quantity::amplitude("N_per_h", 0.0, (-20.0, 20.0), 0.05, &[0.0]).about(0.01).per_force(1)],
     owner: Owner::All,
 };
 

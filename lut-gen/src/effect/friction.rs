@@ -11,7 +11,8 @@ pub const EFFECT: Effect = Effect {
     signature: "changes sign with the direction of motion",
     twins: &["relaxation", "poisson", "second-term"],
     separated_by: "a slow against a fast loop; a lubricant",
-    quantities: &[Quantity::amplitude("coefficient", 0.0, (0.0, 1.0), 0.3, &[0.3, 0.8])],
+    prior: "lubricated or powdered balls rub with 0.05 to 0.2, dry ones with 0.3 and more; a contact that is said to be frictionless is of the former kind (laboratory judgement)",
+    quantities: &[Quantity::amplitude("coefficient", 0.0, (0.0, 1.0), 0.3, &[0.3, 0.8]).about(0.2)],
     owner: Owner::All,
 };
 

@@ -11,7 +11,8 @@ pub const FILTER: Effect = Effect {
     signature: "jumps where the motion starts and stops",
     twins: &["contact-offset", "relaxation"],
     separated_by: "a reversal; another rate",
-    quantities: &[Quantity::amplitude("lag_s", 0.0, (0.0, 1.0), 0.03, &[0.01])],
+    prior: "two channels that are read one after the other at 50 to 100 Hz are apart by up to a sample, 0.01 s",
+    quantities: &[Quantity::amplitude("lag_s", 0.0, (0.0, 1.0), 0.03, &[0.01]).about(0.01)],
     owner: Owner::All,
 };
 
@@ -24,7 +25,8 @@ pub const RATE_LIMIT: Effect = Effect {
     signature: "jumps where the motion starts and stops",
     twins: &["contact-offset", "relaxation"],
     separated_by: "a reversal; another rate",
-    quantities: &[Quantity::amplitude("limit_s_per_mm", 0.0, (0.0, 40.0), 1.6, &[1.2, 4.8]).per_rate()],
+    prior: "drives keep a commanded rate to about 2 % (laboratory judgement)",
+    quantities: &[Quantity::amplitude("limit_s_per_mm", 0.0, (0.0, 40.0), 1.6, &[1.2, 4.8]).about(1.02).per_rate()],
     owner: Owner::All,
 };
 

@@ -6,6 +6,7 @@
 pub mod adhesion;
 pub mod compliance;
 pub mod contact_offset;
+pub mod depth_gain;
 pub mod drift;
 pub mod friction;
 pub mod lag;
@@ -20,6 +21,7 @@ pub mod sensor_gain;
 pub mod sensor_nonlinearity;
 pub mod softening;
 pub mod thickness;
+pub mod time_gain;
 
 /// Where an effect acts, in physical order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -113,13 +115,15 @@ pub struct Quantity {
     pub low: f64,
     /// Largest value.
     pub high: f64,
+    /// Standard deviation about the null value of what is there and nobody sees; 0 for a shape parameter. Where it comes from: [`Effect::prior`].
+    pub prior: f64,
     /// An amount that laboratories meet; what a design cannot see of it is listed as a blind spot.
     pub plausible: f64,
     /// Values from which a search begins.
     pub starts: &'static [f64],
     /// How it is searched.
     pub spread: Spread,
-    /// What it grows with: bounds, `plausible` and `starts` are given for sizes of 1, see [`Quantity::scaled`].
+    /// What it grows with: bounds, `prior`, `plausible` and `starts` are given for sizes of 1, see [`Quantity::scaled`].
     pub grows: Grows,
     /// How many of the longest runs it may be at most: a time that is far longer shows as a trend only.
     pub runs: f64,
@@ -155,6 +159,8 @@ pub struct Effect {
     pub twins: &'static [&'static str],
     /// What tells them apart.
     pub separated_by: &'static str,
+    /// How large it is where nobody looked for it, with the source of that: what the standard deviations in [`Quantity::prior`] rest on.
+    pub prior: &'static str,
     /// Its parameters.
     pub quantities: &'static [Quantity],
     /// What it belongs to.
@@ -162,7 +168,7 @@ pub struct Effect {
 }
 
 /// All effects of an indentation, in physical order.
-pub static CATALOGUE: [&Effect; 21] = [
+pub static CATALOGUE: [&Effect; 23] = [
     &thickness::HEIGHT,
     &thickness::EVERY_HEIGHT,
     &thickness::SLIDING,
@@ -174,6 +180,7 @@ pub static CATALOGUE: [&Effect; 21] = [
     &friction::EFFECT,
     &adhesion::EFFECT,
     &contact_offset::EFFECT,
+    &depth_gain::EFFECT,
     &compliance::EFFECT,
     &radius::EFFECT,
     &lag::FILTER,
@@ -183,6 +190,7 @@ pub static CATALOGUE: [&Effect; 21] = [
     &sensor_creep::CREEP,
     &sensor_creep::HYSTERESIS,
     &drift::EFFECT,
+    &time_gain::EFFECT,
     &numerics::EFFECT,
 ];
 
@@ -213,6 +221,7 @@ impl Quantity {
             null,
             low: bounds.0,
             high: bounds.1,
+            prior: 0.0,
             plausible,
             starts,
             spread: Spread::Even,
@@ -220,6 +229,12 @@ impl Quantity {
             runs: f64::INFINITY,
             understated: 0.0,
         }
+    }
+
+    /// The same with the standard deviation of an amount that nobody sees.
+    pub(crate) const fn about(mut self, prior: f64) -> Self {
+        self.prior = prior;
+        self
     }
 
     /// The same with a unit that holds a power of a force.
@@ -271,7 +286,13 @@ impl Quantity {
         let low = own(self.low);
         // what is not as long as nothing is there to be searched
         let longest = (self.runs * sizes.run_s).max(2.0 * low);
-        Self { low, high: own(self.high).min(longest), plausible: own(self.plausible), ..self }
+        Self {
+            low,
+            high: own(self.high).min(longest),
+            prior: own(self.null + self.prior) - self.null,
+            plausible: own(self.plausible),
+            ..self
+        }
     }
 
     /// A shape parameter searched in its logarithm.
@@ -281,6 +302,7 @@ impl Quantity {
             null: plausible,
             low: bounds.0,
             high: bounds.1,
+            prior: 0.0,
             plausible,
             starts,
             spread: Spread::Logarithmic,

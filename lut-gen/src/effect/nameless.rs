@@ -14,6 +14,7 @@ pub const EFFECT: Effect = Effect {
     signature: "any smooth function of depth and radius",
     twins: &[],
     separated_by: "a third ball; a second height; compression of a coupon",
+    prior: "none: what has no name has no amount that laboratories know",
     quantities: &[
         Quantity::amplitude("over_ln_depth", 0.0, (-1.0, 1.0), 0.1, &[0.0]),
         Quantity::amplitude("over_depth", 0.0, (-2.0, 2.0), 0.1, &[0.0]),

@@ -11,6 +11,7 @@ pub const EFFECT: Effect = Effect {
     signature: "nearly none: another alpha imitates it",
     twins: &["second-term", "friction"],
     separated_by: "two heights on a bonded base; confined compression",
-    quantities: &[Quantity::amplitude("nu", 0.0, (0.0, 0.38), 0.1, &[0.1])],
+    prior: "open-cell foams in compression have ratios of 0 to 0.1 (Gibson and Ashby 1997, Cellular Solids, chapter 5); the thesis takes 0",
+    quantities: &[Quantity::amplitude("nu", 0.0, (0.0, 0.38), 0.1, &[0.1]).about(0.05)],
     owner: Owner::All,
 };

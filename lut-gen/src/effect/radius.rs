@@ -11,6 +11,7 @@ pub const EFFECT: Effect = Effect {
     signature: "only between balls",
     twins: &["thickness"],
     separated_by: "gauge the ball; a third ball",
-    quantities: &[Quantity::amplitude("error_mm", 0.0, (-0.28, 0.32), 0.04, &[0.0]).of_radius()],
+    prior: "a turned or printed ball of 4 mm is off by some hundredths of a millimetre, 1 %; bearing balls are a hundred times better",
+    quantities: &[Quantity::amplitude("error_mm", 0.0, (-0.28, 0.32), 0.04, &[0.0]).about(0.01).of_radius()],
     owner: Owner::Indenter,
 };

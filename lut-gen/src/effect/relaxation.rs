@@ -16,8 +16,9 @@ pub const ONE: Effect = Effect {
     signature: "decay in a hold, a fan over the rates, a loop that grows with the rate",
     twins: &["sensor-creep", "lag"],
     separated_by: "a hold on a stiff block",
+    prior: "foams that are called elastic lose about a twentieth of their force in a hold; those that lose more show it (docs/real-data.md)",
     quantities: &[
-        Quantity::amplitude("g1", 0.0, (0.0, MOST), 0.1, &[0.15]),
+        Quantity::amplitude("g1", 0.0, (0.0, MOST), 0.1, &[0.15]).about(0.05),
         Quantity::shape("tau1_s", (0.01, 500.0), 1.0, TIMES),
     ],
     owner: Owner::All,
@@ -30,9 +31,9 @@ const RUNS: f64 = 10.0;
 pub const TWO: Effect = Effect {
     form: "two-term",
     quantities: &[
-        Quantity::amplitude("g1", 0.0, (0.0, MOST), 0.1, &[0.15]),
+        Quantity::amplitude("g1", 0.0, (0.0, MOST), 0.1, &[0.15]).about(0.05),
         Quantity::shape("tau1_s", (0.01, 500.0), 0.3, &[0.1, 0.5]).at_most(RUNS),
-        Quantity::amplitude("g2", 0.0, (0.0, MOST), 0.1, &[0.1]),
+        Quantity::amplitude("g2", 0.0, (0.0, MOST), 0.1, &[0.1]).about(0.05),
         Quantity::shape("tau2_s", (0.01, 500.0), 5.0, &[3.0, 20.0]).at_most(RUNS),
     ],
     ..ONE
@@ -42,7 +43,7 @@ pub const TWO: Effect = Effect {
 pub const SPECTRUM: Effect = Effect {
     form: "spectrum",
     quantities: &[
-        Quantity::amplitude("g", 0.0, (0.0, MOST), 0.1, &[0.15]),
+        Quantity::amplitude("g", 0.0, (0.0, MOST), 0.1, &[0.15]).about(0.05),
         Quantity::shape("shortest_s", (0.003, 50.0), 0.1, &[0.02, 0.2, 2.0]),
     ],
     ..ONE

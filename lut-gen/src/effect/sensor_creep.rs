@@ -11,8 +11,9 @@ pub const CREEP: Effect = Effect {
     signature: "the same on every material",
     twins: &["relaxation"],
     separated_by: "a hold on a stiff block",
+    prior: "strain-gauge cells creep by 0.1 % and less, resistive and polymer sensors by up to 5 % a decade of time (Interlink 400 series): 1 % lies between",
     quantities: &[
-        Quantity::amplitude("amplitude", 0.0, (0.0, 1.0), 0.03, &[0.03]),
+        Quantity::amplitude("amplitude", 0.0, (0.0, 1.0), 0.03, &[0.03]).about(0.01),
         // what follows within a tenth of a second is lag to a run: force and depth late by the same time look alike
         Quantity::shape("tau_s", (0.1, 500.0), 1.5, &[0.3, 1.5, 8.0, 40.0]),
     ],
@@ -28,7 +29,8 @@ pub const HYSTERESIS: Effect = Effect {
     signature: "a loop that no rate changes",
     twins: &["friction"],
     separated_by: "a loop on a stiff block",
-    quantities: &[Quantity::amplitude("width", 0.0, (0.0, 0.5), 0.03, &[0.03])],
+    prior: "a play of 1 % of the largest force: strain-gauge cells have 0.1 % and less, resistive ones up to 10 % (Interlink 400 series)",
+    quantities: &[Quantity::amplitude("width", 0.0, (0.0, 0.5), 0.03, &[0.03]).about(0.01)],
     owner: Owner::All,
 };
 

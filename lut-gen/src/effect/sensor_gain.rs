@@ -11,6 +11,7 @@ pub const EFFECT: Effect = Effect {
     signature: "none: it is mu",
     twins: &[],
     separated_by: "a mass, or a reference spring",
-    quantities: &[Quantity::amplitude("gain", 1.0, (0.5, 2.0), 1.05, &[1.0])],
+    prior: "a force-measuring system of class 1 is within 1 % (ISO 7500-1)",
+    quantities: &[Quantity::amplitude("gain", 1.0, (0.5, 2.0), 1.05, &[1.0]).about(0.01)],
     owner: Owner::All,
 };

@@ -11,8 +11,9 @@ pub const EFFECT: Effect = Effect {
     signature: "cycle number, unloading, a fresh against a used spot",
     twins: &["drift"],
     separated_by: "rest and repeat; a fresh spot; random order",
+    prior: "a first press costs foams and filled rubbers a few percent of later ones (Ogden and Roxburgh 1999 model far larger losses, which show)",
     quantities: &[
-        Quantity::amplitude("loss", 0.0, (0.0, 0.95), 0.1, &[0.2]),
+        Quantity::amplitude("loss", 0.0, (0.0, 0.95), 0.1, &[0.2]).about(0.05),
         Quantity::shape("scale", (0.01, 100.0), 0.3, &[0.1, 0.5, 2.0]),
     ],
     owner: Owner::All,

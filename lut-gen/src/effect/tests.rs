@@ -3,7 +3,7 @@ use super::*;
 #[test]
 fn every_effect_of_the_contract_is_in_the_catalogue() {
     let contract = "relaxation, poisson, second-term, softening, thickness, friction, adhesion, contact-offset, compliance, \
-                    radius, lag, sensor-gain, sensor-nonlinearity, sensor-creep, drift, numerics";
+                    radius, lag, sensor-gain, sensor-nonlinearity, sensor-creep, drift, numerics, depth-gain, time-gain";
     for code in contract.split(", ") {
         assert!(find(code, None).is_some(), "{code}");
     }
@@ -24,6 +24,28 @@ fn quantities_lie_within_their_bounds_and_twins_exist() {
             assert!(find(twin, None).is_some(), "{} names {twin}", effect.code);
         }
     }
+}
+
+/// Every amplitude has a deviation that lies within its bounds, and every effect says where that comes from.
+#[test]
+fn every_effect_has_a_prior_with_a_source() {
+    for effect in CATALOGUE {
+        assert!(effect.prior.len() > 40, "{} {}: {:?}", effect.code, effect.form, effect.prior);
+        for q in effect.quantities {
+            let own = q.spread == Spread::Even;
+            assert!(own == (q.prior > 0.0), "{} {}", effect.code, q.name);
+            assert!((q.low..=q.high).contains(&(q.null + q.prior)), "{} {}", effect.code, q.name);
+        }
+    }
+}
+
+/// A prior follows the sizes of an experiment as the amounts do.
+#[test]
+fn priors_follow_the_sizes_of_an_experiment() {
+    let sizes = Sizes { force_n: 0.5, radius_mm: 6.0, height_mm: 20.0, rate_mm_per_s: 2.0, run_s: 4.0 };
+    let of = |effect: &Effect| effect.quantities[0].bounded_at(&sizes).prior;
+    assert!((of(&thickness::HEIGHT) - 0.4).abs() < 1e-12 && (of(&compliance::EFFECT) - 0.04).abs() < 1e-12);
+    assert!((of(&sensor_gain::EFFECT) - 0.01).abs() < 1e-12 && (of(&depth_gain::EFFECT) - 0.006).abs() < 1e-12);
 }
 
 /// What a ball of 2 mm may be wrong by a ball of 12 mm may be six times; a limit of rates is looked for around the fastest.

@@ -11,7 +11,10 @@ pub const HEIGHT: Effect = Effect {
     signature: "grows with sqrt(R d) / h",
     twins: &["compliance", "radius", "second-term"],
     separated_by: "a specimen of twice the height; a third ball",
-    quantities: &[Quantity::amplitude("height_error_mm", 0.0, (-0.32, 0.4), 0.12, &[-0.12, 0.16]).of_height()],
+    prior: "a slab as wide as a palm is known to 2 % of its height: a calliper squeezes a soft foam by a few tenths of a millimetre in 12.7, and sheets are cut no closer",
+    quantities: &[Quantity::amplitude("height_error_mm", 0.0, (-0.32, 0.4), 0.12, &[-0.12, 0.16])
+        .about(0.02)
+        .of_height()],
     owner: Owner::Specimen,
 };
 
@@ -33,6 +36,7 @@ pub const SLIDING: Effect = Effect {
     signature: "grows with sqrt(R d) / h",
     twins: &["compliance", "radius", "second-term"],
     separated_by: "a specimen of twice the height; glue",
-    quantities: &[Quantity::amplitude("sliding", 0.0, (0.0, 1.0), 1.0, &[0.5])],
+    prior: "a base that is said to be bonded holds but for a tenth of what a free one does: glue and tape shear (laboratory judgement)",
+    quantities: &[Quantity::amplitude("sliding", 0.0, (0.0, 1.0), 1.0, &[0.5]).about(0.1)],
     owner: Owner::Specimen,
 };

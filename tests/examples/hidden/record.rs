@@ -24,8 +24,11 @@ fn record(s: &Scored) -> Value {
             json!({ "code": f.code, "form": f.form, "ambiguous_with": f.ambiguous_with, "parameters": parameters })
         })
         .collect();
-    let hits: Vec<Value> =
-        s.hits.iter().map(|h| json!({ "parameter": h.name, "held": h.held, "deviation": h.deviation })).collect();
+    let hits: Vec<Value> = s
+        .hits
+        .iter()
+        .map(|h| json!({ "parameter": h.name, "held": h.held, "right": h.right, "deviation": h.deviation }))
+        .collect();
     json!({
         "design": s.design.name(),
         "seed": s.seed,

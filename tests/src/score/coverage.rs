@@ -15,6 +15,8 @@ pub struct Hit {
     pub name: &'static str,
     /// True when the interval holds the truth.
     pub held: bool,
+    /// The answer was right: nothing there and nothing said, or exactly the truth.
+    pub right: bool,
     /// Estimate less truth, in standard errors; 1.96 of them lie on either side of an interval's middle.
     pub deviation: f64,
 }
@@ -22,24 +24,19 @@ pub struct Hit {
 /// Half the width of a 95 % interval in standard errors.
 const Z95: f64 = 1.96;
 
-/// `mu` and `alpha`, which the extended model must give, and the parameters of named effects. Judged where rightly nothing, or exactly the
-/// truth, was said; a sensor's gain is never told from `mu`, so that `mu` is left out there.
+/// `mu` and `alpha` of every answer, those of the extended model where one is named, and the parameters of effects that are named exactly. A
+/// wrong answer and a silent one have intervals too, and a user reads them.
 #[must_use]
 pub fn hits(truth: &Truth, outcome: &Outcome, diagnosis: &Diagnosis, experiment: &Experiment) -> Vec<Hit> {
     let Some(evidence) = diagnosis.evidence.as_deref() else { return Vec::new() };
-    let told = match outcome {
-        Outcome::CleanRight => Some(evidence.base.base()),
-        Outcome::Exact | Outcome::Both if diagnosis.verdict == Verdict::Named => evidence.extended(),
-        _ => None,
-    };
+    let named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous);
+    let exact = matches!(outcome, Outcome::Exact | Outcome::Both) && diagnosis.verdict == Verdict::Named;
+    let told = if named { evidence.extended() } else { Some(evidence.base.base()) };
     let Some([mu, alpha]) = told else { return Vec::new() };
-    let gain = truth.codes().contains(&"sensor-gain");
     let mut list = Vec::new();
-    if !gain {
-        list.extend(hit("mu_MPa", truth.foam.mu_mpa.ln(), mu.0.ln(), (mu.1.0.ln(), mu.1.1.ln())));
-    }
+    list.extend(hit("mu_MPa", truth.foam.mu_mpa.ln(), mu.0.ln(), (mu.1.0.ln(), mu.1.1.ln())));
     list.extend(hit("alpha", truth.foam.alpha.ln(), alpha.0.ln(), (alpha.1.0.ln(), alpha.1.1.ln())));
-    for effect in &truth.effects {
+    for effect in truth.effects.iter().filter(|_| exact) {
         let own = diagnosis.findings.iter().filter(|f| f.code == effect.code() && same_owner(effect, f, experiment));
         for finding in own {
             for (name, value) in known(effect, finding.form) {
@@ -48,13 +45,20 @@ pub fn hits(truth: &Truth, outcome: &Outcome, diagnosis: &Diagnosis, experiment:
             }
         }
     }
+    let right = exact || *outcome == Outcome::CleanRight;
+    list.iter_mut().for_each(|hit: &mut Hit| hit.right = right);
     list
 }
 
 fn hit(name: &'static str, truth: f64, estimate: f64, (low, high): (f64, f64)) -> Option<Hit> {
     let width = high - low;
     let deviation = (estimate - truth) / (width / (2.0 * Z95));
-    (width > 0.0 && deviation.is_finite()).then(|| Hit { name, held: (low..=high).contains(&truth), deviation })
+    (width > 0.0 && deviation.is_finite()).then(|| Hit {
+        name,
+        held: (low..=high).contains(&truth),
+        right: false,
+        deviation,
+    })
 }
 
 fn same_owner(effect: &Effect, finding: &Finding, experiment: &Experiment) -> bool {

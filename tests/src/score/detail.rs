@@ -134,18 +134,21 @@ impl Score<'_> {
         for hit in self.list.iter().flat_map(|s| &s.hits) {
             found.entry(hit.name).or_default().push(hit);
         }
-        let mut text = "| parameter | intervals that hold the truth | 95 % bounds of the share | mean of (estimate - truth)/error |\n\
-            |---|---|---|---|\n"
+        let mut text = "| parameter | intervals that hold the truth | 95 % bounds of the share | of right answers | mean of (estimate - truth)/error |\n\
+            |---|---|---|---|---|\n"
             .to_owned();
         for (name, hits) in found {
             let held = hits.iter().filter(|h| h.held).count();
+            let right = hits.iter().filter(|h| h.right).count();
+            let rightly = hits.iter().filter(|h| h.right && h.held).count();
             let mean = hits.iter().map(|h| h.deviation).sum::<f64>() / hits.len() as f64;
             let _ = writeln!(
                 text,
-                "| {name} | {} | {:.0} to {:.0} % | {mean:+.2} |",
+                "| {name} | {} | {:.0} to {:.0} % | {} | {mean:+.2} |",
                 share(held, hits.len()),
                 100.0 * lower95(held, hits.len()),
                 100.0 * upper95(held, hits.len()),
+                share(rightly, right),
             );
         }
         text

@@ -155,10 +155,14 @@ impl Score<'_> {
             if cases == 0 { "none".to_owned() } else { format!("{gained:.0} % (mean of {cases})") },
             judged(cases, gained >= 80.0),
         );
-        let hits: Vec<bool> = self.list.iter().flat_map(|s| &s.hits).map(|h| h.held).collect();
-        let held = hits.iter().filter(|h| **h).count();
-        let fine = (92.0..=97.0).contains(&percent(held, hits.len()));
-        row("coverage of 95 % intervals 92 to 97 %", share(held, hits.len()), judged(hits.len(), fine));
+        for (what, right) in [("all answers", false), ("right answers", true)] {
+            let hits = self.list.iter().flat_map(|s| &s.hits).filter(|h| h.right || !right);
+            let hits: Vec<bool> = hits.map(|h| h.held).collect();
+            let held = hits.iter().filter(|h| **h).count();
+            let fine = (92.0..=97.0).contains(&percent(held, hits.len()));
+            let name = format!("coverage of 95 % intervals of {what} 92 to 97 %");
+            row(&name, share(held, hits.len()), judged(hits.len(), fine));
+        }
         text
     }
 

@@ -221,6 +221,8 @@ pub fn candidates(design: &Design) -> Vec<Candidate> {
     for effect in CATALOGUE {
         let possible = match effect.code {
             "drift" => clock,
+            // every time is recorded on the one clock: no run tells its gain
+            "time-gain" => false,
             "softening" => cycles || has(Branch::Unloading),
             // what only ever rises turns nowhere
             _ if *effect == sensor_creep::HYSTERESIS => cycles || has(Branch::Unloading),
@@ -256,7 +258,7 @@ pub fn signature(problem: &Problem<'_>, at: &Fit, candidate: &Candidate) -> DMat
 }
 
 /// What a candidate changes at each of some values of its quantities, whitened, a column each.
-fn changes(problem: &Problem<'_>, at: &Fit, candidate: &Candidate, each: Vec<Vec<f64>>) -> DMatrix<f64> {
+pub(super) fn changes(problem: &Problem<'_>, at: &Fit, candidate: &Candidate, each: Vec<Vec<f64>>) -> DMatrix<f64> {
     let here = problem.residual(&at.model);
     let column = |values| {
         let mut model = at.model.clone();

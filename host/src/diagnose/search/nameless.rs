@@ -1,8 +1,8 @@
 //! Whether an explanation does better than a departure that has no name: an elastic one, or relaxation in more times than the catalogue has.
 
 use lut_gen::effect::{
-    Quantity, adhesion, compliance, contact_offset, friction, lag, nameless, numerics, poisson, radius, relaxation,
-    second_term, sensor_creep, sensor_gain, sensor_nonlinearity, thickness,
+    Quantity, adhesion, compliance, contact_offset, depth_gain, friction, lag, nameless, numerics, poisson, radius,
+    relaxation, second_term, sensor_creep, sensor_gain, sensor_nonlinearity, thickness,
 };
 use nalgebra::DMatrix;
 
@@ -43,12 +43,13 @@ const SPECTRAL: f64 = 0.02;
 /// Effects that claim a form of the foam's elastic law.
 const LAWS: [&str; 2] = [poisson::EFFECT.code, second_term::EFFECT.code];
 /// Other effects that are the same whatever the time, the direction and the history are.
-const STATIC: [&str; 9] = [
+const STATIC: [&str; 10] = [
     thickness::HEIGHT.code,
     radius::EFFECT.code,
     friction::EFFECT.code,
     adhesion::EFFECT.code,
     contact_offset::EFFECT.code,
+    depth_gain::EFFECT.code,
     compliance::EFFECT.code,
     sensor_gain::EFFECT.code,
     sensor_nonlinearity::EFFECT.code,

@@ -11,6 +11,7 @@
 //! elsewhere   searches from around an end and from all over the box, which may better it
 //! nested      simpler laws first, whose best a richer one begins from
 //! absolute    the kinked objective of Eq. 14 by a simplex on what was solved
+//! linear      the fit near its minimum, row by row: what others do to its errors
 //! likelihood  profile intervals
 //! fit         all of it, for one material
 //! valley      the objective around the minimum, for the report
@@ -24,6 +25,7 @@ mod coupon;
 pub mod elsewhere;
 pub mod fit;
 pub mod likelihood;
+pub mod linear;
 mod nested;
 pub mod problem;
 pub mod search;

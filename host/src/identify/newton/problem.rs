@@ -134,6 +134,12 @@ impl Problem<'_> {
         }
     }
 
+    /// Square root of the weight of a difference (N) of a run, 1/N.
+    pub(super) fn root_weight(&self, at: usize, residual_n: f64) -> f64 {
+        let Weight { sigma_n, correlated } = self.weights[at];
+        (self.loss(residual_n / sigma_n).1 / correlated).sqrt() / sigma_n
+    }
+
     /// Loss of a run.
     fn loss_of(&self, at: usize, compared: &Compared) -> f64 {
         let weight = self.weights[at];
@@ -354,7 +360,7 @@ impl Problem<'_> {
     }
 
     /// Tracks a little below and above along one coordinate, and the distance between.
-    fn moved(&self, point: &[f64], axis: usize, here: &[Track]) -> (Vec<Track>, Vec<Track>, f64) {
+    pub(super) fn moved(&self, point: &[f64], axis: usize, here: &[Track]) -> (Vec<Track>, Vec<Track>, f64) {
         let (low, high) = self.unknowns[axis].bounds();
         let step = QUOTIENT * (high - low);
         // At a wall, and where there is no material, one-sided.

@@ -21,6 +21,8 @@ pub(super) fn section(
     held_out(page, found, evidence);
     page.section("Parameters");
     base(page, evidence);
+    let named = matches!(found.verdict, Verdict::Named | Verdict::Ambiguous);
+    evidence.widened(named).for_each(|told| page.paragraph(&format!("{}{}.", told[..1].to_uppercase(), &told[1..])));
     match best {
         Some(explanation) => effects(page, experiment, &explanation.fit),
         None => page.paragraph("Nothing was added to the base."),

@@ -133,6 +133,7 @@ fn fit(candidates: Vec<Candidate>, square: f64) -> Fit {
         at_bound: false,
         vain: None,
         settled: false,
+        unseen: None,
     }
 }
 

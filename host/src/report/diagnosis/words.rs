@@ -127,6 +127,8 @@ pub fn name(code: &str) -> &str {
         "friction" => "friction under the ball",
         "adhesion" => "adhesion to the ball",
         "contact-offset" => "an offset of the contact point",
+        "depth-gain" => "the gain of the depth gauge",
+        "time-gain" => "the rate of the recording's clock",
         "compliance" => "compliance of the machine",
         "radius" => "the radius of a ball",
         "lag" => "lag or a rate limit of the motion",

@@ -36,6 +36,8 @@ const ADHESION: [Key; 2] = [
 ];
 const CONTACT_OFFSET: [Key; 1] = [("offset_mm", -2.0, 2.0, "an offset of -2 to 2 mm", None)];
 const COMPLIANCE: [Key; 1] = [("mm_per_N", 0.0, 100.0, "a compliance of 0 to 100 mm/N", None)];
+const DEPTH_GAIN: [Key; 1] = [("gain", 0.5, 2.0, "a gain of 0.5 to 2", None)];
+const TIME_GAIN: [Key; 1] = [("gain", 0.5, 2.0, "a gain of 0.5 to 2", None)];
 const SENSOR_GAIN: [Key; 1] = [("gain", 0.01, 100.0, "a gain of 0.01 to 100", None)];
 const SENSOR_NONLINEARITY: [Key; 1] = [("quadratic_per_N", -1e6, 1e6, "a number of -1000000 to 1000000 1/N", None)];
 const DRIFT: [Key; 3] = [
@@ -68,7 +70,7 @@ const STICK_SLIP: [Key; 2] = [
 ];
 
 /// The codes, in physical order.
-const CODES: [&str; 24] = [
+const CODES: [&str; 26] = [
     "thickness",
     "relaxation",
     "poisson",
@@ -77,6 +79,7 @@ const CODES: [&str; 24] = [
     "friction",
     "adhesion",
     "contact-offset",
+    "depth-gain",
     "compliance",
     "radius",
     "lag",
@@ -84,6 +87,7 @@ const CODES: [&str; 24] = [
     "sensor-nonlinearity",
     "sensor-creep",
     "drift",
+    "time-gain",
     "numerics",
     "outside-power-law",
     "outside-plastic-set",
@@ -131,6 +135,8 @@ pub(crate) fn effect(section: &Section<'_>) -> Result<Effect, ExperimentError> {
             Effect::Adhesion { work_n_per_mm: v[0], range_mm: v[1] }
         }
         "contact-offset" => Effect::ContactOffset { offset_mm: all(&CONTACT_OFFSET)?[0] },
+        "depth-gain" => Effect::DepthGain { gain: all(&DEPTH_GAIN)?[0] },
+        "time-gain" => Effect::TimeGain { gain: all(&TIME_GAIN)?[0] },
         "compliance" => Effect::Compliance { mm_per_n: all(&COMPLIANCE)?[0] },
         "radius" => radius(section)?,
         "lag" => lag(section)?,

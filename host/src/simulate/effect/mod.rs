@@ -8,6 +8,7 @@ mod description;
 pub(super) mod machine;
 pub(super) mod outside;
 pub(super) mod placebo;
+pub(super) mod scales;
 pub(super) mod sensor;
 mod settings;
 
@@ -96,6 +97,11 @@ pub enum Effect {
         /// True less recorded depth, mm.
         offset_mm: f64,
     },
+    /// `depth-gain`: recorded depths are the true ones times this; a gauge that tells too much makes the foam seem softer.
+    DepthGain {
+        /// Gain.
+        gain: f64,
+    },
     /// `compliance`: recorded depth is the ball's plus this times the force; less force.
     Compliance {
         /// Compliance, mm/N.
@@ -149,6 +155,11 @@ pub enum Effect {
         thermal_n: f64,
         /// Its time constant, s.
         thermal_s: f64,
+    },
+    /// `time-gain`: recorded times, those of the session clock included, are the true ones times this.
+    TimeGain {
+        /// Gain.
+        gain: f64,
     },
     /// `numerics`: data of a coarse mesh (element sizes divided by `mesh`), or interpolated linearly in the exponent
     /// between multiples of `alpha_step`.
@@ -227,6 +238,7 @@ impl Effect {
             Self::Friction { .. } => "friction",
             Self::Adhesion { .. } => "adhesion",
             Self::ContactOffset { .. } => "contact-offset",
+            Self::DepthGain { .. } => "depth-gain",
             Self::Compliance { .. } => "compliance",
             Self::Radius { .. } => "radius",
             Self::Lag { .. } | Self::RateLimit { .. } => "lag",
@@ -234,6 +246,7 @@ impl Effect {
             Self::SensorNonlinearity { .. } => "sensor-nonlinearity",
             Self::SensorCreep { .. } | Self::SensorHysteresis { .. } => "sensor-creep",
             Self::Drift { .. } => "drift",
+            Self::TimeGain { .. } => "time-gain",
             Self::Numerics { .. } => "numerics",
             Self::PowerLaw { .. } => "outside-power-law",
             Self::PlasticSet { .. } => "outside-plastic-set",

@@ -39,6 +39,7 @@ impl Effect {
                 n(&[("work_N_per_mm", *work_n_per_mm), ("range_mm", *range_mm)])
             }
             Self::ContactOffset { offset_mm } => n(&[("offset_mm", *offset_mm)]),
+            Self::DepthGain { gain } | Self::TimeGain { gain } => n(&[("gain", *gain)]),
             Self::Compliance { mm_per_n } => n(&[("mm_per_N", *mm_per_n)]),
             Self::Radius { indenter, error_mm } => {
                 vec![word("indenter", indenter), ("error_mm".to_owned(), Setting::Number(*error_mm))]

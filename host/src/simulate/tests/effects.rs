@@ -159,6 +159,18 @@ fn a_relaxing_specimen_lets_the_ball_go_on_by_what_the_machine_gave_way() {
     assert!(creep > 0.005 && again.iter().any(|d| (d - at(last)).abs() < 0.02 * creep), "{creep} {}", at(last));
 }
 
+/// What is true is the same: depths and times are recorded with another scale, to the digits that are written.
+#[test]
+fn gains_of_depth_and_time_change_what_is_recorded_alone() {
+    let clean = &made(&press()).runs[0];
+    let deep = &made(&press().with(Effect::DepthGain { gain: 1.03 })).runs[0];
+    let fast = &made(&press().with(Effect::TimeGain { gain: 0.98 })).runs[0];
+    assert!(deep.exact_n == clean.exact_n && fast.exact_n == clean.exact_n);
+    assert!(deep.time_s == clean.time_s && fast.depth_mm == clean.depth_mm);
+    let scaled = |a: &[f64], b: &[f64], gain: f64| a.iter().zip(b).all(|(a, b)| (a - gain * b).abs() < 2e-6);
+    assert!(scaled(&deep.depth_mm, &clean.depth_mm, 1.03) && scaled(&fast.time_s, &clean.time_s, 0.98));
+}
+
 #[test]
 fn sensor_and_clock_effects_have_their_signs() {
     let clean = forces(&press());

@@ -53,6 +53,8 @@ fn effects_survive_a_file() {
         Effect::Friction { coefficient: 0.3 },
         Effect::Adhesion { work_n_per_mm: 1e-3, range_mm: 0.05 },
         Effect::ContactOffset { offset_mm: 0.05 },
+        Effect::DepthGain { gain: 1.02 },
+        Effect::TimeGain { gain: 0.99 },
         Effect::Compliance { mm_per_n: 0.02 },
         Effect::Radius { indenter: "r4".to_owned(), error_mm: 0.1 },
         Effect::Lag { lag_s: 0.05 },

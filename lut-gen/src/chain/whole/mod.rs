@@ -243,9 +243,8 @@ impl Chain {
     fn fine(&self, model: &Model, (run, windows): (usize, &[Window]), contact_mm: f64, remembers: bool) -> Fine {
         let recorded = self.passages[run].refined(windows);
         let depth_mm = self.ball_depth(model, &recorded, contact_mm);
-        let shift_mm = recorded.depth_mm.first().zip(depth_mm.first()).map_or(0.0, |(x, d)| d - x);
-        let pressed = remembers && recorded.pressed_before_mm > 0.0;
-        let before_mm = if pressed { recorded.pressed_before_mm + shift_mm } else { 0.0 };
+        let before_mm =
+            if remembers { model.before_mm(recorded.pressed_before_mm, &recorded.depth_mm, &depth_mm) } else { 0.0 };
         let path = recorded.time_s.iter().copied().zip(depth_mm).collect();
         Fine { run, recorded, path, before_mm }
     }

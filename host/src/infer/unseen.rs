@@ -1,0 +1,187 @@
+//! What effects that nobody saw add to the error of parameters.
+//!
+//! A fit finds parameters `x` from whitened rows `r = J (x - x0) + F a + e`, `e ~ N(0, I)`, with the amounts `a` at their null. Each amount has a
+//! normal prior of unit deviation (the columns are scaled). Then, given the data,
+//!
+//! ```text
+//! N = (J'J)^-1                              covariance from noise alone
+//! G = N J'F                                 what one prior deviation of each amount moves the fit by
+//! V = (I + F'F - F'J N J'F)^-1              what the data leave of the amounts
+//! C = N + G V G'                            covariance of the parameters, the inverse of the Schur complement
+//! m = -G V F'(r - J N J'r)                  where the parameters lie, from the fit
+//! ```
+//!
+//! An effect that the data would show has a small `V` and adds nothing; one that lies within the span of `J` keeps `V = 1`.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::covariance::Factor;
+use super::lowrank::LowRank;
+use super::product::inner;
+
+/// What unseen amounts do to the error of parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Widening {
+    /// Variance that unseen amounts add to each parameter.
+    pub added: Vec<f64>,
+    /// Variance of each parameter from noise alone.
+    pub noise: Vec<f64>,
+    /// Where each parameter lies from the fit, given what the data say of the amounts.
+    pub shift: Vec<f64>,
+    /// For each parameter: meanings with the share of its variance that each adds, the largest first. The rest is noise.
+    pub by: Vec<Vec<(&'static str, f64)>>,
+}
+
+impl Widening {
+    /// Of a whitened Jacobian and residual, with whitened columns of what may be there; `None` where the rows do not determine the parameters, or
+    /// hold what is no number.
+    #[must_use]
+    pub fn of(jacobian: &DMatrix<f64>, residual: &DVector<f64>, unseen: &LowRank) -> Option<Self> {
+        let noise = Factor::of(&inner(jacobian, jacobian))?.inverse();
+        let columns = unseen.scaled();
+        let coupling = inner(jacobian, &columns);
+        let moved = &noise * &coupling;
+        let mut seen = inner(&columns, &columns) - coupling.tr_mul(&moved);
+        (0..seen.nrows()).for_each(|k| seen[(k, k)] += 1.0);
+        let left = if unseen.is_empty() { seen } else { Factor::of(&seen)?.inverse() };
+        let told = columns.tr_mul(residual) - moved.tr_mul(&jacobian.tr_mul(residual));
+        let shift = -(&moved * (&left * told));
+        let spread = &moved * &left;
+        let count = jacobian.ncols();
+        // one amount's part of the variance, correlations with the others shared evenly
+        let part = |i: usize, k: usize| spread[(i, k)] * moved[(i, k)];
+        let added: Vec<f64> = (0..count).map(|i| (0..unseen.len()).map(|k| part(i, k)).sum::<f64>().max(0.0)).collect();
+        let by = (0..count).map(|i| shares(unseen, |k| part(i, k), added[i] + noise[(i, i)])).collect();
+        let finite = added.iter().chain(shift.iter()).all(|v| v.is_finite());
+        finite.then(|| Self {
+            added,
+            noise: noise.diagonal().iter().copied().collect(),
+            shift: shift.iter().copied().collect(),
+            by,
+        })
+    }
+
+    /// How many times as wide as noise alone makes it a parameter's error is.
+    #[must_use]
+    pub fn times(&self, parameter: usize) -> f64 {
+        (1.0 + self.added[parameter] / self.noise[parameter]).sqrt()
+    }
+}
+
+/// Shares below this are not told.
+const LEAST_TOLD: f64 = 0.01;
+
+/// Meanings with their shares as JSON, the largest first.
+#[must_use]
+pub fn json(by: &[(&'static str, f64)]) -> serde_json::Value {
+    let told = by.iter().filter(|(_, share)| *share >= LEAST_TOLD);
+    told.map(|(code, share)| serde_json::json!({ "code": code, "share": share })).collect()
+}
+
+/// Width below which an interval is that of noise, over that of noise.
+const WIDER: f64 = 1.05;
+
+/// What widened an interval in words, codes as they are; none where it is that of noise.
+#[must_use]
+pub fn sentence(parameter: &str, times: f64, by: &[(&'static str, f64)]) -> Option<String> {
+    const TOLD: usize = 3;
+    const LEAST: f64 = 0.1;
+    if times.is_nan() || times < WIDER {
+        return None;
+    }
+    let named = by.iter().enumerate().take_while(|(at, (_, share))| *at == 0 || (*at < TOLD && *share > LEAST));
+    let words: Vec<String> = named.map(|(_, (code, share))| format!("{code} ({:.0} %)", 100.0 * share)).collect();
+    let list = match words.as_slice() {
+        [] => return None,
+        [one] => one.clone(),
+        [head @ .., last] => format!("{} and {last}", head.join(", ")),
+    };
+    Some(format!(
+        "the interval of {parameter} is {times:.1} times that of the noise, mostly because of {list}, which these runs cannot see"
+    ))
+}
+
+/// Parts of a variance by meaning, those that add to it, the largest first.
+fn shares(unseen: &LowRank, part: impl Fn(usize) -> f64, whole: f64) -> Vec<(&'static str, f64)> {
+    let mut sums: Vec<(&'static str, f64)> = Vec::new();
+    for (k, meaning) in unseen.meanings().iter().enumerate() {
+        match sums.iter_mut().find(|(known, _)| known == meaning) {
+            Some((_, sum)) => *sum += part(k) / whole,
+            None => sums.push((meaning, part(k) / whole)),
+        }
+    }
+    sums.retain(|(_, share)| *share > 0.0);
+    sums.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::infer::covariance::{covariance, marginal_information};
+
+    fn jacobian() -> DMatrix<f64> {
+        DMatrix::from_fn(12, 2, |i, j| ((i + 3 * j) as f64).sin() + 0.2)
+    }
+
+    fn unseen() -> LowRank {
+        let column = |of: usize| DMatrix::from_fn(12, 1, |i, _| 2.0 * ((of * i + of) as f64).cos());
+        LowRank::new(column(2), vec![0.7], "one").and(&LowRank::new(column(5), vec![1.3], "other"))
+    }
+
+    /// Against the inverse of the dense covariance of the rows, to rounding; and against the one Schur complement.
+    #[test]
+    fn the_widened_error_is_that_of_the_dense_covariance() {
+        let (j, f) = (jacobian(), unseen().scaled());
+        let r = DVector::from_fn(12, |i, _| (0.3 * i as f64).cos());
+        let found = Widening::of(&j, &r, &unseen()).unwrap();
+        let dense = (DMatrix::identity(12, 12) + &f * f.transpose()).try_inverse().unwrap();
+        let exact = (j.tr_mul(&(&dense * &j))).try_inverse().unwrap();
+        let schur = covariance(&marginal_information(&j, &f)).unwrap();
+        let plain = inner(&j, &j).try_inverse().unwrap();
+        // the widened estimate less the plain one
+        let shift = &exact * j.tr_mul(&(&dense * &r)) - &plain * j.tr_mul(&r);
+        for i in 0..2 {
+            assert!((found.added[i] + found.noise[i] - exact[(i, i)]).abs() < 1e-12);
+            assert!((schur[(i, i)] - exact[(i, i)]).abs() < 1e-12);
+            assert!((found.shift[i] - shift[i]).abs() < 1e-12, "{} {}", found.shift[i], shift[i]);
+            let told: f64 = found.by[i].iter().map(|(_, share)| share).sum();
+            assert!(told <= 1.0 + 1e-12 && found.times(i) >= 1.0);
+        }
+    }
+
+    /// One that is a parameter keeps its prior whole, one that is nothing adds nothing.
+    #[test]
+    fn what_looks_like_a_parameter_adds_its_prior_and_what_shows_adds_little() {
+        let j = jacobian();
+        let twin = LowRank::new(j.columns(0, 1).into_owned(), vec![0.5], "twin");
+        let loud = LowRank::new(DMatrix::from_fn(12, 1, |i, _| f64::from(u8::from(i == 3))), vec![1e6], "loud");
+        let found = Widening::of(&j, &DVector::zeros(12), &twin.and(&loud)).unwrap();
+        let without = Widening::of(&j, &DVector::zeros(12), &loud).unwrap();
+        assert!((found.added[0] - without.added[0] - 0.25).abs() < 1e-9, "{found:?}");
+        // an amount that is not known at all takes its row away, and no more
+        let rest = inner(&j.clone().remove_row(3), &j.remove_row(3)).try_inverse().unwrap();
+        assert!((without.added[1] + without.noise[1] - rest[(1, 1)]).abs() < 1e-6 * rest[(1, 1)]);
+        assert_eq!(found.by[0][0].0, "twin");
+    }
+
+    #[test]
+    fn what_widened_is_told_with_its_shares() {
+        let by = [("compliance", 0.5), ("contact-offset", 0.25), ("lag", 0.005)];
+        let told = sentence("mu", 2.3, &by).unwrap();
+        assert!(told.contains("2.3 times") && told.contains("compliance (50 %) and contact-offset (25 %)"), "{told}");
+        assert_eq!(sentence("mu", 1.01, &by), None);
+        assert_eq!(json(&by).as_array().unwrap().len(), 2);
+    }
+
+    #[test]
+    fn without_amounts_nothing_is_widened_and_what_is_no_number_says_nothing() {
+        let r = DVector::from_element(12, 1.0);
+        let found = Widening::of(&jacobian(), &r, &LowRank::none(12)).unwrap();
+        assert_eq!((found.added, found.shift), (vec![0.0; 2], vec![0.0; 2]));
+        let bad = LowRank::unit(DMatrix::from_element(12, 1, f64::NAN), "bad");
+        assert!(Widening::of(&jacobian(), &r, &bad).is_none());
+        assert!(Widening::of(&DMatrix::zeros(12, 2), &r, &unseen()).is_none());
+    }
+}
