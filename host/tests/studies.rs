@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 use lut_gen::model::Resolution;
 use palpate::identify::model::{ForwardModel, Shape, UnitCurve};
-use palpate::study::rivals::landscape::Landscape;
+use palpate::study::rivals::landscape::{Ground, Landscape};
 use palpate::study::rivals::method::Method;
 use palpate::study::rivals::{Race, race};
 use palpate::study::subject::of_balls;
@@ -22,7 +22,7 @@ fn a_wrong_name_is_answered_with_the_known_ones() {
     let out = study(&["objectives"]);
     assert_eq!(out.status.code(), Some(2));
     let text = String::from_utf8(out.stderr).unwrap();
-    assert!(text.contains("[possible values: objective, depth, curve, terms, rivals]"), "{text}");
+    assert!(text.contains("[possible values: objective, depth, curve, terms, rivals, script]"), "{text}");
 }
 
 #[test]
@@ -58,7 +58,8 @@ fn the_objective_of_one_ball_as_json_and_as_files() {
     let panel = &answer["panels"][0];
     assert_eq!(panel["balls"], "ball of 4 mm");
     assert!(panel["starts"].as_array().unwrap().len() > 1);
-    assert_eq!(panel["grid"]["objective_N"].as_array().unwrap().len(), 12);
+    assert_eq!(panel["map"]["objective_N"].as_array().unwrap().len(), 144);
+    assert_eq!(panel["converged"], true);
     // Both minimise over the same recordings, but by other weights: half of what noise scatters them apart from the truth.
     let apart = panel["gauss_newton"]["standard_errors_from_multistart"].as_f64().unwrap();
     assert!(apart < 1.0, "{apart}");

@@ -1,39 +1,40 @@
-//! The search and its outcomes on a closed-form model, where every answer is known exactly.
+//! MultiStart and its outcomes on a model made before, where every answer is known.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
-use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen};
-use palpate::identify::model::{ForwardModel, Shape, UnitCurve};
+use lut_gen::contact::Ball;
+use lut_gen::model::{ForceModel, ModelSpec, Resolution, Specimen as Block};
+use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
+use palpate::identify::newton::condition::{Condition, Source};
+use palpate::identify::newton::setup;
 use palpate::identify::noise::NoiseSource;
-use palpate::identify::{Identification, Outcome, identify_with, json};
+use palpate::identify::spec::{FitSpec, Method};
+use palpate::identify::{Identification, Outcome, identify_from, json};
 
 const BALL_MM: f64 = 4.0;
 const HEIGHT_MM: f64 = 12.0;
+const COARSE: Resolution = Resolution::Refined(0.4);
 
-/// Hertz's law, softened with depth by alpha and stiffened by a low block: nothing physical, but
-/// of the shape of the real model.
-struct ClosedForm;
+/// The force of a coarse mesh, read by recordings and fits alike.
+static MODEL: LazyLock<ForceModel> = LazyLock::new(|| {
+    let mut spec = ModelSpec::new(Block::of_height(HEIGHT_MM), Ball { radius_mm: BALL_MM }, 1.1 * BALL_MM);
+    (spec.alpha, spec.alpha_nodes, spec.resolution) = (setup::ALPHA, 14, COARSE);
+    ForceModel::build(&spec, &|_, _| {}).unwrap()
+});
 
-fn force_per_mu(shape: Shape, depth_mm: f64) -> f64 {
-    let depth = depth_mm.max(0.0);
-    let stiffening = 1.0 + 2.0 * (BALL_MM * depth).sqrt() / shape.height_mm;
-    8.0 / 3.0 * BALL_MM.sqrt() * depth.powf(1.5) * stiffening / (1.0 + 0.04 * shape.alpha * depth)
+fn force_n(mu_mpa: f64, alpha: f64, depth_mm: f64) -> f64 {
+    if depth_mm > 0.0 { MODEL.gradient_at(mu_mpa, alpha, depth_mm, HEIGHT_MM).force_n } else { 0.0 }
 }
 
-impl ForwardModel for ClosedForm {
-    fn curve(&self, _: usize, shape: Shape) -> UnitCurve {
-        UnitCurve::sampled(6.0, 400, |depth| force_per_mu(shape, depth))
-    }
-    fn alpha_bounds(&self) -> (f64, f64) {
-        (1.0, 24.0)
-    }
-    fn relative_error(&self) -> f64 {
-        0.0
-    }
-    fn solves(&self) -> usize {
-        0
-    }
+fn identified(experiment: &Experiment, source: &dyn Fn(&Condition) -> Source) -> Identification {
+    let spec = FitSpec { method: Method::Simplex, ..FitSpec::default() };
+    identify_from(experiment, "m", &spec, source).unwrap()
+}
+
+fn modelled(experiment: &Experiment) -> Identification {
+    identified(experiment, &|_| Source::Model(Box::new(MODEL.clone())))
 }
 
 fn experiment(height_mm: Length) -> Experiment {
@@ -60,8 +61,7 @@ fn experiment(height_mm: Length) -> Experiment {
 fn run(mu_mpa: f64, alpha: f64, contact_mm: f64, depth_mm: f64) -> Run {
     let count = ((contact_mm + depth_mm) / 0.02).round() as usize;
     let time: Vec<f64> = (0..=count).map(|i| i as f64 * 0.02).collect();
-    let shape = Shape { alpha, height_mm: HEIGHT_MM };
-    let force = time.iter().map(|depth| mu_mpa * force_per_mu(shape, depth - contact_mm)).collect();
+    let force = time.iter().map(|depth| force_n(mu_mpa, alpha, depth - contact_mm)).collect();
     Run::indentation(
         format!("{alpha}-{contact_mm}-{depth_mm}.csv"),
         0,
@@ -79,29 +79,45 @@ fn value(found: &Identification, name: &str) -> f64 {
 fn exact_data_give_the_exact_answer_from_most_starts() {
     let mut experiment = experiment(Length::Known(HEIGHT_MM));
     experiment.runs = vec![run(0.2, 9.0, 0.31, 3.5), run(0.2, 9.0, 0.07, 3.5)];
-    let found = identify_with(&experiment, "m", &ClosedForm);
+    let found = modelled(&experiment);
     assert_eq!(found.outcome, Outcome::Fitted);
-    // The simplex stops at 1e-6 of a box of 23 in alpha; the valley is a hundred times as long as wide.
-    assert!((value(&found, "mu_MPa") / 0.2 - 1.0).abs() < 2e-3, "{}", value(&found, "mu_MPa"));
-    assert!((value(&found, "alpha") - 9.0).abs() < 0.05, "{}", value(&found, "alpha"));
+    // The fit reads the model at twelve nodes over depth, a few 1e-4 of the peak off the force between them, and the valley is a hundred times as
+    // long as wide: that is what mu and alpha may be off.
     let fit = found.fit.as_ref().unwrap();
+    let peak = experiment.runs[0].recording.force_n.last().copied().unwrap();
+    assert!(fit.rmse_n < 5e-4 * peak, "{} of {peak}", fit.rmse_n);
+    assert!((value(&found, "mu_MPa") / 0.2 - 1.0).abs() < 0.05, "{}", value(&found, "mu_MPa"));
+    assert!((value(&found, "alpha") - 9.0).abs() < 0.5, "{}", value(&found, "alpha"));
     for (run, contact) in fit.runs.iter().zip([0.31, 0.07]) {
-        assert!((run.contact_mm - contact).abs() < 2e-3, "{}", run.contact_mm);
+        assert!((run.contact_mm - contact).abs() < 5e-3, "{}", run.contact_mm);
     }
-    let ends = &fit.search.as_ref().unwrap().descents;
-    assert!(ends.len() > 1 && ends.iter().all(|end| end.path.len() > 1));
-    let agreeing = ends.iter().filter(|end| (end.point[0] - 9.0).abs() < 0.5).count();
-    assert!(2 * agreeing >= ends.len(), "{agreeing} of {}", ends.len());
+    let search = fit.search.as_ref().unwrap();
+    assert!(search.converged() && search.starts.len() > 1);
+    assert!(search.starts.iter().all(|start| start.descent.path.len() > 1));
+    let alpha = |point: &[f64]| search.named(point).find(|(name, _)| *name == "alpha").unwrap().1;
+    let agreeing =
+        search.starts.iter().filter(|start| (alpha(&start.descent.point) - value(&found, "alpha")).abs() < 0.1).count();
+    assert!(2 * agreeing >= search.starts.len(), "{agreeing} of {}", search.starts.len());
 }
 
+/// A coupon of one term with `nu = 0` has `P = 2 mu/alpha (l^(alpha - 1) - 1/l)`; its exponent lies beyond the bound of the search.
 #[test]
-fn an_alpha_beyond_the_model_is_outside_the_grid() {
+fn an_alpha_beyond_the_search_is_outside_the_grid() {
     let mut experiment = experiment(Length::Known(HEIGHT_MM));
-    experiment.runs = vec![run(0.2, 60.0, 0.2, 3.5)];
-    let found = identify_with(&experiment, "m", &ClosedForm);
+    let time: Vec<f64> = (1..200).map(|i| f64::from(i) * 0.02).collect();
+    let area = std::f64::consts::PI * 25.0 * 25.0;
+    let push = |d: &f64| {
+        let l: f64 = 1.0 - d / HEIGHT_MM;
+        area * 0.4 / 60.0 * (1.0 / l - l.powf(59.0))
+    };
+    let force = time.iter().map(push).collect();
+    let ramp = Run::indentation("coupon.csv".to_owned(), 0, 0, Recording::from_samples(time.clone(), time, force));
+    experiment.runs = vec![Run { test: Test::Uniaxial, indenter: None, ..ramp }];
+    let found = modelled(&experiment);
     assert_eq!(found.outcome, Outcome::OutsideGrid, "{}", value(&found, "alpha"));
     let said = found.messages.join("\n");
-    assert!(said.contains("alpha = 24.0000 lies on a bound of its search (1.0000 to 24.0000)"), "{said}");
+    assert!(said.contains("alpha = 30.0000 lies on a bound of its search (0.8000 to 30.0000)"), "{said}");
+    assert!(!said.contains("alpha is identified"), "{said}");
     assert_eq!(json(&experiment, &[found], None)["parameters"]["alpha"]["at_bound"], true);
 }
 
@@ -111,23 +127,24 @@ fn a_run_held_out_is_predicted_and_does_not_pull() {
     let mut stranger = run(0.6, 3.0, 0.1, 3.5);
     stranger.hold_out = true;
     experiment.runs = vec![run(0.2, 9.0, 0.31, 3.5), stranger];
-    let found = identify_with(&experiment, "m", &ClosedForm);
-    assert!((value(&found, "mu_MPa") / 0.2 - 1.0).abs() < 2e-3);
+    let found = modelled(&experiment);
+    // As above; the stranger's mu is three times as large.
+    assert!((value(&found, "mu_MPa") / 0.2 - 1.0).abs() < 0.05, "{}", value(&found, "mu_MPa"));
     let fit = found.fit.as_ref().unwrap();
     assert_eq!(fit.runs.len(), 2);
-    assert!(fit.runs[1].rmse_n > 100.0 * fit.rmse_n);
+    assert!(fit.runs[1].rmse_n > 50.0 * fit.rmse_n);
 }
 
 #[test]
 fn an_unknown_height_is_found_within_its_bounds() {
     let mut experiment = experiment(Length::Unknown);
     experiment.runs = vec![run(0.2, 9.0, 0.1, 3.8), run(0.2, 9.0, 0.3, 3.8)];
-    let found = identify_with(&experiment, "m", &ClosedForm);
+    let found = identified(&experiment, &|_| Source::Solves(COARSE));
     let fit = found.fit.as_ref().unwrap();
     let height = fit.parameters.iter().find(|p| p.name == "height_mm").unwrap();
     assert!(height.bounds.0 >= 5.0 && height.bounds.1 <= 40.0);
-    // Exact data: the residual must be nothing even if the valley in three parameters is long.
-    assert!(fit.rmse_n < 2e-3, "{}", fit.rmse_n);
+    // The residual must be next to nothing even if the valley in three parameters is long: the model misses its solves by 0.1 % of 4 N.
+    assert!(fit.rmse_n < 6e-3, "{}", fit.rmse_n);
     assert!(found.assumptions.iter().any(|a| a.contains("height of block is unknown")), "{:?}", found.assumptions);
 }
 
@@ -136,7 +153,7 @@ fn deep_data_are_cut_and_the_noise_is_named() {
     let mut experiment = experiment(Length::Known(HEIGHT_MM));
     experiment.runs = vec![run(0.2, 9.0, 0.2, 5.5)];
     experiment.sensor.noise_n = Some(0.004);
-    let found = identify_with(&experiment, "m", &ClosedForm);
+    let found = modelled(&experiment);
     let said = found.messages.join("\n");
     assert!(said.contains("deeper than the ball's equator (4.00 mm); cut there"), "{said}");
     assert!(said.contains("intervals: noise as stated under [sensor]; there are no replicates"), "{said}");
@@ -174,7 +191,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
             }
             experiment.runs.push(run);
         }
-        let found = identify_with(&experiment, "m", &ClosedForm);
+        let found = modelled(&experiment);
         let fit = found.fit.as_ref().unwrap();
         let alpha = fit.parameters.iter().find(|p| p.name == "alpha").unwrap();
         hits += usize::from(alpha.interval95.low < 9.0 && 9.0 < alpha.interval95.high);

@@ -7,6 +7,10 @@ use lut_gen::model::Resolution;
 use miette::{IntoDiagnostic, WrapErr};
 
 use crate::experiment;
+use crate::identify::spec::Extra;
+use crate::study::objective::Asked;
+use crate::study::rivals::Parameters;
+use crate::study::script::Press;
 use crate::study::{self, Findings, Foam, StudyError, Subject};
 
 use super::progress::Progress;
@@ -27,9 +31,21 @@ pub struct Arguments {
     /// Folder of the HTML page and the SVG pictures [default: out/study; with --json none]
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Starts of the studies terms and rivals [default: 24 and 50]
+    /// Starts of the studies objective, terms and rivals [default: 8, 24 and 50]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     starts: Option<u16>,
+    /// Most evaluations of the study script, each a finite-element solve
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u16).range(7..=5000))]
+    evaluations: u16,
+    /// Parameters of the material in the study rivals: 2 of one term, or 4 of two
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = parameters)]
+    parameters: u8,
+    /// Terms of the foam in the study objective, 1 or 2
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    terms: u8,
+    /// Free besides in the study objective, separated by commas
+    #[arg(long, value_name = "PARAMETER", value_delimiter = ',')]
+    free: Vec<FreeWord>,
     /// Prony terms of the study curve, 0 to 2; with any the holds are fitted as well
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=2))]
     relax: u8,
@@ -63,7 +79,7 @@ struct Simulated {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Name {
-    /// Map of Eq. 14 over mu and alpha, with the paths of all starts (Figs. 9, 10, 13)
+    /// Map of Eq. 14 with the paths of all starts (Fig. 9; --terms 2: Fig. 10; --free nu or friction: Fig. 13)
     Objective,
     /// Parameters against depth for each ball, and where the trends meet (Fig. 11)
     Depth,
@@ -73,6 +89,14 @@ enum Name {
     Terms,
     /// Rival optimisers on one problem: evaluations, time, success from random starts (Fig. 89)
     Rivals,
+    /// The printed script of appendix C on a simulated liver; it takes no experiment
+    Script,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum FreeWord {
+    Nu,
+    Friction,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -102,6 +126,14 @@ impl Simulated {
     }
 }
 
+fn parameters(text: &str) -> Result<u8, String> {
+    match text {
+        "2" => Ok(2),
+        "4" => Ok(4),
+        _ => Err("expected 2 or 4".to_owned()),
+    }
+}
+
 fn within(
     parameter: &'static str,
     value: f64,
@@ -116,6 +148,9 @@ fn within(
 /// # Errors
 /// Bad input, a failing solve, or a report that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    if matches!(arguments.name, Name::Script) {
+        return script(arguments);
+    }
     let subject = match &arguments.experiment {
         Some(folder) => Subject::measured(experiment::read(folder)?, arguments.material.as_deref())?,
         None => Subject::simulated(arguments.foam.foam()?)?,
@@ -123,7 +158,20 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let progress = Progress::new();
     let told = |what: &str, done: usize, total: usize| progress.set(what, done, total);
     let findings = match arguments.name {
-        Name::Objective => study::objective::study(&subject, &told),
+        Name::Objective => {
+            let extra = |word: &FreeWord| match word {
+                FreeWord::Nu => Extra::Nu,
+                FreeWord::Friction => Extra::Friction,
+            };
+            let usual = Asked::default();
+            let asked = Asked {
+                terms: arguments.terms.into(),
+                free: arguments.free.iter().map(extra).collect(),
+                starts: arguments.starts.map_or(usual.starts, usize::from),
+                ..usual
+            };
+            study::objective::study(&subject, &asked, &told)
+        }
         Name::Depth => study::depth::study(&subject, arguments.foam.seed, &told),
         Name::Curve => study::curve::study(&subject, arguments.relax.into(), &told),
         Name::Terms => {
@@ -135,9 +183,25 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         }
         Name::Rivals => {
             let starts = arguments.starts.map_or(50, usize::from);
-            study::rivals::study(&subject, starts, arguments.foam.seed, &told)
+            let parameters = if arguments.parameters == 4 { Parameters::Four } else { Parameters::Two };
+            study::rivals::study(&subject, parameters, starts, arguments.foam.seed, &told)
         }
+        Name::Script => return script(arguments),
     };
+    progress.end();
+    tell(&findings?, arguments)
+}
+
+/// The study that has a recording of its own.
+fn script(arguments: &Arguments) -> miette::Result<()> {
+    if arguments.experiment.is_some() {
+        return Err(StudyError::OwnRecording { study: "script" }.into());
+    }
+    let noise = within("--noise", arguments.foam.noise, (0.0, 50.0), "must lie in 0..=50 percent")?;
+    let press = Press { noise: noise / 100.0, seed: arguments.foam.seed, ..Press::default() };
+    let progress = Progress::new();
+    let told = |what: &str, done: usize, total: usize| progress.set(what, done, total);
+    let findings = study::script::study(press, arguments.evaluations.into(), &told);
     progress.end();
     tell(&findings?, arguments)
 }

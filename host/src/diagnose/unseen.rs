@@ -110,8 +110,8 @@ pub fn widening(problem: &Problem<'_>, fit: &Fit) -> Option<Widening> {
     let unseen = each.iter().fold(LowRank::none(rows), |all, one| all.and(one));
     // what the effects of the fit may themselves be wrong by is no information
     let forms = allowed(problem, fit);
-    let jacobian = forms.all_discounted(fit.jacobian.clone());
-    let residual = forms.discounted(&fit.residual);
-    let unseen = unseen.mapped(|columns| forms.all_discounted(columns));
+    let jacobian = forms.all_taken_off(fit.jacobian.clone());
+    let residual = forms.taken_off(&fit.residual);
+    let unseen = unseen.mapped(|columns| forms.all_taken_off(columns));
     Widening::of(&jacobian, &residual, &unseen)
 }

@@ -6,7 +6,6 @@ use crate::experiment::Experiment;
 
 use super::Identification;
 use super::fit::Parameter;
-use super::objective::{ALPHA, FIRST_HEIGHT, LN_MU};
 
 /// The answer for all materials: that of the first one, and, if there are several, all of them
 /// again under `materials`. `report` is the path of the HTML report, if one was written.
@@ -60,8 +59,11 @@ fn material(experiment: &Experiment, found: &Identification) -> Map<String, Valu
             let rows: Vec<Vec<f64>> = correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
             put("correlation", json!(rows));
         }
-    } else if found.fit.is_some() {
+    } else if let Some(search) = found.fit.as_ref().and_then(|fit| fit.search.as_ref()) {
         put("method", json!("simplex"));
+        put("converged", json!(search.converged()));
+        put("threshold_N", json!(search.threshold_n));
+        put("map_points", json!(search.sample.len()));
     }
     put("fe_solves", json!(found.fe_solves));
     put("direct_check", json!(found.direct_check));
@@ -100,24 +102,20 @@ fn bounds((low, high): (f64, f64)) -> Value {
     if low.is_finite() && high.is_finite() { json!([low, high]) } else { Value::Null }
 }
 
-fn place(point: &[f64]) -> Map<String, Value> {
-    let mut place = Map::new();
-    place.insert("mu_MPa".to_owned(), json!(point[LN_MU].exp()));
-    place.insert("alpha".to_owned(), json!(point[ALPHA]));
-    if point.len() > FIRST_HEIGHT {
-        place.insert("heights_mm".to_owned(), json!(point[FIRST_HEIGHT..]));
-    }
-    place
-}
-
 fn starts(found: &Identification) -> Value {
     let Some(fit) = &found.fit else { return json!([]) };
-    let descents = fit.search.iter().flat_map(|search| &search.descents).map(|descent| {
-        let mut start = descent.path.first().map(|point| place(point)).unwrap_or_default();
-        start.insert("end".to_owned(), Value::Object(place(&descent.point)));
-        start.insert("objective".to_owned(), json!(descent.value));
-        start.insert("evaluations".to_owned(), json!(descent.evaluations));
-        Value::Object(start)
+    let simplices = fit.search.iter().flat_map(|search| search.starts.iter().map(move |start| (search, start)));
+    let simplices = simplices.map(|(search, start)| {
+        let named = |point: &[f64]| -> Map<String, Value> {
+            search.named(point).map(|(name, value)| (name.to_owned(), json!(value))).collect()
+        };
+        let descent = &start.descent;
+        let mut one = descent.path.first().map(|point| named(point)).unwrap_or_default();
+        one.insert("end".to_owned(), Value::Object(named(&descent.point)));
+        one.insert("objective".to_owned(), json!(descent.value));
+        one.insert("evaluations".to_owned(), json!(descent.evaluations));
+        one.insert("at_rest".to_owned(), json!(start.at_rest));
+        Value::Object(one)
     });
     // Gauss-Newton goes on from the best of its first points: the path is one.
     let newton = fit.newton.iter().map(|newton| {
@@ -133,7 +131,7 @@ fn starts(found: &Identification) -> Value {
         start.insert("path".to_owned(), Value::Array(path));
         Value::Object(start)
     });
-    Value::Array(descents.chain(newton).collect())
+    Value::Array(simplices.chain(newton).collect())
 }
 
 fn runs(experiment: &Experiment, found: &Identification) -> Value {

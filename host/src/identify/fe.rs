@@ -47,11 +47,6 @@ pub enum ModelError {
         /// Prony terms.
         relaxation: usize,
     },
-    /// MultiStart is the thesis' method for its one-term foams.
-    #[error(
-        "the simplex fits mu and alpha of a one-term hyperfoam and unknown heights under balls, nothing else; leave out --method simplex"
-    )]
-    NotForSimplex,
     /// A solve failed.
     #[error("the finite element model of {what} failed")]
     Solve {

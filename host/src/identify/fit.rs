@@ -2,19 +2,21 @@
 
 use crate::experiment::Experiment;
 use crate::experiment::motion::noise_of;
+use crate::infer::covariance::covariance;
+use crate::infer::descent::{Ending, Minimum};
 use lut_gen::model::{Resolution, Simulation};
 
 use super::data::{LoadingCurve, Selection};
-use super::interval::{self, Interval, StandardErrors};
-use super::model::ForwardModel;
-use super::multistart::{self, Search};
-use super::newton::coordinate::{Kind, Unknown};
+use super::interval::Interval;
+use super::multistart::{self, Search, StandardErrors};
+use super::newton::condition::Condition;
+use super::newton::coordinate::{Kind, ON_BOUND, Unknown};
 use super::newton::fit::{Newton, Span};
+use super::newton::likelihood::Z95;
 use super::newton::linear::Linear;
 use super::newton::problem::{Problem, forces};
-use super::newton::verdict::Verdict;
+use super::newton::verdict::{Judged, Verdict, judge};
 use super::noise::{self, Noise, NoiseSource, Residual};
-use super::objective::{self, ALPHA, FIRST_HEIGHT, LN_MU, Objective};
 
 /// A fitted parameter in the user's units.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +31,7 @@ pub struct Parameter {
     pub bounds: (f64, f64),
     /// The best value lies on a bound.
     pub at_bound: bool,
-    /// What these runs say of it; the simplex does not.
+    /// What these runs say of it.
     pub verdict: Option<Verdict>,
     /// It follows from others and was not searched itself.
     pub derived: bool,
@@ -106,106 +108,177 @@ pub struct Fit {
     pub deepest: Option<Simulation>,
 }
 
-/// Fits a selection by MultiStart; `None` if no material pushes back like these data.
+/// What MultiStart found, as a fit; the problem is left with Eq. 14 as its objective. `None` without a start.
 ///
-/// Also returns the point in the search's own coordinates. `groups` lists runs (indices into the experiment) that repeat each other.
-pub fn by_simplex(
-    selection: &Selection,
-    model: &dyn ForwardModel,
+/// `groups` lists runs (indices into the experiment) that repeat each other.
+pub fn by_multistart(
+    problem: &mut Problem<'_>,
+    search: Search,
     groups: &[Vec<usize>],
     stated_noise_n: Option<f64>,
-) -> Option<(Fit, Vec<f64>)> {
-    let objective = Objective { selection, model };
-    let search = multistart::search(&objective)?;
-    let best = search.descents.first()?;
-    let point = best.point.clone();
-    let curves = objective.unit_curves(&point);
-    let mu_mpa = point[LN_MU].exp();
-    let runs: Vec<RunFit> = selection
-        .curves
-        .iter()
-        .enumerate()
-        .map(|(at, data)| {
-            let (contact_mm, _) = objective::best_contact(data, &curves[data.pairing], mu_mpa);
-            let model_n: Vec<f64> =
-                data.depth_mm.iter().map(|depth| mu_mpa * curves[data.pairing].at(depth - contact_mm)).collect();
-            run_fit(at, data, contact_mm, model_n)
-        })
-        .collect();
-    let fitted: Vec<&RunFit> = runs.iter().filter(|run| !selection.curves[run.curve].hold_out).collect();
-    let residuals: Vec<Residual> = fitted.iter().map(|run| run.residual(&selection.curves[run.curve])).collect();
-    let groups = groups_of_residuals(groups, selection, &fitted);
-    let noise = noise::estimate(&residuals, &groups, stated_noise_n);
-    let contacts: Vec<f64> = fitted.iter().map(|run| run.contact_mm).collect();
-    let errors = interval::standard_errors(&objective, &search.bounds, &point, &contacts, &noise);
-    let series: Vec<Vec<f64>> = residuals.into_iter().map(|r| r.residual_n).collect();
-    let fit = Fit {
-        parameters: parameters(selection, &point, &search, &errors),
-        objective_n: best.value,
-        rmse_n: noise::rms(&series),
-        model_error: model.relative_error(),
-        runs,
+) -> Option<Fit> {
+    let point = search.starts.first()?.descent.point.clone();
+    let curves = runs_at(problem, &point);
+    let noises = problem.weigh_by_fit(&point, groups, stated_noise_n);
+    multistart::as_eq_14(problem);
+    let model_error = problem.conditions.iter().map(Condition::error).fold(0.0, f64::max);
+    let end = Minimum {
+        at: problem.quadratic(&point),
+        x: point.clone(),
+        steps: search.evaluations(),
+        ending: if search.converged() { Ending::Settled } else { Ending::OutOfSteps },
+        promised: 0.0,
+    };
+    let errors = StandardErrors::of(problem, &end, &noises, model_error);
+    let mut parameters = simplex_parameters(problem, &search, &point, &errors);
+    parameters.extend(derived(problem, &point, &spread(&point, &errors)));
+    let (objective_n, rmse_n, noise) = summary(problem.selection, &curves, &noises);
+    Some(Fit {
+        parameters,
+        objective_n,
+        rmse_n,
         noise,
+        model_error,
+        deepest: deepest_at(problem, &point, &curves),
+        runs: curves,
         search: Some(search),
         newton: None,
         linear: None,
-        deepest: None,
-    };
-    Some((fit, point))
+    })
 }
 
-/// What Gauss-Newton found, as a fit.
-pub fn by_newton(problem: &Problem<'_>, newton: Newton) -> Fit {
+/// The point with each coordinate at the ends of its interval in turn, the others following: where a derived parameter can be.
+fn spread(point: &[f64], errors: &StandardErrors) -> Vec<Vec<f64>> {
+    let Some(covariance) = covariance(&errors.information) else { return Vec::new() };
+    let ends = |axis: usize| {
+        let variance = covariance[(axis, axis)].max(f64::MIN_POSITIVE);
+        [-Z95, Z95].map(|z| {
+            let along = |i: usize| point[i] + z * covariance[(i, axis)] / variance.sqrt();
+            (0..point.len()).map(along).collect::<Vec<_>>()
+        })
+    };
+    (0..point.len()).flat_map(ends).collect()
+}
+
+fn simplex_parameters(
+    problem: &Problem<'_>,
+    search: &Search,
+    point: &[f64],
+    errors: &StandardErrors,
+) -> Vec<Parameter> {
+    let ends: Vec<(f64, f64)> = (0..point.len())
+        .map(|axis| {
+            let half = Z95 * errors.noise[axis].hypot(errors.model[axis]);
+            ((point[axis] - half).max(search.bounds.low[axis]), (point[axis] + half).min(search.bounds.high[axis]))
+        })
+        .collect();
+    let on_bound = |axis: usize| {
+        let (x, side) = (point[axis], search.bounds.side(axis));
+        (x - search.bounds.low[axis]).min(search.bounds.high[axis] - x) < ON_BOUND * side
+    };
+    let judged: Vec<Judged> = problem
+        .unknowns
+        .iter()
+        .enumerate()
+        .map(|(axis, unknown)| {
+            let (low, high) = unknown.bounds();
+            Judged {
+                name: unknown.name.clone(),
+                range: high - low,
+                interval: ends[axis].1 - ends[axis].0,
+                // what stands on a bound may lie anywhere beyond it
+                open: !errors.noise[axis].is_finite(),
+                at_bound: on_bound(axis),
+                logarithmic: unknown.is_logarithmic(),
+            }
+        })
+        .collect();
+    let verdicts = judge(&errors.information, &judged);
+    let one = |(axis, verdict): (usize, Verdict)| {
+        let unknown = &problem.unknowns[axis];
+        Parameter {
+            name: unknown.name.clone(),
+            value: unknown.value(point[axis]),
+            interval95: Interval { low: unknown.value(ends[axis].0), high: unknown.value(ends[axis].1) },
+            bounds: (unknown.value(search.bounds.low[axis]), unknown.value(search.bounds.high[axis])),
+            at_bound: on_bound(axis),
+            verdict: Some(verdict),
+            derived: false,
+            logarithmic: unknown.is_logarithmic(),
+            unseen: None,
+        }
+    };
+    verdicts.into_iter().enumerate().map(one).collect()
+}
+
+/// Every run beside its model at a point.
+fn runs_at(problem: &Problem<'_>, point: &[f64]) -> Vec<RunFit> {
     let selection = problem.selection;
-    let point = &newton.minimum.x;
     let tracks = problem.tracks(point);
-    let runs: Vec<RunFit> = (0..selection.curves.len())
+    (0..selection.curves.len())
         .map(|at| {
             let track = &tracks[problem.condition_of[at]];
             let contact_mm = problem.contact(at, track);
             run_fit(at, &selection.curves[at], contact_mm, forces(&selection.curves[at], track, contact_mm))
         })
-        .collect();
+        .collect()
+}
+
+/// Eq. 14 and the rms of what is left over (N), and the noise behind it.
+fn summary(selection: &Selection, runs: &[RunFit], noises: &[Noise]) -> (f64, f64, Noise) {
     let fitted: Vec<&RunFit> = runs.iter().filter(|run| !selection.curves[run.curve].hold_out).collect();
     let residuals: Vec<Vec<f64>> =
         fitted.iter().map(|run| run.residual(&selection.curves[run.curve]).residual_n).collect();
-    let deepest = fitted
+    (residuals.iter().flatten().map(|r| r.abs()).sum(), noise::rms(&residuals), pooled(noises, &fitted))
+}
+
+/// The run that a ball went deepest in, simulated at a point.
+fn deepest_at(problem: &Problem<'_>, point: &[f64], runs: &[RunFit]) -> Option<Simulation> {
+    let selection = problem.selection;
+    let under_ball = |run: &&RunFit| problem.conditions[problem.condition_of[run.curve]].grip.indenter().is_some();
+    let (depth_mm, curve) = runs
         .iter()
-        .filter(|run| problem.conditions[problem.condition_of[run.curve]].grip.indenter().is_some())
+        .filter(|run| !selection.curves[run.curve].hold_out)
+        .filter(under_ball)
         .map(|run| {
             let data = &selection.curves[run.curve];
             let last = data.depth_mm[..data.hold_from].iter().copied().fold(f64::NEG_INFINITY, f64::max);
             (last - run.contact_mm, run.curve)
         })
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    let deepest = deepest.and_then(|(depth_mm, curve)| {
-        let condition = problem.condition_of[curve];
-        let values = problem.values(condition, point);
-        let mut condition = problem.conditions[condition].clone();
-        (condition.depth_mm, condition.hold_s) = (depth_mm, 0.0);
-        let mut simulation = condition.simulation(&values, Resolution::Standard).ok()?;
-        simulation.material = values.material().ok()?;
-        Some(simulation)
-    });
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let condition = problem.condition_of[curve];
+    let values = problem.values(condition, point);
+    let mut condition = problem.conditions[condition].clone();
+    (condition.depth_mm, condition.hold_s) = (depth_mm, 0.0);
+    let mut simulation = condition.simulation(&values, Resolution::Standard).ok()?;
+    simulation.material = values.material().ok()?;
+    Some(simulation)
+}
+
+/// What Gauss-Newton found, as a fit.
+pub fn by_newton(problem: &Problem<'_>, newton: Newton) -> Fit {
+    let point = &newton.minimum.x;
+    let runs = runs_at(problem, point);
     let mut parameters: Vec<Parameter> = (0..problem.unknowns.len()).map(|at| found(problem, &newton, at)).collect();
-    parameters.extend(derived(problem, &newton));
+    parameters.extend(derived(problem, point, &newton.supports));
+    let (objective_n, rmse_n, noise) = summary(problem.selection, &runs, &newton.noises);
     Fit {
         parameters,
-        objective_n: residuals.iter().flatten().map(|r| r.abs()).sum(),
-        rmse_n: noise::rms(&residuals),
-        noise: pooled(&newton, &fitted),
+        objective_n,
+        rmse_n,
+        noise,
         model_error: newton.model_error,
+        deepest: deepest_at(problem, point, &runs),
         runs,
         search: None,
-        deepest,
-        linear: problem.linear(&newton.minimum.x),
+        linear: problem.linear(point),
         newton: Some(newton),
     }
 }
 
 /// One noise for all fitted curves: the worst source, the rms of the levels, the mean correlation.
-fn pooled(newton: &Newton, fitted: &[&RunFit]) -> Noise {
-    let all: Vec<Noise> = fitted.iter().map(|run| newton.noises[run.curve]).collect();
+fn pooled(noises: &[Noise], fitted: &[&RunFit]) -> Noise {
+    let all: Vec<Noise> = fitted.iter().map(|run| noises[run.curve]).collect();
     let count = all.len().max(1) as f64;
     let worst = all.iter().map(|n| n.source).max_by_key(|source| *source as u8);
     Noise {
@@ -232,13 +305,13 @@ fn found(problem: &Problem<'_>, newton: &Newton, at: usize) -> Parameter {
     }
 }
 
-/// Parameters that follow from the coordinates; their intervals are their range over the ends of all profiles.
-fn derived(problem: &Problem<'_>, newton: &Newton) -> Vec<Parameter> {
+/// Parameters that follow from the coordinates; their intervals are their range over the ends of all other intervals.
+fn derived(problem: &Problem<'_>, point: &[f64], supports: &[Vec<f64>]) -> Vec<Parameter> {
     let place = |kind: Kind| problem.unknowns.iter().position(|u: &Unknown| u.kind == kind);
     let mut list = Vec::new();
     let mut add = |name: &str, of: &dyn Fn(&[f64]) -> f64| {
-        let value = of(&newton.minimum.x);
-        let all = newton.supports.iter().map(|point| of(point)).chain([value]);
+        let value = of(point);
+        let all = supports.iter().map(|point| of(point)).chain([value]);
         let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         list.push(Parameter {
             name: name.to_owned(),
@@ -300,38 +373,6 @@ impl RunFit {
     }
 }
 
-/// Replicate groups, from indices of runs to indices of fitted residuals.
-fn groups_of_residuals(groups: &[Vec<usize>], selection: &Selection, fitted: &[&RunFit]) -> Vec<Vec<usize>> {
-    let place = |run: &usize| fitted.iter().position(|f| selection.curves[f.curve].run == *run);
-    groups.iter().map(|group| group.iter().filter_map(place).collect()).collect()
-}
-
-fn parameters(selection: &Selection, point: &[f64], search: &Search, errors: &StandardErrors) -> Vec<Parameter> {
-    let bounds = &search.bounds;
-    let mut list = Vec::new();
-    for axis in [LN_MU, ALPHA].into_iter().chain(FIRST_HEIGHT..point.len()) {
-        let interval = errors.interval(point, bounds, axis);
-        let (name, shown): (String, fn(f64) -> f64) = match axis {
-            LN_MU => ("mu_MPa".to_owned(), f64::exp),
-            ALPHA => ("alpha".to_owned(), |x| x),
-            _ if selection.heights.len() > 1 => (format!("height_{}_mm", axis - FIRST_HEIGHT + 1), |x| x),
-            _ => ("height_mm".to_owned(), |x| x),
-        };
-        list.push(Parameter {
-            name,
-            value: shown(point[axis]),
-            interval95: Interval { low: shown(interval.low), high: shown(interval.high) },
-            bounds: (shown(bounds.low[axis]), shown(bounds.high[axis])),
-            at_bound: interval::at_bound(point, bounds, axis),
-            verdict: None,
-            derived: false,
-            logarithmic: axis == LN_MU,
-            unseen: None,
-        });
-    }
-    list
-}
-
 impl Fit {
     /// Largest smoothed residual of a fitted run in units of that run's sample noise, with the
     /// run's index into [`Fit::runs`].
@@ -390,13 +431,7 @@ impl Fit {
                 experiment.runs[selection.curves[run.curve].run].file, run.worst.1, run.worst.0, units
             ));
         }
-        let descents = self.search.iter().flat_map(|search| &search.descents);
-        let ends: Vec<f64> = descents.map(|end| end.value).collect();
-        let agreeing = ends.iter().filter(|value| **value <= 1.01 * self.objective_n).count();
-        if agreeing < ends.len() {
-            messages
-                .push(format!("{agreeing} of {} starts end within 1 % of the best objective; see the map", ends.len()));
-        }
+        messages.extend(self.search.iter().flat_map(Search::messages));
         messages
     }
 }

@@ -2,9 +2,8 @@
 //!
 //! The first loading branch of every run (and the hold after it, for a relaxing material) is compared with
 //! finite elements. Two searches lead to the parameters: Gauss-Newton on the finite elements' sensitivities
-//! ([`newton`], the default), and the thesis' MultiStart on Eq. 14 ([`multistart`]), for one-term foams, in which the finite elements
-//! stand behind an interpolant in alpha that carries an error bound. In both, force is linear in the modulus and the contact point of every
-//! run is found inside the objective.
+//! ([`newton`], the default), and the thesis' MultiStart on Eq. 14 ([`multistart`]). Both ask the same forward problems ([`newton::problem`]): force is
+//! linear in the modulus, and the contact point of every run is found inside the objective.
 
 mod answer;
 pub mod contact;
@@ -19,7 +18,6 @@ pub mod model;
 pub mod multistart;
 pub mod newton;
 pub mod noise;
-pub mod objective;
 pub mod simplex;
 pub mod spec;
 
@@ -31,17 +29,14 @@ pub use inside::deepest_field;
 use crate::experiment::motion::{self, Motion};
 use crate::experiment::{BaseLaw, Experiment, Length, Test, replicate};
 
-use data::{Height, LeftOut, Selection};
-use fe::{FeModel, ModelError, Progress};
+use data::{LeftOut, Selection};
+use fe::{ModelError, Progress};
 use fit::Fit;
-use lut_gen::contact::Ball;
-use lut_gen::contact::Interface;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{Resolution, Simulation};
-use lut_gen::solve::Motion as Path;
-use model::{ForwardModel, Shape};
+use lut_gen::model::Resolution;
+use multistart::Effort;
 use newton::condition::{Condition, Source};
-use newton::coordinate::Kind;
+use newton::coordinate::{Kind, Unknown};
+use newton::problem::Problem;
 use spec::{FitSpec, FittedLaw, Method};
 
 /// How an identification ended.
@@ -120,7 +115,7 @@ pub fn materials(experiment: &Experiment) -> Vec<String> {
 /// Identifies every material of an experiment with finite elements.
 ///
 /// # Errors
-/// If no finite element solve succeeds, a ball's radius is unknown, or the simplex is asked for more than a one-term foam.
+/// If no finite element solve succeeds, a ball's radius is unknown, or more terms are asked for than are fitted.
 pub fn identify(
     experiment: &Experiment,
     spec: &FitSpec,
@@ -162,15 +157,9 @@ fn one_material(
                 let source = |_: &Condition| Source::Solves(Resolution::Standard);
                 found.fit_by_newton(experiment, motions, spec, &source, progress)?;
             }
-            Method::Simplex if !spec.is_one_term_foam(law, terms) || found.selection.has_coupons() => {
-                return Err(ModelError::NotForSimplex);
-            }
             Method::Simplex => {
-                let model = FeModel::build(experiment, &found.selection, progress)?;
-                found.messages.extend_from_slice(model.messages());
-                found.fit_with(experiment, motions, &model);
-                found.check(experiment, &model)?;
-                found.fe_solves = model.solves();
+                let source = |_: &Condition| Source::Solves(Resolution::Standard);
+                found.fit_by_multistart(experiment, motions, spec, &source, progress)?;
             }
         }
     }
@@ -178,7 +167,7 @@ fn one_material(
     Ok(found)
 }
 
-/// Identifies one material by Gauss-Newton with forces from any source: a force model of each condition that was made before, or solves.
+/// Identifies one material with forces from any source: a force model of each condition that was made before, or solves.
 ///
 /// # Errors
 /// As [`identify`].
@@ -192,24 +181,13 @@ pub fn identify_from(
     let motions = motions(experiment);
     let mut found = Identification::before_fit(experiment, &motions, material, spec);
     if found.selection.curves.iter().any(|curve| !curve.hold_out) {
-        found.fit_by_newton(experiment, &motions, spec, source, &|_, _, _| {})?;
+        match spec.method {
+            Method::GaussNewton => found.fit_by_newton(experiment, &motions, spec, source, &|_, _, _| {})?,
+            Method::Simplex => found.fit_by_multistart(experiment, &motions, spec, source, &|_, _, _| {})?,
+        }
     }
     found.seconds = start.elapsed().as_secs_f64();
     Ok(found)
-}
-
-/// Identifies with any forward model, which must cover the pairings that
-/// [`data::select`] finds for that material.
-pub fn identify_with(experiment: &Experiment, material: &str, model: &dyn ForwardModel) -> Identification {
-    let start = Instant::now();
-    let motions = motions(experiment);
-    let mut found = Identification::before_fit(experiment, &motions, material, &FitSpec::default());
-    found.fe_solves = model.solves();
-    if found.selection.curves.iter().any(|curve| !curve.hold_out) {
-        found.fit_with(experiment, &motions, model);
-    }
-    found.seconds = start.elapsed().as_secs_f64();
-    found
 }
 
 impl Identification {
@@ -230,42 +208,33 @@ impl Identification {
         }
     }
 
-    fn fit_with(&mut self, experiment: &Experiment, motions: &[Option<Motion>], model: &dyn ForwardModel) {
+    fn fit_by_multistart(
+        &mut self,
+        experiment: &Experiment,
+        motions: &[Option<Motion>],
+        spec: &FitSpec,
+        source: &dyn Fn(&Condition) -> Source,
+        progress: &Progress<'_>,
+    ) -> Result<(), ModelError> {
         let groups = replicate::groups(experiment, motions);
-        let Some((mut fit, point)) = fit::by_simplex(&self.selection, model, &groups, experiment.sensor.noise_n) else {
+        let mut problem = newton::setup::problem(experiment, &self.selection, &self.material, spec, source);
+        let told = |solves: usize| progress(&self.material, solves, 0);
+        let search = multistart::search(&mut problem, Effort::of(spec.most_solves), &told);
+        let search = search.map_err(|cause| ModelError::Solve { what: self.material.clone(), cause })?;
+        let solves = problem.solves();
+        let outside = search.starts.first().is_some_and(|best| is_outside(&problem.unknowns, &best.descent.point));
+        let fit = fit::by_multistart(&mut problem, search, &groups, experiment.sensor.noise_n);
+        self.fe_solves = solves;
+        let Some(fit) = fit else {
             self.outcome = Outcome::NoContact;
-            return;
+            return Ok(());
         };
-        let bounds = fit.search.as_ref().map(|search| &search.bounds);
-        let outside = bounds.is_some_and(|bounds| interval::outside(&point, bounds));
         self.outcome = if outside { Outcome::OutsideGrid } else { Outcome::Fitted };
-        fit.deepest = self.deepest(experiment, &fit, &point);
-        self.messages.extend(fit.messages(experiment, &self.selection));
+        let messages = fit.messages(experiment, &self.selection);
+        self.messages.extend(other_radius(experiment, &problem, &fit));
+        self.messages.extend(messages);
         self.fit = Some(fit);
-    }
-
-    /// The run that went deepest as a simulation of a one-term foam.
-    fn deepest(&self, experiment: &Experiment, fit: &Fit, point: &[f64]) -> Option<Simulation> {
-        let depths = fit.runs.iter().filter_map(|run| {
-            let data = &self.selection.curves[run.curve];
-            let last = data.depth_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            Some((last - run.contact_mm, data.pairing)).filter(|(depth, _)| *depth > 0.0)
-        });
-        let (depth_mm, pairing) = depths.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let pairing = &self.selection.pairings[pairing];
-        let mut specimen = fe::block(experiment, &self.selection, pairing);
-        if let Height::Free(at) = pairing.height {
-            specimen.height_mm = point[objective::FIRST_HEIGHT + at];
-        }
-        let law = Hyperfoam::one_term(point[objective::LN_MU].exp(), point[objective::ALPHA]).ok()?;
-        Some(Simulation {
-            material: law.into(),
-            specimen,
-            ball: Ball { radius_mm: pairing.grip.ball_mm() },
-            interface: Interface::default(),
-            motion: Path::ramp(depth_mm, 1.0),
-            resolution: Resolution::Standard,
-        })
+        Ok(())
     }
 
     fn fit_by_newton(
@@ -288,10 +257,7 @@ impl Identification {
         };
         let outcome = newton::fit::fit(&mut problem, &demand);
         let found = outcome.map_err(|cause| ModelError::Solve { what: self.material.clone(), cause })?;
-        let outside = problem.unknowns.iter().zip(&found.minimum.x).any(|(unknown, x)| {
-            let value = unknown.value(*x);
-            matches!(unknown.kind, Kind::Alpha(_)) && !(TESTED_ALPHA.0..=TESTED_ALPHA.1).contains(&value)
-        });
+        let outside = is_outside(&problem.unknowns, &found.minimum.x);
         let solves = problem.solves();
         let expected = found.expected_within;
         let fit = fit::by_newton(&problem, found);
@@ -303,28 +269,32 @@ impl Identification {
         self.fit = Some(fit);
         Ok(())
     }
+}
 
-    /// One direct solve at the optimum, and one at the other bound of an unknown radius.
-    fn check(&mut self, experiment: &Experiment, model: &FeModel) -> Result<(), ModelError> {
-        let Some(search) = self.fit.as_ref().and_then(|fit| fit.search.as_ref()) else { return Ok(()) };
-        let Some(point) = search.descents.first().map(|best| &best.point) else { return Ok(()) };
-        let Some(pairing) = self.selection.pairings.first() else { return Ok(()) };
-        let height_mm = match pairing.height {
-            Height::Known(mm) => mm,
-            Height::Free(at) => point[objective::FIRST_HEIGHT + at],
-        };
-        let shape = Shape { alpha: point[objective::ALPHA], height_mm };
-        self.direct_check = Some(model.direct_check(0, shape)?);
-        if experiment.specimens[pairing.specimen].radius_mm == Length::Unknown {
-            let (low, high) = fe::UNKNOWN_RADIUS_IN_BALLS;
-            let (low_mm, high_mm) = (low * pairing.grip.ball_mm(), high * pairing.grip.ball_mm());
-            let change = model.other_radius(0, shape, low_mm)?;
-            self.messages.push(format!(
-                "the specimen's radius is unknown, bounds {low_mm} to {high_mm} mm; it is set to the upper one, and the lower one would change the largest force by {:+.2} %",
-                100.0 * change
-            ));
+/// What the lower bound of an unknown radius would do to the force of the first such specimen under a ball; one solve.
+fn other_radius(experiment: &Experiment, problem: &Problem<'_>, fit: &Fit) -> Option<String> {
+    let point = &fit.search.as_ref()?.starts.first()?.descent.point;
+    let unknown =
+        |c: &&Condition| c.grip.indenter().is_some() && experiment.specimens[c.specimen].radius_mm == Length::Unknown;
+    let usual = problem.conditions.iter().find(unknown)?;
+    let (low, high) = fe::UNKNOWN_RADIUS_IN_BALLS;
+    let (low_mm, high_mm) = (low * usual.grip.ball_mm(), high * usual.grip.ball_mm());
+    let mut other = usual.clone();
+    other.block.radius_mm = low_mm;
+    let told = "the specimen's radius is unknown, bounds";
+    let set = "it is set to the upper one, and the lower one";
+    match other.solve(&problem.base, &problem.unknowns, point) {
+        Ok((node, _)) => {
+            let place = usual.local(point);
+            let before = usual.surrogate.at(&place);
+            let at_peak = |values: &[f64]| {
+                let ramp = &values[..lut_gen::model::RAMP_NODES.min(values.len())];
+                newton::track::Track::new(usual.depth_mm, 0.0, ramp, 0.0).ramp(usual.depth_mm).0
+            };
+            let change = 100.0 * (at_peak(&node.value) / at_peak(&before) - 1.0);
+            Some(format!("{told} {low_mm} to {high_mm} mm; {set} would change the largest force by {change:+.2} %"))
         }
-        Ok(())
+        Err(cause) => Some(format!("{told} {low_mm} to {high_mm} mm; {set} has no solve: {cause}")),
     }
 }
 
@@ -342,6 +312,14 @@ fn outcome_without_fit(selection: &Selection) -> Outcome {
 
 /// Exponents the engine is tested at; a fit that ends elsewhere is outside.
 const TESTED_ALPHA: (f64, f64) = (1.0, 24.0);
+
+/// True where an exponent was found that the engine is not tested at.
+fn is_outside(unknowns: &[Unknown], point: &[f64]) -> bool {
+    let outside = |(unknown, x): (&Unknown, &f64)| {
+        matches!(unknown.kind, Kind::Alpha(_)) && !(TESTED_ALPHA.0..=TESTED_ALPHA.1).contains(&unknown.value(*x))
+    };
+    unknowns.iter().zip(point).any(outside)
+}
 
 fn assumptions(experiment: &Experiment, selection: &Selection, material: &str, spec: &FitSpec) -> Vec<String> {
     let (law, terms) = spec.resolved(experiment, material);

@@ -31,6 +31,8 @@ pub struct Descent {
     pub value: f64,
     /// Best vertex after every iteration in which it moved, with the start first.
     pub path: Vec<Vec<f64>>,
+    /// Evaluations until each of these.
+    pub counts: Vec<usize>,
     /// Objective evaluations.
     pub evaluations: usize,
 }
@@ -143,11 +145,13 @@ pub fn descend<F: Fn(&[f64]) -> f64>(objective: &F, bounds: &Bounds, start: &[f6
         simplex.vertices.push(vertex);
     }
     let mut path = vec![simplex.vertices[0].0.clone()];
+    let mut counts = vec![1];
     for _ in 0..stop.iterations {
         simplex.sort();
         let (best, worst) = (simplex.vertices[0].1, simplex.vertices[start.len()].1);
         if path.last() != Some(&simplex.vertices[0].0) {
             path.push(simplex.vertices[0].0.clone());
+            counts.push(simplex.evaluations);
         }
         if simplex.size() < stop.size && worst - best <= stop.spread * best.abs() {
             break;
@@ -157,7 +161,8 @@ pub fn descend<F: Fn(&[f64]) -> f64>(objective: &F, bounds: &Bounds, start: &[f6
     simplex.sort();
     let (point, value) = simplex.vertices[0].clone();
     path.push(point.clone());
-    Descent { point, value, path, evaluations: simplex.evaluations }
+    counts.push(simplex.evaluations);
+    Descent { point, value, path, counts, evaluations: simplex.evaluations }
 }
 
 #[cfg(test)]
@@ -173,7 +178,8 @@ mod tests {
         let end = descend(&valley, &bounds, &[-1.2, 1.0], 0.1, STOP);
         // The spread asks for 1e-10 of the value; the valley is flat to the square root of it.
         assert!((end.point[0] - 1.0).abs() < 1e-4 && (end.point[1] - 1.0).abs() < 1e-4);
-        assert!(end.path.len() > 10);
+        assert!(end.path.len() > 10 && end.counts.len() == end.path.len());
+        assert!(end.counts.is_sorted() && end.counts.last() == Some(&end.evaluations));
     }
 
     #[test]

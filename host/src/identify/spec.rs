@@ -11,7 +11,7 @@ pub enum Method {
     /// Gauss-Newton with finite-element sensitivities inside a trust region.
     #[default]
     GaussNewton,
-    /// MultiStart of the thesis: a grid, and a simplex from each candidate (section 2.7, Appendix A).
+    /// MultiStart of the thesis: a map of Eq. 14, and a simplex from each candidate (section 2.8, Appendix A). Its loss is always Eq. 14.
     Simplex,
 }
 
@@ -133,18 +133,6 @@ impl FitSpec {
             _ => FittedLaw::Hyperfoam,
         });
         (law, self.terms.unwrap_or(declared.map_or(1, |s| s.terms)))
-    }
-
-    /// True for the one case that the thesis' MultiStart is written for.
-    #[must_use]
-    pub fn is_one_term_foam(&self, law: FittedLaw, terms: usize) -> bool {
-        law == FittedLaw::Hyperfoam
-            && terms == 1
-            && self.relaxation == 0
-            && self.free.is_empty()
-            && self.own.is_empty()
-            && self.nu == 0.0
-            && self.friction == 0.0
     }
 
     /// True when platens are taken to rub.

@@ -76,8 +76,8 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Identification) {
         if let Some(search) = &fit.search {
             page.section("Objective");
             page.figure(
-                &map::svg("Objective over alpha and mu", search),
-                "Sum of absolute force differences (Eq. 14) on the first grid of MultiStart, contact points and free heights at their best; lines: simplex paths.",
+                &map::svg("Objective of MultiStart", search),
+                "Sum of absolute force differences (Eq. 14), contact points at their best and other parameters where the best simplex ended; lines: simplex paths.",
             );
         }
         if let Some(newton) = &fit.newton {

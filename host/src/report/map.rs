@@ -1,16 +1,15 @@
-//! The objective over (alpha, mu) with the paths of all simplex searches (as thesis Fig. 9).
+//! The objective over two parameters, mostly alpha and mu, with the paths of all simplex searches (as thesis Fig. 9).
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use crate::identify::multistart::Search;
-use crate::identify::objective::{ALPHA, LN_MU};
+use crate::identify::multistart::{Search, Slice};
 
 use super::figure::{Axis, frame, open};
 use super::scale::{Scale, number};
 
 /// Cells of the drawing between two grid points.
-const FINER: usize = 5;
+const FINER: usize = 3;
 /// Lightness of the worst and of the best cell: black lines stay readable on both.
 const LIGHT: (f64, f64, f64) = (252.0, 252.0, 250.0);
 const DEEP: (f64, f64, f64) = (110.0, 158.0, 193.0);
@@ -31,27 +30,34 @@ pub fn svg(title: &str, search: &Search) -> String {
 
 /// As [`svg`], with more on top.
 pub fn svg_over(title: &str, search: &Search, overlay: &Overlay<'_>) -> String {
-    let map = &search.map;
-    let (Some(alpha_low), Some(alpha_high)) = (map.alpha.first(), map.alpha.last()) else {
-        return String::new();
-    };
-    let (Some(mu_low), Some(mu_high)) = (map.mu_mpa.first(), map.mu_mpa.last()) else {
+    let map = &search.slice;
+    let ends = |nodes: &[f64]| Some((*nodes.first()?, *nodes.last()?));
+    let (Some(columns), Some(rows)) = (ends(&map.x), ends(&map.y)) else {
         return String::new();
     };
     let (width, height) = (640.0, 430.0);
     let none = || std::iter::empty();
-    let x_axis = Axis::new("alpha").over(*alpha_low, *alpha_high);
-    let y_axis = Axis::new("mu (MPa)").over(*mu_low, *mu_high).logarithmic();
+    let axis = |at: usize, (low, high): (f64, f64)| {
+        let unknown = &search.unknowns[at];
+        let axis = Axis::new(&shown(&unknown.name)).over(unknown.value(low), unknown.value(high));
+        if unknown.is_logarithmic() { axis.logarithmic() } else { axis }
+    };
+    let (x_axis, y_axis) = (axis(map.axes[0], columns), axis(map.axes[1], rows));
     let x = Scale::fitting(&x_axis, none(), (62.0, width - 150.0));
     let y = Scale::fitting(&y_axis, none(), (height - 46.0, 34.0));
     let mut svg = open(width, height, title);
-    cells(&mut svg, search, &x, &y);
+    let place = |point: &[f64]| {
+        let value = |at: usize| search.unknowns[at].value(point[at]);
+        (x.px(value(map.axes[0])), y.px(value(map.axes[1])))
+    };
+    cells(&mut svg, map, &x, &y);
     frame(&mut svg, &x, &y, &x_axis.label, &y_axis.label);
-    for (at, descent) in search.descents.iter().enumerate().rev() {
-        path(&mut svg, &descent.path, at == 0, &x, &y);
+    for (at, start) in search.starts.iter().enumerate().rev() {
+        let points: Vec<(f64, f64)> = start.descent.path.iter().map(|point| place(point)).collect();
+        path(&mut svg, &points, at == 0);
     }
-    if let Some(best) = search.descents.first() {
-        let (px, py) = (x.px(best.point[ALPHA]), y.px(best.point[LN_MU].exp()));
+    if let Some(best) = search.starts.first() {
+        let (px, py) = place(&best.descent.point);
         let _ = write!(
             svg,
             "<path d=\"M{px:.1} {:.1}L{:.1} {py:.1}L{px:.1} {:.1}L{:.1} {py:.1}Z\" fill=\"#fff\" stroke=\"#000\" stroke-width=\"1.6\"/>",
@@ -69,6 +75,11 @@ pub fn svg_over(title: &str, search: &Search, overlay: &Overlay<'_>) -> String {
     overlay_legend(&mut svg, overlay, width - 138.0);
     svg.push_str("</svg>\n");
     svg
+}
+
+/// "mu (MPa)" for "mu_MPa".
+fn shown(name: &str) -> String {
+    name.strip_suffix("_MPa").map_or_else(|| name.to_owned(), |name| format!("{name} (MPa)"))
 }
 
 /// Colour of what Gauss-Newton did.
@@ -121,55 +132,55 @@ fn overlay_legend(svg: &mut String, overlay: &Overlay<'_>, x: f64) {
     }
 }
 
+/// Colour of a share of the range: 0 the best, 1 the worst.
+pub(super) fn shade_of(share: f64) -> String {
+    let mix = |light: f64, deep: f64| (deep + share * (light - deep)).round() as u8;
+    format!("#{:02x}{:02x}{:02x}", mix(LIGHT.0, DEEP.0), mix(LIGHT.1, DEEP.1), mix(LIGHT.2, DEEP.2))
+}
+
 fn extent(value: &[Vec<f64>]) -> (f64, f64) {
     let finite = value.iter().flatten().copied().filter(|v| v.is_finite() && *v > 0.0);
     finite.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)))
 }
 
 /// Bilinear shades of ln(objective), drawn cell by cell.
-fn cells(svg: &mut String, search: &Search, x: &Scale, y: &Scale) {
-    let map = &search.map;
-    let (low, high) = extent(&map.value);
+fn cells(svg: &mut String, map: &Slice, x: &Scale, y: &Scale) {
+    let (low, high) = extent(&map.objective_n);
     let span = (high / low).ln().max(1e-9);
     let shade = |value: f64| ((value / low).ln() / span).clamp(0.0, 1.0);
-    let (columns, rows) = (map.alpha.len() - 1, map.mu_mpa.len() - 1);
+    let (columns, rows) = (map.x.len() - 1, map.y.len() - 1);
     let cell_w = (x.high_px - x.low_px) / (columns * FINER) as f64;
     let cell_h = (y.low_px - y.high_px) / (rows * FINER) as f64;
     // A little overlap hides the seams. One path a shade: a third of the text of one rectangle a cell.
     let (width, height) = (cell_w + 0.4, cell_h + 0.4);
-    let mut shades: BTreeMap<(u8, u8, u8), String> = BTreeMap::new();
+    let mut shades: BTreeMap<String, String> = BTreeMap::new();
     for r in 0..rows * FINER {
         for c in 0..columns * FINER {
             let (i, j) = (c / FINER, r / FINER);
             let u = ((c % FINER) as f64 + 0.5) / FINER as f64;
             let v = ((r % FINER) as f64 + 0.5) / FINER as f64;
-            let at = |dj: usize, di: usize| shade(map.value[j + dj][i + di]);
+            let at = |dj: usize, di: usize| shade(map.objective_n[j + dj][i + di]);
             let s = (1.0 - v) * ((1.0 - u) * at(0, 0) + u * at(0, 1)) + v * ((1.0 - u) * at(1, 0) + u * at(1, 1));
-            let mix = |light: f64, deep: f64| (deep + s * (light - deep)).round() as u8;
-            let colour = (mix(LIGHT.0, DEEP.0), mix(LIGHT.1, DEEP.1), mix(LIGHT.2, DEEP.2));
             let _ = write!(
-                shades.entry(colour).or_default(),
+                shades.entry(shade_of(s)).or_default(),
                 "M{:.1} {:.1}h{width:.1}v{height:.1}h-{width:.1}z",
                 x.low_px + c as f64 * cell_w,
                 y.low_px - (r + 1) as f64 * cell_h
             );
         }
     }
-    for ((red, green, blue), cells) in shades {
-        let _ = write!(svg, "<path fill=\"#{red:02x}{green:02x}{blue:02x}\" d=\"{cells}\"/>");
+    for (colour, cells) in shades {
+        let _ = write!(svg, "<path fill=\"{colour}\" d=\"{cells}\"/>");
     }
 }
 
-fn path(svg: &mut String, points: &[Vec<f64>], best: bool, x: &Scale, y: &Scale) {
-    let at = |point: &[f64]| (x.px(point[ALPHA]), y.px(point[LN_MU].exp()));
-    let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
+fn path(svg: &mut String, points: &[(f64, f64)], best: bool) {
+    let (Some(&(sx, sy)), Some(&(ex, ey))) = (points.first(), points.last()) else { return };
     let mut line = String::new();
-    for (i, point) in points.iter().enumerate() {
-        let (px, py) = at(point);
+    for (i, (px, py)) in points.iter().enumerate() {
         let _ = write!(line, "{}{px:.1} {py:.1}", if i == 0 { 'M' } else { 'L' });
     }
     let (dashes, width) = if best { ("", 1.6) } else { (" stroke-dasharray=\"4 3\"", 1.0) };
-    let ((sx, sy), (ex, ey)) = (at(first), at(last));
     let _ = write!(
         svg,
         "<path d=\"{line}\" fill=\"none\" stroke=\"#111\" stroke-width=\"{width}\"{dashes}/><circle cx=\"{sx:.1}\" cy=\"{sy:.1}\" r=\"3.6\" fill=\"#fff\" stroke=\"#111\"/><path d=\"M{:.1} {:.1}l8 8m0 -8l-8 8\" stroke=\"#111\" stroke-width=\"1.4\"/>",
@@ -179,7 +190,7 @@ fn path(svg: &mut String, points: &[Vec<f64>], best: bool, x: &Scale, y: &Scale)
 }
 
 fn legend(svg: &mut String, search: &Search, x: f64) {
-    let (low, high) = extent(&search.map.value);
+    let (low, high) = extent(&search.slice.objective_n);
     let rgb = |c: (f64, f64, f64)| format!("rgb({},{},{})", c.0, c.1, c.2);
     let _ = write!(
         svg,
@@ -195,6 +206,6 @@ fn legend(svg: &mut String, search: &Search, x: f64) {
         light = rgb(LIGHT),
         low = number(low),
         high = number(high),
-        th = number(search.map.threshold)
+        th = number(search.threshold_n)
     );
 }

@@ -1,6 +1,7 @@
 //! Reports and figures: self-contained HTML with inline SVG, readable without scripts, network
 //! or colour.
 
+pub mod cloud;
 pub mod diagnosis;
 pub mod display;
 pub mod field;

@@ -38,6 +38,12 @@ pub enum StudyError {
         /// What its specimens declare.
         declared: String,
     },
+    /// The study simulates a recording of its own.
+    #[error("the study \"{study}\" simulates its own recording; leave out the experiment")]
+    OwnRecording {
+        /// Name of the study.
+        study: &'static str,
+    },
     /// A parameter of the study is out of range.
     #[error("{parameter} = {value} {expected}")]
     Parameter {

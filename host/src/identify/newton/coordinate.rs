@@ -7,7 +7,7 @@ use lut_gen::solve::SolveError;
 use crate::identify::spec::FittedLaw;
 
 /// Within this share of its range a coordinate stands on its bound.
-const ON_BOUND: f64 = 1e-3;
+pub const ON_BOUND: f64 = 1e-3;
 
 /// A kind of coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -311,7 +311,8 @@ fn supported(problem: &Problem<'_>, minimum: &Minimum, ends: &[(End, End)]) -> V
 
 impl super::condition::Condition {
     /// Relative error bound of its force.
-    fn error(&self) -> f64 {
+    #[must_use]
+    pub fn error(&self) -> f64 {
         match &self.source {
             Source::Solves(_) if self.is_homogeneous() => 0.0,
             Source::Solves(_) => MESH_ERROR.max(self.scatter),

@@ -6,7 +6,6 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::identify::data::{Height, LoadingCurve, Selection};
 use crate::identify::model::{ForwardModel, Shape, UnitCurve};
-use crate::identify::objective::best_mu;
 use crate::infer::descent::Quadratic;
 
 /// Nodes over ln alpha: the cubic between them is within 1e-8 of the force of the interpolated model.
@@ -15,6 +14,22 @@ const NODES: usize = 97;
 const QUOTIENT: f64 = 1e-7;
 /// The modulus is searched this factor beyond what single exponents ask for, as MultiStart does.
 const MODULUS_FACTOR: f64 = 3.0;
+
+/// What rivals search: differences over a unit cube.
+pub trait Ground: Sync {
+    /// Number of coordinates.
+    fn dimension(&self) -> usize;
+    /// Number of samples.
+    fn samples(&self) -> usize;
+    /// Forward problems: what one evaluation would cost in finite-element solves.
+    fn conditions(&self) -> usize;
+    /// What the coordinates are.
+    fn coordinates_in_words(&self) -> &'static str;
+    /// Parameters of a point of the cube, with their names.
+    fn named(&self, u: &[f64]) -> Vec<(String, f64)>;
+    /// Differences of all samples, each relative to the largest force of its run; coordinates outside the cube are moved to its wall.
+    fn residuals(&self, u: &[f64]) -> Vec<f64>;
+}
 
 /// Recordings seen through a table of unit curves.
 pub struct Landscape {
@@ -77,44 +92,40 @@ impl Landscape {
         Some(Self { runs, peaks_n, ln_alpha, curves, low, high })
     }
 
-    /// Number of coordinates.
-    #[must_use]
-    pub fn dimension(&self) -> usize {
-        self.low.len()
-    }
-
-    /// Number of samples.
-    #[must_use]
-    pub fn samples(&self) -> usize {
-        self.runs.iter().map(|run| run.force_n.len()).sum()
-    }
-
-    /// Forward problems: what one evaluation would cost in finite-element solves.
-    #[must_use]
-    pub fn conditions(&self) -> usize {
-        let mut pairings: Vec<usize> = self.runs.iter().map(|run| run.pairing).collect();
-        pairings.sort_unstable();
-        pairings.dedup();
-        pairings.len()
-    }
-
-    /// mu in MPa and alpha of a point of the cube.
-    #[must_use]
-    pub fn material(&self, u: &[f64]) -> (f64, f64) {
-        let x = self.physical(u);
-        (x[LN_MU].exp(), x[ALPHA])
-    }
-
     fn physical(&self, u: &[f64]) -> Vec<f64> {
         u.iter()
             .zip(self.low.iter().zip(&self.high))
             .map(|(u, (low, high))| low + u.clamp(0.0, 1.0) * (high - low))
             .collect()
     }
+}
 
-    /// Differences of all samples, each relative to the largest force of its run; coordinates outside the cube are moved to its wall.
-    #[must_use]
-    pub fn residuals(&self, u: &[f64]) -> Vec<f64> {
+impl Ground for Landscape {
+    fn dimension(&self) -> usize {
+        self.low.len()
+    }
+
+    fn samples(&self) -> usize {
+        self.runs.iter().map(|run| run.force_n.len()).sum()
+    }
+
+    fn conditions(&self) -> usize {
+        let mut pairings: Vec<usize> = self.runs.iter().map(|run| run.pairing).collect();
+        pairings.sort_unstable();
+        pairings.dedup();
+        pairings.len()
+    }
+
+    fn coordinates_in_words(&self) -> &'static str {
+        "ln mu, alpha, and the contact point of every run"
+    }
+
+    fn named(&self, u: &[f64]) -> Vec<(String, f64)> {
+        let x = self.physical(u);
+        vec![("mu_MPa".to_owned(), x[LN_MU].exp()), ("alpha".to_owned(), x[ALPHA])]
+    }
+
+    fn residuals(&self, u: &[f64]) -> Vec<f64> {
         let x = self.physical(u);
         let mu_mpa = x[LN_MU].exp();
         let place = (x[ALPHA].ln() - self.ln_alpha.0) / (self.ln_alpha.1 - self.ln_alpha.0) * (NODES - 1) as f64;
@@ -136,10 +147,32 @@ impl Landscape {
     }
 }
 
+/// The mu with the least sum of absolute differences for given curves and contact points, exactly:
+/// the median of force / unit force, weighted by unit force, because mu is linear.
+fn best_mu(selection: &Selection, curves: &[UnitCurve]) -> Option<f64> {
+    let mut ratios: Vec<(f64, f64)> = Vec::new();
+    for data in selection.curves.iter().filter(|curve| !curve.hold_out) {
+        for (depth, force) in data.depth_mm.iter().zip(&data.force_n) {
+            let unit = curves[data.pairing].at(depth - data.contact.contact_mm);
+            if unit > 0.0 {
+                ratios.push((force / unit, unit));
+            }
+        }
+    }
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * ratios.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut sum = 0.0;
+    let at = ratios.iter().position(|(_, weight)| {
+        sum += weight;
+        sum >= half
+    })?;
+    Some(ratios[at].0).filter(|mu| *mu > 0.0 && mu.is_finite())
+}
+
 /// A landscape that counts what is asked of it.
 pub struct Counted<'a> {
     /// The landscape.
-    pub landscape: &'a Landscape,
+    pub landscape: &'a dyn Ground,
     trace: RefCell<Trace>,
 }
 
@@ -157,7 +190,7 @@ pub struct Trace {
 impl<'a> Counted<'a> {
     /// Nothing asked yet.
     #[must_use]
-    pub fn new(landscape: &'a Landscape) -> Self {
+    pub fn new(landscape: &'a dyn Ground) -> Self {
         Self { landscape, trace: RefCell::default() }
     }
 

@@ -5,6 +5,7 @@ pub mod evolution;
 pub mod landscape;
 pub mod method;
 mod page;
+pub mod two_terms;
 
 use std::time::Instant;
 
@@ -13,10 +14,10 @@ use rand_pcg::Pcg64;
 
 use crate::identify::fe::Progress;
 
-use landscape::{Counted, Landscape};
+use landscape::{Counted, Ground};
 use method::Method;
 
-pub use page::study;
+pub use page::{Parameters, study};
 
 /// A search succeeds when the sum of squares is so near to the best known one that the parameters lie within this many standard
 /// errors of it, jointly: a fifth adds 2 % to the scatter that the noise makes.
@@ -27,7 +28,7 @@ pub const LOOSE: f64 = 2.0;
 const FLOOR: f64 = 1e-4;
 
 /// One search.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Search {
     /// Evaluations until it ended by itself or was spent.
     pub evaluations: usize,
@@ -35,6 +36,8 @@ pub struct Search {
     pub to_success: Option<usize>,
     /// Mean square at its best point.
     pub value: f64,
+    /// Every improvement: evaluations so far, and the mean square.
+    pub improvements: Vec<(usize, f64)>,
     /// Wall time, s.
     pub seconds: f64,
 }
@@ -53,8 +56,8 @@ pub struct Record {
 pub struct Race {
     /// One record a method, in the order of [`Method::ALL`].
     pub records: Vec<Record>,
-    /// Best known mean square, and mu in MPa and alpha there.
-    pub best: (f64, f64, f64),
+    /// Best known mean square, and the parameters there.
+    pub best: (f64, Vec<(String, f64)>),
     /// Mean square that counts as success.
     pub success_below: f64,
     /// Mean square that lies within [`LOOSE`] standard errors.
@@ -63,7 +66,7 @@ pub struct Race {
 
 /// Lets all methods search from the same random starts, one after the other on one thread so that times mean something.
 #[must_use]
-pub fn race(landscape: &Landscape, starts: usize, seed: u64, progress: &Progress<'_>) -> Race {
+pub fn race(landscape: &dyn Ground, starts: usize, seed: u64, progress: &Progress<'_>) -> Race {
     let mut chance = Pcg64::seed_from_u64(seed);
     let points: Vec<Vec<f64>> =
         (0..starts).map(|_| (0..landscape.dimension()).map(|_| chance.random::<f64>()).collect()).collect();
@@ -93,14 +96,15 @@ pub fn race(landscape: &Landscape, starts: usize, seed: u64, progress: &Progress
         evaluations: trace.evaluations,
         to_success: trace.improvements.iter().find(|(_, value)| *value <= success_below).map(|(at, _)| *at),
         value: trace.improvements.last().map_or(f64::INFINITY, |(_, value)| *value),
+        improvements: trace.improvements.clone(),
         seconds: *seconds,
     };
     let records = traces
         .iter()
         .map(|(method, all)| Record { method: *method, searches: all.iter().map(search).collect() })
         .collect();
-    let (mu_mpa, alpha) = landscape.material(&best.1);
-    Race { records, best: (best.0, mu_mpa, alpha), success_below, loose_below }
+    let named = if best.1.is_empty() { Vec::new() } else { landscape.named(&best.1) };
+    Race { records, best: (best.0, named), success_below, loose_below }
 }
 
 impl Record {
@@ -130,6 +134,18 @@ impl Record {
         let successes = self.searches.iter().filter(|search| search.to_success.is_some()).count();
         let spent: usize = self.searches.iter().map(|search| search.evaluations).sum();
         (successes > 0).then(|| spent as f64 / successes as f64)
+    }
+
+    /// Median over all searches of the best mean square after so many evaluations; searches that have ended stay where they are.
+    #[must_use]
+    pub fn after(&self, evaluations: usize) -> f64 {
+        let so_far = |search: &Search| {
+            let reached = search.improvements.iter().take_while(|(at, _)| *at <= evaluations).last();
+            reached.map_or(f64::INFINITY, |(_, value)| *value)
+        };
+        let mut values: Vec<f64> = self.searches.iter().map(so_far).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(f64::INFINITY)
     }
 
     fn used(&self) -> usize {

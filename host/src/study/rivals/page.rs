@@ -3,42 +3,84 @@
 use lut_gen::model::Resolution;
 use serde_json::{Value, json};
 
-use crate::identify::fe::{FeModel, Progress};
+use crate::identify::fe::{FeModel, ModelError, Progress};
 use crate::identify::identify_from;
 use crate::identify::model::ForwardModel;
+use crate::identify::multistart::{self, Effort};
 use crate::identify::newton::condition::{Condition, Source};
+use crate::identify::newton::setup;
 use crate::identify::spec::FitSpec;
+use crate::report::figure::{Axis, Figure, Series, Stroke};
 use crate::report::number;
 use crate::report::strip::{Row, Strip};
 use crate::study::findings::{Findings, Picture, Table};
 use crate::study::{StudyError, Subject};
 
-use super::landscape::Landscape;
+use super::landscape::{Ground, Landscape};
 use super::method::{BUDGET, Method};
+use super::two_terms::TwoTerms;
 use super::{LOOSE, NEAR, Race, Record, race};
+
+/// Parameters of the material that the rivals search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Parameters {
+    /// mu and alpha of one term, and the contact points.
+    #[default]
+    Two,
+    /// mu and alpha of two terms.
+    Four,
+}
 
 /// The study.
 ///
 /// # Errors
 /// Data that cannot be used, or a failing solve.
-pub fn study(subject: &Subject, starts: usize, seed: u64, progress: &Progress<'_>) -> Result<Findings, StudyError> {
+pub fn study(
+    subject: &Subject,
+    parameters: Parameters,
+    starts: usize,
+    seed: u64,
+    progress: &Progress<'_>,
+) -> Result<Findings, StudyError> {
     let selection = subject.foam_selection("rivals", false)?;
-    let model = FeModel::build(&subject.experiment, &selection, progress)?;
-    let landscape = Landscape::new(&selection, &model).ok_or_else(|| StudyError::NothingToFit {
+    let source = |_: &Condition| Source::Solves(Resolution::Standard);
+    let terms = if parameters == Parameters::Two { 1 } else { 2 };
+    let spec = FitSpec { terms: Some(terms), ..FitSpec::default() };
+    let identified = || {
+        progress("identify, for comparison", 0, 0);
+        let identified = identify_from(&subject.experiment, &subject.material, &spec, &source)?;
+        Ok::<_, StudyError>((identified.fe_solves, identified.seconds))
+    };
+    let nothing = || StudyError::NothingToFit {
         material: subject.material.clone(),
         reason: "no material pushes back like these data",
-    })?;
-    let race = race(&landscape, starts, seed, progress);
-    progress("identify, for comparison", 0, 0);
-    let source = |_: &Condition| Source::Solves(Resolution::Standard);
-    let spec = FitSpec { terms: Some(1), ..FitSpec::default() };
-    let identified = identify_from(&subject.experiment, &subject.material, &spec, &source)?;
-    Ok(findings(subject, &landscape, &race, model.solves(), (identified.fe_solves, identified.seconds), seed))
+    };
+    match parameters {
+        Parameters::Two => {
+            let model = FeModel::build(&subject.experiment, &selection, progress)?;
+            let landscape = Landscape::new(&selection, &model).ok_or_else(nothing)?;
+            let race = race(&landscape, starts, seed, progress);
+            Ok(findings(subject, &landscape, &race, model.solves(), identified()?, seed))
+        }
+        Parameters::Four => {
+            let mut problem = setup::problem(&subject.experiment, &selection, &subject.material, &spec, &source);
+            let told = |solves: usize| progress("MultiStart, for the landscape", solves, 0);
+            let effort = Effort::of(spec.most_solves);
+            let failed = |cause| ModelError::Solve { what: subject.material.clone(), cause };
+            let search = multistart::search(&mut problem, effort, &told).map_err(failed)?;
+            let solves = problem.solves();
+            let landscape = TwoTerms::new(problem, &selection, &search);
+            let race = race(&landscape, starts, seed, progress);
+            let mut findings = findings(subject, &landscape, &race, solves, identified()?, seed);
+            findings.method.push("The landscape is what MultiStart solved: between its points stand the solves' own values and slopes, so that it has small waves of its own.".to_owned());
+            Ok(findings)
+        }
+    }
 }
 
 fn findings(
     subject: &Subject,
-    landscape: &Landscape,
+    landscape: &dyn Ground,
     race: &Race,
     model_solves: usize,
     identify: (usize, f64),
@@ -46,6 +88,7 @@ fn findings(
 ) -> Findings {
     let starts = race.records.first().map_or(0, |record| record.searches.len());
     let conditions = landscape.conditions();
+    let stem = if race.best.1.len() > 2 { "study-rivals-4" } else { "study-rivals" };
     let mut table = Table::new(&[
         "method",
         "code",
@@ -67,14 +110,14 @@ fn findings(
         method: how(landscape, race, starts, model_solves, seed),
         answer: answer(race, conditions, identify),
         tables: vec![table],
-        pictures: vec![picture(race, starts)],
+        pictures: vec![picture(race, starts, stem), way(race, starts, stem)],
         json: [
             (
                 "methods".to_owned(),
                 race.records.iter().map(|record| of_json(record, conditions, race.loose_below)).collect(),
             ),
             ("starts".to_owned(), json!(starts)),
-            ("best".to_owned(), json!({"mean_square": race.best.0, "mu_MPa": race.best.1, "alpha": race.best.2})),
+            ("best".to_owned(), best(race)),
             ("success_below".to_owned(), json!(race.success_below)),
             ("identify".to_owned(), json!({"fe_solves": identify.0, "seconds": identify.1})),
         ]
@@ -83,19 +126,19 @@ fn findings(
     }
 }
 
-fn how(landscape: &Landscape, race: &Race, starts: usize, model_solves: usize, seed: u64) -> Vec<String> {
+fn how(landscape: &dyn Ground, race: &Race, starts: usize, model_solves: usize, seed: u64) -> Vec<String> {
     vec![
         format!(
-            "{} unknowns: ln mu, alpha, and the contact point of every run, in a box; {starts} random starts in it, the same for all (seed {seed}), at most {BUDGET} evaluations each. The swarm takes only the seed.",
-            landscape.dimension()
+            "{} unknowns: {}, in a box; {starts} random starts in it, the same for all (seed {seed}), at most {BUDGET} evaluations each. The swarm takes only the seed.",
+            landscape.dimension(),
+            landscape.coordinates_in_words()
         ),
         "Objective: mean square of the differences, each relative to the largest force of its run. Eq. 14 adds absolute values; four of the methods need squares or slopes.".to_owned(),
         format!(
-            "Success: the mean square comes within {} standard errors of the best known optimum ({:.6e}, mu {} MPa, alpha {}), that is below {:.6e}; loosely: within {} of them.",
+            "Success: the mean square comes within {} standard errors of the best known optimum ({:.6e}, {}), that is below {:.6e}; loosely: within {} of them.",
             number(NEAR),
             race.best.0,
-            number(race.best.1),
-            number(race.best.2),
+            in_words(&race.best.1),
             race.success_below,
             number(LOOSE)
         ),
@@ -163,7 +206,41 @@ fn of_json(record: &Record, conditions: usize, loose_below: f64) -> Value {
     })
 }
 
-fn picture(race: &Race, starts: usize) -> Picture {
+fn in_words(named: &[(String, f64)]) -> String {
+    named.iter().map(|(name, value)| format!("{name} {}", number(*value))).collect::<Vec<_>>().join(", ")
+}
+
+fn best(race: &Race) -> Value {
+    let parameters = race.best.1.iter().map(|(name, value)| (name.clone(), json!(value)));
+    std::iter::once(("mean_square".to_owned(), json!(race.best.0))).chain(parameters).collect()
+}
+
+/// Points of a curve over the evaluations, from 1 to the budget.
+const NODES: usize = 60;
+
+/// Fig. 89: what is left over against evaluations, a line a method.
+fn way(race: &Race, starts: usize, stem: &str) -> Picture {
+    let places: Vec<usize> =
+        (0..=NODES).map(|i| (BUDGET as f64).powf(i as f64 / NODES as f64).round() as usize).collect();
+    let x = Axis::new("evaluations").over(1.0, BUDGET as f64).logarithmic();
+    let mut figure =
+        Figure::new("The best so far over evaluations", x, Axis::new("rms of what is left over (%)").logarithmic());
+    for (at, record) in race.records.iter().enumerate() {
+        let points = places.iter().map(|n| (*n as f64, 100.0 * record.after(*n).sqrt()));
+        let points = points.filter(|(_, rms)| rms.is_finite()).collect();
+        let stroke = Stroke::LINES[at % Stroke::LINES.len()];
+        figure = figure.with(Series::new(record.method.word(), points, stroke, at));
+    }
+    Picture {
+        file: format!("{stem}-way"),
+        svg: figure.svg(),
+        caption: format!(
+            "The median over {starts} starts of the best objective after so many evaluations, as thesis Fig. 89 shows one search of each."
+        ),
+    }
+}
+
+fn picture(race: &Race, starts: usize, stem: &str) -> Picture {
     let rows = race.records.iter().map(|record| Row {
         name: record.method.word().to_owned(),
         dots: record.searches.iter().filter_map(|search| search.to_success.map(|count| count as f64)).collect(),
@@ -177,7 +254,7 @@ fn picture(race: &Race, starts: usize) -> Picture {
         rows: rows.collect(),
     };
     Picture {
-        file: "study-rivals".to_owned(),
+        file: stem.to_owned(),
         svg: strip.svg(),
         caption: format!(
             "A dot a start that succeeded, of {starts}; upright bar: all evaluations of the method divided by its successes, what a success costs with restarts."
