@@ -14,11 +14,8 @@ pub mod reference;
 pub mod robustness;
 pub mod samples;
 pub mod score;
-<<<<<<< HEAD
 pub mod silent;
-=======
 pub mod stated;
->>>>>>> board
 pub mod thousand;
 pub mod tissue;
 
