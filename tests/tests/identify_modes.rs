@@ -8,7 +8,7 @@ use lut_gen::law::{Hyperfoam, Term};
 use lut_gen::verify::confined_stress_mpa;
 use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
 use palpate::identify::newton::verdict::Standing;
-use palpate::identify::spec::{Extra, FitSpec, FittedLaw, Method};
+use palpate::identify::spec::{Extra, FitSpec, FittedLaw, Loss, Method};
 use palpate::identify::{Identification, Outcome, identify, json};
 use palpate::report;
 use rand::SeedableRng;
@@ -199,4 +199,28 @@ fn a_ball_and_platens_share_one_fit() {
         println!("{name}: {} [{}, {}], truth {truth}", parameter.value, interval.low, interval.high);
         assert!(interval.low < truth && truth < interval.high, "{name}: {parameter:?}");
     }
+}
+
+/// A second term or a free ratio may only lower what is left, whatever the loss; what the end says of itself is true of it.
+#[test]
+fn a_richer_law_ends_no_higher_and_a_spent_budget_is_told() {
+    let experiment = experiment(&[(Test::Uniaxial, 7.0), (Test::Tension, 6.0)]);
+    for loss in [Loss::Squares, Loss::Huber] {
+        let spec = |terms| FitSpec { terms: Some(terms), loss, ..FitSpec::default() };
+        let (one, two) = (only(&experiment, &spec(1)), only(&experiment, &spec(2)));
+        let newton = two.fit.as_ref().unwrap().newton.as_ref().unwrap();
+        let simple = one.fit.as_ref().unwrap().newton.as_ref().unwrap();
+        // The same differences in the weights of the richer fit.
+        let mut problem = simple.solved.on(&one.selection);
+        problem.weights.clone_from(&newton.solved.weights);
+        let (rich, simple) = (newton.minimum.at.value, problem.value(&simple.minimum.x));
+        println!("{loss:?}: {simple} with one term, {rich} with two, {:?}", newton.came_back);
+        assert!(rich <= simple * (1.0 + 1e-6), "{loss:?}: {rich} {simple}");
+        assert!(newton.converged, "{:?}", two.messages);
+    }
+    let late = FitSpec { budget_s: Some(1e-9), ..FitSpec::default() };
+    let found = only(&experiment, &late);
+    let fit = found.fit.as_ref().unwrap();
+    assert!(!fit.newton.as_ref().unwrap().converged && fit.rmse_n.is_finite());
+    assert!(found.messages.iter().any(|m| m.contains("the budget ended the search")), "{:?}", found.messages);
 }

@@ -13,6 +13,7 @@ use crate::identify::fe::{ModelError, Progress};
 use crate::identify::newton::condition::{Condition, Source};
 use crate::identify::newton::coordinate::{Kind, Unknown};
 use crate::identify::newton::problem::Problem;
+use crate::identify::newton::search::Budget;
 use crate::identify::newton::setup;
 use crate::identify::newton::surrogate::Node;
 use crate::identify::spec::{FitSpec, FittedLaw};
@@ -203,7 +204,7 @@ pub fn ends(
     for (at, start) in starts.iter().enumerate() {
         progress("starts", at, starts.len());
         let point = places.point(&problem.unknowns, *start);
-        let end = problem.search(&[point], &Budget::endless(), &|_| {}).map_err(failed)?;
+        let end = problem.search_near(&[point], &Budget::endless(), &|_| {}).map_err(failed)?;
         found.push((*start, end.minimum));
     }
     progress("starts", starts.len(), starts.len());

@@ -12,7 +12,7 @@ use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use tests::recovery::cases;
-use tests::tissue::{Pressed, Tissue, six};
+use tests::tissue::{LIVER, Pressed, Tissue, six};
 
 use crate::{Case, Outcome};
 
@@ -39,11 +39,7 @@ pub fn draw(seed: u64, count: usize, models: &[ForceModel]) -> Outcome<Vec<Case>
     }
     for at in 0..tissues {
         let mut random = Pcg64::seed_from_u64(seed.wrapping_add(5_000 + at as u64));
-        let tissue = Tissue {
-            alpha: random.random_range(4.0..20.0),
-            g: random.random_range(0.1..0.6),
-            ..Tissue::default()
-        };
+        let tissue = Tissue { alpha: random.random_range(4.0..20.0), g: random.random_range(0.1..0.6), ..LIVER };
         let experiment = Pressed { finer: 1.0, ..Pressed::default() }.record(&tissue, seed + at as u64)?;
         let name = format!("tissue, alpha {:.1}, g {:.2}", tissue.alpha, tissue.g);
         all.push(Case { name, experiment, spec: six(), models: Vec::new(), hidden: true });
@@ -84,7 +80,11 @@ fn law(random: &mut Pcg64) -> Outcome<Drawn> {
     let relaxation = if random.random_bool(0.4) { random.random_range(1..=2) } else { 0 };
     let prony = (0..relaxation).map(|at| {
         let g = random.random_range(0.1..0.4);
-        PronyTerm { g, k: random.random_range(0.0..0.4), tau_s: [0.6, 6.0][at] * 2.0_f64.powf(random.random_range(-1.0..1.0)) }
+        PronyTerm {
+            g,
+            k: random.random_range(0.0..0.4),
+            tau_s: [0.6, 6.0][at] * 2.0_f64.powf(random.random_range(-1.0..1.0)),
+        }
     });
     let prony = prony.collect();
     Ok(Drawn { material: elastic.relaxing(prony)?, law, terms, relaxation })
@@ -100,8 +100,7 @@ fn coupons(seed: u64) -> Outcome<Case> {
         _ => &[Test::Uniaxial, Test::Confined, Test::Tension],
     };
     let noise = 0.002 * 10.0_f64.powf(random.random::<f64>());
-    let runs: Outcome<Vec<Run>> =
-        modes.iter().map(|&test| run(test, &drawn, noise, &mut random)).collect();
+    let runs: Outcome<Vec<Run>> = modes.iter().map(|&test| run(test, &drawn, noise, &mut random)).collect();
     let loss = [Loss::Huber, Loss::Huber, Loss::Squares, Loss::Absolute][random.random_range(0..4)];
     // One in four is fitted with another number of terms than it has.
     let terms = if random.random_bool(0.25) { 3 - drawn.terms } else { drawn.terms };
@@ -114,7 +113,13 @@ fn coupons(seed: u64) -> Outcome<Case> {
         loss,
         ..FitSpec::default()
     };
-    let name = format!("{} coupons, {} of {} terms, {} relaxing", modes.len(), drawn.law.word(), drawn.terms, drawn.relaxation);
+    let name = format!(
+        "{} coupons, {} of {} terms, {} relaxing",
+        modes.len(),
+        drawn.law.word(),
+        drawn.terms,
+        drawn.relaxation
+    );
     let experiment = Experiment {
         name: name.clone(),
         folder: PathBuf::new(),

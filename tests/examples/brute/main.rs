@@ -28,7 +28,7 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 /// Rise above the best that is found otherwise which a minimum may have.
 const WITHIN: f64 = 1e-3;
 /// Where a force costs next to nothing, and where it is solved.
-const CHEAP: Effort = Effort { points: 60, followed: 5, evaluations: 400 };
+const CHEAP: Effort = Effort { points: 60, followed: 4, evaluations: 300 };
 const DEAR: Effort = Effort { points: 30, followed: 2, evaluations: 60 };
 
 /// An experiment and how it is fitted.
@@ -93,7 +93,8 @@ fn one(case: &Case, material: &str) -> Outcome<Option<Judged>> {
     let problem = newton.solved.on(&found.selection);
     let (value, rms_n) = objective(&problem, &newton.minimum.x);
     let is_dear = problem.conditions.iter().any(|c| matches!(c.source, Source::Solves(_)) && !c.is_homogeneous());
-    let mut random = Pcg64::seed_from_u64(case.name.bytes().fold(7, |hash, byte| hash * 31 % 1_000_003 + u64::from(byte)));
+    let mut random =
+        Pcg64::seed_from_u64(case.name.bytes().fold(7, |hash, byte| hash * 31 % 1_000_003 + u64::from(byte)));
     let (mut other, mut other_rms_n, mut point) = best(&problem, if is_dear { DEAR } else { CHEAP }, &mut random);
     // The same search from where the fit ended: a point beside it that is lower counts as well.
     let beside = simplex(&problem, &newton.minimum.x, 0.01, if is_dear { 60 } else { 200 });

@@ -9,23 +9,23 @@ use crate::infer::starts::filling;
 
 use super::coordinate::Kind;
 use super::problem::Problem;
-use super::search::{Budget, Found, Visit};
+use super::search::{Budget, Effort, Found, Visit};
 
 /// Points elsewhere that promised more and did not keep it, before a search leaves it at that.
 pub const TRIES: usize = 6;
 /// Points of the design for each coordinate besides the moduli, where forces are interpolated and where they cost nothing.
 const DESIGN: usize = 4;
-const FREE_DESIGN: usize = 12;
+const FREE_DESIGN: usize = 8;
 /// The best of the design that are followed.
 const FOLLOWED: usize = 4;
-const FREE_FOLLOWED: usize = 12;
+const FREE_FOLLOWED: usize = 6;
 /// Ends that are followed to the last digit, where forces cost nothing.
-const POLISHED: usize = 3;
+const POLISHED: usize = 2;
 /// Points around an end lie this many standard errors off, and no farther than this share of the range.
 const ERRORS_OFF: f64 = 2.5;
 const SHARE_OFF: f64 = 0.2;
 /// Most of them.
-const MOST_AROUND: usize = 12;
+const MOST_AROUND: usize = 8;
 /// Another end is lower or higher when it differs by more than this in chi-squared and this share of the objective; a tenth of what a
 /// minimum is asked to be within.
 const DIFFERS: (f64, f64) = (0.02, 1e-4);
@@ -148,11 +148,14 @@ impl Problem<'_> {
         scaled.collect()
     }
 
-    /// The search where forces cost nothing: from the points given and from a design that fills the region, the best to the last digit.
-    pub(super) fn descended(&self, region: &Region, path: Vec<Visit>, budget: &Budget) -> Found {
+    /// The search where forces cost nothing: from the points given and from a design that fills the region; the best to the last digit.
+    /// The ends of one search are the starts of the next with other weights.
+    pub(super) fn descended(&self, region: &Region, path: Vec<Visit>, effort: Effort, budget: &Budget) -> Found {
         let best = path.iter().map(|v| v.value).fold(f64::INFINITY, f64::min);
         let mut starts: Vec<Vec<f64>> = path.iter().map(|v| v.point.clone()).collect();
-        starts.extend(self.best_of_design(region, FREE_DESIGN, FREE_FOLLOWED));
+        if effort != Effort::Again {
+            starts.extend(self.best_of_design(region, FREE_DESIGN, FREE_FOLLOWED));
+        }
         let to = |rule: Rule| {
             move |start: &Vec<f64>| -> Minimum {
                 // Late, it stays where it is.
@@ -161,26 +164,37 @@ impl Problem<'_> {
             }
         };
         let mut ends: Vec<Minimum> = starts.par_iter().map(to(rough(best))).collect();
+        ends.retain(|m| m.ending != Ending::Impossible);
         ends.sort_by(|a, b| a.at.value.total_cmp(&b.at.value));
-        let leading: Vec<Vec<f64>> = ends.iter().take(POLISHED).map(|m| m.x.clone()).collect();
-        let mut minimum = leading.par_iter().map(to(Rule::default())).min_by(|a, b| a.at.value.total_cmp(&b.at.value));
-        let mut around = Around { lower: Vec::new(), back: (0, 0) };
-        for _ in 0..TRIES {
-            let Some(end) = &minimum else { break };
-            around = self.around(region, end, &[], budget);
-            let Some(lower) = around.lower.first() else { break };
-            minimum = Some(to(Rule::default())(&lower.x));
-        }
-        let minimum = minimum.unwrap_or_else(|| self.minimised(region, &starts[0]));
-        let distinct = |kept: &mut Vec<Visit>, m: &Minimum| {
-            if m.ending != Ending::Impossible && kept.iter().all(|v| self.apart(region, &v.point, &m.x) > VAIN) {
-                kept.push(Visit { point: m.x.clone(), value: m.at.value });
+        let mut distinct: Vec<Visit> = Vec::new();
+        for end in &ends {
+            if distinct.len() < FREE_FOLLOWED && distinct.iter().all(|v| self.apart(region, &v.point, &end.x) > VAIN) {
+                distinct.push(Visit { point: end.x.clone(), value: end.at.value });
             }
-        };
-        let mut path = path;
-        ends.iter().for_each(|m| distinct(&mut path, m));
-        path.push(Visit { point: minimum.x.clone(), value: minimum.at.value });
+        }
+        let leading: Vec<Vec<f64>> = distinct.iter().take(POLISHED).map(|v| v.point.clone()).collect();
+        if let (Effort::Start, Some(best)) = (effort, ends.first()) {
+            let minimum = best.clone();
+            return Found {
+                minimum,
+                path: distinct,
+                converged: false,
+                came_back: (0, 0),
+                expected_within: 0.0,
+                failures: Vec::new(),
+            };
+        }
+        let polished = leading.par_iter().map(to(Rule::default())).min_by(|a, b| a.at.value.total_cmp(&b.at.value));
+        let mut minimum = polished.unwrap_or_else(|| self.minimised(region, &starts[0]));
+        let mut around = self.around(region, &minimum, &[], budget);
+        for _ in 0..TRIES {
+            let Some(lower) = around.lower.first() else { break };
+            minimum = to(Rule::default())(&lower.x);
+            around = self.around(region, &minimum, &[], budget);
+        }
+        distinct.push(Visit { point: minimum.x.clone(), value: minimum.at.value });
         let converged = self.is_minimum(&minimum, &around) && !budget.is_late();
-        Found { minimum, path, converged, came_back: around.back, expected_within: 0.0, failures: Vec::new() }
+        let came_back = around.back;
+        Found { minimum, path: distinct, converged, came_back, expected_within: 0.0, failures: Vec::new() }
     }
 }

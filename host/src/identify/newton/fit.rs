@@ -163,7 +163,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
             .zip(before)
             .any(|(weight, before)| (weight.sigma_n / before).ln().abs() > REWEIGHED.ln());
         let visited = points(&found);
-        found = problem.search(&visited, budget, demand.told)?.after(&found);
+        found = problem.search_again(&visited, budget, demand.told)?.after(&found);
         path.extend_from_slice(found.path.get(visited.len()..).unwrap_or_default());
         if !changed {
             break;
@@ -172,7 +172,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     if problem.loss == Loss::Absolute {
         problem.smooth = ROUNDED * problem.spread(&found.minimum);
         let visited = points(&found);
-        let rounded = problem.search(&visited, budget, demand.told)?.after(&found);
+        let rounded = problem.search_again(&visited, budget, demand.told)?.after(&found);
         found = problem.settle(rounded, budget, demand.told);
         path.extend_from_slice(found.path.get(visited.len()..).unwrap_or_default());
     }
@@ -192,7 +192,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         failures.extend(problem.solve_at(&wanted).err().map(|cause| cause.to_string()));
         (demand.told)(problem.solves());
         let visited: Vec<Vec<f64>> = points(&found);
-        found = problem.search(&visited, budget, demand.told)?.after(&found);
+        found = problem.search_again(&visited, budget, demand.told)?.after(&found);
         if problem.loss == Loss::Absolute {
             found = problem.settle(found, budget, demand.told);
         }

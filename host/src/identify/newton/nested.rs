@@ -6,7 +6,7 @@ use crate::infer::descent::Region;
 
 use super::coordinate::Kind;
 use super::problem::Problem;
-use super::search::{Budget, Found, Told};
+use super::search::{Budget, Effort, Found, Told};
 
 /// Share that a second term begins with, and the factors between its exponent and the first one's.
 const SHARE: f64 = 0.3;
@@ -113,7 +113,7 @@ impl Problem<'_> {
             let region = self.without(&lacking);
             let inside: Vec<Vec<f64>> = starts.iter().map(|start| region.inside(start)).collect();
             // Where the simpler law cannot be solved the richer one begins where it would without it.
-            let Ok(found) = self.search_in(&region, &inside, budget, told) else { continue };
+            let Ok(found) = self.search_in(&region, Effort::Start, &inside, budget, told) else { continue };
             starts = vec![found.minimum.x.clone()];
             starts.extend(gained.gained(self, &found.minimum.x));
             path.extend(found.path);

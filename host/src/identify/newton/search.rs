@@ -77,6 +77,17 @@ impl Budget {
     }
 }
 
+/// How thorough a search is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// Its end is where another begins: it is not held against searches from elsewhere.
+    Start,
+    /// The whole box.
+    Whole,
+    /// It begins from the ends of one that looked at the whole box.
+    Again,
+}
+
 /// A step this small in standard errors is no step: it adds 2 % of the noise's own scatter.
 const AT_REST: f64 = 0.02;
 /// And so is one below this share of every range, where the data have no noise to speak of.
@@ -164,29 +175,50 @@ impl Problem<'_> {
     }
 
     fn visit(&self, point: &[f64]) -> Visit {
+        if self.is_free() {
+            // Descents go on from there all the same.
+            let point = self.scaled(point);
+            return Visit { value: self.value(&point), point };
+        }
         let end = self.with_best_moduli(point);
         Visit { point: end.x, value: end.at.value }
     }
 
-    /// Searches from the given points, which are solved first.
+    /// Searches from the given points, which are solved first, and from all over the box on what is known by then.
     ///
     /// # Errors
     /// When none of the first points can be solved.
     pub fn search(&mut self, starts: &[Vec<f64>], budget: &Budget, told: &Told<'_>) -> Result<Found, SolveError> {
-        self.search_in(&self.region(), starts, budget, told)
+        self.search_in(&self.region(), Effort::Whole, starts, budget, told)
     }
 
-    /// As [`Problem::search`], inside a part of the box: a simpler law is one.
+    /// The same from the points that a search with other weights visited: the box is not filled anew.
     ///
     /// # Errors
     /// As [`Problem::search`].
-    pub fn search_in(
+    pub fn search_again(
         &mut self,
-        region: &Region,
-        starts: &[Vec<f64>],
+        visited: &[Vec<f64>],
         budget: &Budget,
         told: &Told<'_>,
     ) -> Result<Found, SolveError> {
+        self.search_in(&self.region(), Effort::Again, visited, budget, told)
+    }
+
+    /// The minimum whose valley the best of the given points lies in, which are solved first; there may be lower ones.
+    ///
+    /// # Errors
+    /// As [`Problem::search`].
+    pub fn search_near(&mut self, starts: &[Vec<f64>], budget: &Budget, told: &Told<'_>) -> Result<Found, SolveError> {
+        let mut state = self.begun(starts, told)?;
+        let region = self.region();
+        let (minimum, converged) = self.refined_in(&region, &mut state, budget, told);
+        let State { path, expected_within, failures, .. } = state;
+        Ok(Found { minimum, path, converged, came_back: (0, 0), expected_within, failures })
+    }
+
+    /// Solves the starts; a search stands at the best of them.
+    fn begun(&mut self, starts: &[Vec<f64>], told: &Told<'_>) -> Result<State, SolveError> {
         let first = self.solve_at(starts);
         told(self.solves());
         let known = |point: &&Vec<f64>| (0..self.conditions.len()).all(|c| self.is_known(c, point));
@@ -200,13 +232,32 @@ impl Problem<'_> {
             }));
         };
         let failures = first.err().map(|cause| cause.to_string()).into_iter().collect();
+        Ok(State { path, best, expected_within: f64::INFINITY, failures })
+    }
+
+    /// As [`Problem::search`], inside a part of the box: a simpler law is one.
+    ///
+    /// # Errors
+    /// As [`Problem::search`].
+    pub fn search_in(
+        &mut self,
+        region: &Region,
+        effort: Effort,
+        starts: &[Vec<f64>],
+        budget: &Budget,
+        told: &Told<'_>,
+    ) -> Result<Found, SolveError> {
+        let mut state = self.begun(starts, told)?;
         if self.is_free() {
-            return Ok(self.descended(region, path, budget));
+            return Ok(self.descended(region, state.path, effort, budget));
         }
-        let mut state = State { path, best, expected_within: f64::INFINITY, failures };
         let mut refused: Vec<Vec<f64>> = Vec::new();
         loop {
             let (minimum, rested) = self.refined_in(region, &mut state, budget, told);
+            if effort == Effort::Start {
+                let State { path, expected_within, failures, .. } = state;
+                return Ok(Found { minimum, path, converged: false, came_back: (0, 0), expected_within, failures });
+            }
             let around = self.around(region, &minimum, &refused, budget);
             let lower = around.lower.first().cloned();
             let spent = budget.is_spent(self.evaluations()) || refused.len() >= TRIES;
