@@ -12,7 +12,7 @@ use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use tests::recovery::cases;
-use tests::tissue::{Pressed, Tissue, six};
+use tests::tissue::{LIVER, Pressed, Tissue, six};
 
 use crate::{Case, Outcome};
 
@@ -39,8 +39,7 @@ pub fn draw(seed: u64, count: usize, models: &[ForceModel]) -> Outcome<Vec<Case>
     }
     for at in 0..tissues {
         let mut random = Pcg64::seed_from_u64(seed.wrapping_add(5_000 + at as u64));
-        let tissue =
-            Tissue { alpha: random.random_range(4.0..20.0), g: random.random_range(0.1..0.6), ..Tissue::default() };
+        let tissue = Tissue { alpha: random.random_range(4.0..20.0), g: random.random_range(0.1..0.6), ..LIVER };
         let experiment = Pressed { finer: 1.0, ..Pressed::default() }.record(&tissue, seed + at as u64)?;
         let name = format!("tissue, alpha {:.1}, g {:.2}", tissue.alpha, tissue.g);
         all.push(Case { name, experiment, spec: six(), models: Vec::new(), hidden: true });

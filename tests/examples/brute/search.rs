@@ -31,7 +31,7 @@ fn loss(problem: &Problem<'_>, u: f64) -> f64 {
         Loss::Squares => u * u,
         Loss::Huber if size <= HUBER => u * u,
         Loss::Huber => HUBER * (2.0 * size - HUBER),
-        Loss::Absolute if size <= problem.smooth => u * u / problem.smooth + problem.smooth,
+        // Eq. 14 itself, without the rounding that slopes need.
         Loss::Absolute => 2.0 * size,
     }
 }

@@ -233,11 +233,10 @@ impl Problem<'_> {
         let weight = self.weights[at];
         let scale = 1.0 / (weight.sigma_n * weight.sigma_n * weight.correlated);
         let model = forces(data, track, self.contact(at, track));
-        let sums = model.iter().zip(&data.force_n).fold((0.0, 0.0), |(mixed, own), (m, f)| {
+        model.iter().zip(&data.force_n).fold((0.0, 0.0), |(mixed, own), (m, f)| {
             let w = scale * self.loss((f - m) / weight.sigma_n).1;
             (mixed + w * m * f, own + w * m * m)
-        });
-        sums
+        })
     }
 
     /// Sums of the relaxing parts, of the shear and of the bulk.
