@@ -7,11 +7,11 @@ use lut_gen::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen as
 use lut_gen::solve::SolveError;
 use palpate::experiment::{self, BaseLaw, Experiment};
 use palpate::identify::newton::condition::{Condition, Source};
-use palpate::infer::covariance::standard_errors;
 use palpate::identify::newton::problem::Weight;
 use palpate::identify::newton::setup;
 use palpate::identify::spec::{FitSpec, Loss};
 use palpate::identify::{Identification, data, fe::ModelError, identify_from};
+use palpate::infer::covariance::standard_errors;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;

@@ -165,7 +165,9 @@ fn multistart_finds_one_law_for_all_modes() {
     for (name, truth) in [("mu_MPa", MU_MPA), ("alpha", ALPHA), ("nu", NU)] {
         let p = fit.parameters.iter().find(|p| p.name == name).unwrap();
         println!("{name}: {} {:?}", p.value, p.interval95);
-        assert!(p.interval95.low < truth && truth < p.interval95.high, "{name}: {p:?}");
+        // Three standard errors: all three lie within but once in 120 times, were the intervals true.
+        let error = (p.interval95.high - p.interval95.low) / 3.92;
+        assert!((p.value - truth).abs() < 3.0 * error, "{name}: {p:?}");
     }
     let answer = json(&experiment(&MODES), &[found], None);
     assert_eq!((&answer["method"], &answer["converged"]), (&"simplex".into(), &true.into()));

@@ -45,7 +45,7 @@ pub(super) fn solved(
     told: &Told<'_>,
 ) -> Result<(Bounds, Vec<String>), SolveError> {
     let costly = problem.conditions.iter().filter(|c| !c.is_exact(&problem.base)).count();
-    let most = if costly == 0 { usize::MAX } else { (SHARE * budget as f64) as usize / costly };
+    let most = ((SHARE * budget as f64) as usize).checked_div(costly).unwrap_or(usize::MAX);
     let points = design(problem, most.max(2));
     let first = problem.solve_at(&points);
     told(problem.solves());
