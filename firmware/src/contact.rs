@@ -62,6 +62,8 @@ pub struct ContactPoint {
     pub zero_n: f32,
     /// Standard deviation of the force before contact, N.
     pub noise_n: f32,
+    /// Samples that the zero is the mean of.
+    pub zero_samples: u16,
 }
 
 /// State of the detection.
@@ -154,10 +156,14 @@ impl Contact {
             sum += s.force_n;
             count += 1;
         }
-        let zero_n = if count >= config.baseline_min { sum / f32::from(count) } else { self.zero_n };
+        let (zero_n, zero_samples) = if count >= config.baseline_min {
+            (sum / f32::from(count), count)
+        } else {
+            (self.zero_n, self.baseline_count)
+        };
         let fine_mm = coarse_mm / 4.0;
         let (height_mm, _) = self.line_search(best - 4.0 * fine_mm, fine_mm, 9, zero_n);
-        ContactPoint { height_mm, zero_n, noise_n: sqrt(self.variance_n2) }
+        ContactPoint { height_mm, zero_n, noise_n: sqrt(self.variance_n2), zero_samples }
     }
 
     /// Least misfit over `steps` heights from `from_mm` upwards, refined by a parabola.

@@ -5,6 +5,10 @@
 //! stored forces a value), and differentiated exactly, piece by piece. Values of alpha may be spaced in any way. At the surface force
 //! and slope are zero, as Hertz's `d^1.5` has them, and stay so above it.
 
+mod curve;
+
+pub use curve::Curve;
+
 use crate::search::{MAX_FACTORS, Slice};
 use protocol::lut::{Table, axis_name};
 

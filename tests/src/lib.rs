@@ -14,6 +14,7 @@ pub mod reference;
 pub mod robustness;
 pub mod samples;
 pub mod score;
+pub mod stated;
 pub mod thousand;
 pub mod tissue;
 

@@ -1,7 +1,7 @@
 //! What the load cell reads during an indentation, as a function of the parameters.
 
 use super::{Model, Prediction};
-use crate::surface::Surface;
+use crate::surface::{Curve, Surface};
 use nalgebra::{Vector2, Vector3};
 
 /// Force over depth on a table's slice.
@@ -32,5 +32,24 @@ impl Model<3> for Indentation<'_> {
     fn predict(&self, state: &Vector3<f32>, depth_mm: f32) -> Option<Prediction<3>> {
         let force = self.surface.at(state[0], state[1], depth_mm + state[2])?;
         Some(Prediction { value: force.force_n, gradient: Vector3::new(force.by_mu, force.by_alpha, force.by_depth) })
+    }
+}
+
+/// Force over depth at one exponent, as a load cell reads it whose zero is known but roughly.
+///
+/// States (mu MPa, d0 mm as in [`Indentation`], zero N): the model is linear in the first and the last.
+#[derive(Debug, Clone, Copy)]
+pub struct AtExponent<'a> {
+    /// Force of unit modulus.
+    pub curve: Curve<'a>,
+}
+
+impl Model<3> for AtExponent<'_> {
+    /// Depth by the first estimate of the contact point, mm.
+    type Input = f32;
+
+    fn predict(&self, state: &Vector3<f32>, depth_mm: f32) -> Option<Prediction<3>> {
+        let (force, slope) = self.curve.at(depth_mm + state[1]);
+        Some(Prediction { value: state[0] * force + state[2], gradient: Vector3::new(force, state[0] * slope, 1.0) })
     }
 }

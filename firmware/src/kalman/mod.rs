@@ -1,7 +1,8 @@
 //! Parameters from one sample at a time: the Kalman filter of thesis section 3.2.3 on a continuous model with exact derivatives.
 //!
 //! [`Filter`] is Eqs. 18-20 for any number of states and a scalar measurement, [`Model`] what is measured at a state, [`bounds`] the
-//! feasible region and what happens at its edge, [`indentation`] the model of a table's slice, [`identify`] a whole press.
+//! feasible region and what happens at its edge, [`indentation`] the model of a table's slice, [`identify`] a whole press,
+//! [`bank`] filters side by side for a valley that bends.
 //!
 //! # Arithmetic
 //! The covariance is kept as `U D U^T`, U unit upper triangular and D diagonal (Bierman 1977, Factorization Methods for Discrete Sequential
@@ -9,6 +10,7 @@
 //! numbers; Eq. 20 as printed subtracts nearly equal matrices and loses both in f32. Sums over states are written out: nalgebra's products of larger matrices
 //! may call other code on a host than on the board, and both must give the same bits.
 
+pub mod bank;
 pub mod bounds;
 pub mod identify;
 pub mod indentation;

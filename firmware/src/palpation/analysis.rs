@@ -7,12 +7,13 @@
 //!    push the contact point aside, which the sums of Eq. 17 over 30 values of mu would.
 //!    At that minimum the same sums give mu and alpha between the columns of the grid: its steps in mu (a factor 1.25) are coarser than what
 //!    the data resolve, and the best column of Eq. 17 can lie far along the valley in which mu and alpha make up for each other.
-//! 2. *Kalman filter* (Eqs. 18-21) over the record for mu, alpha and what is left of the contact offset, from the result of the fast search,
-//!    for the standard errors of all three.
-//! 3. *Search*: Eq. 17 over the record again, from the refined point.
-//! 4. *Library*: Eq. 17 over the library's curves at contact offsets around the refined point.
+//! 2. *Kalman filter* (Eqs. 18-21) over the record for mu, alpha and what is left of the contact offset, from the result of the fast search.
+//! 3. *Valley* ([`super::valley`]): from there, mean and standard error of all three.
+//! 4. *Search*: Eq. 17 over the record again, from the refined point.
+//! 5. *Library*: Eq. 17 over the library's curves at contact offsets around the refined point.
 
 use super::record::Record;
+use super::valley::{Estimated, Valley, ValleyConfig};
 use crate::contact::{ContactPoint, LeastOnLine};
 use crate::kalman::indentation::Indentation;
 use crate::kalman::{Bounding, Estimator, Filter, Region};
@@ -36,10 +37,14 @@ pub struct AnalysisConfig {
     pub fine: u8,
     /// Samples that the search takes in one tick.
     pub search_samples: u8,
+    /// Samples that the Kalman filter takes in one tick.
+    pub filter_samples: u8,
     /// Passes of the Kalman filter over the record: each is a Gauss-Newton step from where the one before it ended.
     pub filter_passes: u8,
     /// How far the filter may move the contact point, mm.
     pub offset_mm: f32,
+    /// What the standard errors hold.
+    pub valley: ValleyConfig,
     /// Standard deviation of the force that the filter assumes at least, N: the load cell's quantisation.
     pub noise_floor_n: f32,
     /// Contact offsets at which the library is compared, one a tick. They span three deviations of the refined contact point at 4 mm/s
@@ -56,8 +61,10 @@ impl Default for AnalysisConfig {
             coarse: 33,
             fine: 9,
             search_samples: 16,
+            filter_samples: 48,
             filter_passes: 3,
             offset_mm: 0.3,
+            valley: ValleyConfig::default(),
             noise_floor_n: 0.0005,
             library_offsets: 25,
             library_step_mm: 0.02,
@@ -71,6 +78,7 @@ enum Phase {
     Coarse(Line),
     Fine(Line),
     Filtering { height_mm: f32, next: usize, pass: u8, filtering: Filtering },
+    Valley { height_mm: f32, valley: Valley },
     Searching { height_mm: f32, next: usize },
     Comparing { height_mm: f32, next: u8 },
 }
@@ -113,7 +121,7 @@ pub struct Analysis {
     phase: Phase,
     shapes: Shapes,
     fitted: Option<Fitted>,
-    filtered: Option<Estimator<3>>,
+    estimated: Option<Estimated>,
     comparison: Comparison,
 }
 
@@ -130,8 +138,8 @@ pub struct Finished {
     pub height_mm: f32,
     /// Parameters between the columns.
     pub fitted: Option<Fitted>,
-    /// The Kalman filter after the last sample: mu (MPa), alpha, and how much deeper (mm) than `height_mm` says.
-    pub filtered: Option<Estimator<3>>,
+    /// mu, alpha and contact point with their errors.
+    pub estimated: Option<Estimated>,
     /// Nearest library material.
     pub recognition: Recognition,
 }
@@ -143,7 +151,7 @@ impl Analysis {
             phase: Phase::Start,
             shapes: Shapes { first: 0, stride: 1, count: 0 },
             fitted: None,
-            filtered: None,
+            estimated: None,
             comparison: Comparison::new(),
         }
     }
@@ -183,15 +191,27 @@ impl Analysis {
                 }
             }
             Phase::Filtering { height_mm, next, pass, filtering } => {
-                let end = *next + usize::from(config.search_samples.max(1));
+                let end = *next + usize::from(config.filter_samples.max(1));
                 filtering.take(table, slice, record, *next..end, *height_mm, noise_n.max(config.noise_floor_n));
                 *next = end;
                 if end >= record.samples().len() && *pass < config.filter_passes {
                     (*next, *pass) = (0, *pass + 1);
                     filtering.again();
                 } else if end >= record.samples().len() {
-                    filtering.estimator.filter.state = filtering.estimator.most_likely();
-                    self.filtered = (filtering.estimator.samples > 0).then_some(filtering.estimator);
+                    let (height_mm, mut estimator) = (*height_mm, filtering.estimator);
+                    estimator.filter.state = estimator.most_likely();
+                    self.phase = if estimator.samples > 0 {
+                        let noise_n = noise_n.max(config.noise_floor_n);
+                        let valley = Valley::new(&config.valley, table, record, height_mm, point, noise_n, &estimator);
+                        Phase::Valley { height_mm, valley }
+                    } else {
+                        Phase::Searching { height_mm, next: 0 }
+                    };
+                }
+            }
+            Phase::Valley { height_mm, valley } => {
+                if let Some(estimated) = valley.step(&config.valley, table, slice, record) {
+                    self.estimated = estimated;
                     let height_mm = *height_mm;
                     self.phase = Phase::Searching { height_mm, next: 0 };
                 }
@@ -214,7 +234,7 @@ impl Analysis {
                     return Some(Finished {
                         height_mm: *height_mm,
                         fitted: self.fitted,
-                        filtered: self.filtered,
+                        estimated: self.estimated,
                         recognition: self.comparison.result(table, noise_n),
                     });
                 }

@@ -7,11 +7,11 @@
 
 pub mod analysis;
 mod record;
+pub mod valley;
 
 pub use record::{RECORD_LEN, Record};
 
 use crate::contact::{Contact, ContactConfig, ContactPoint, Sample};
-use crate::kalman::Estimator;
 use crate::profile::Fitted;
 use crate::readings::{Readings, ReadingsConfig};
 use crate::recognition::NOT_RECOGNISED;
@@ -19,6 +19,7 @@ use crate::search::{Found, NoSlice, Search, Slice, Tolerance};
 use analysis::Analysis;
 use protocol::lut::Table;
 use protocol::message::{Estimate, Outcome, Recognition, Verdict};
+use valley::Estimated;
 
 /// How a palpation is judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +70,7 @@ pub struct Palpation {
     recognition: Option<Recognition>,
     found: Option<Found>,
     fitted: Option<Fitted>,
-    filtered: Option<Estimator<3>>,
+    estimated: Option<Estimated>,
 }
 
 /// What one sample brought.
@@ -120,7 +121,7 @@ impl Palpation {
             recognition: None,
             found: None,
             fitted: None,
-            filtered: None,
+            estimated: None,
         }
     }
 
@@ -139,7 +140,7 @@ impl Palpation {
         self.recognition = None;
         self.found = None;
         self.fitted = None;
-        self.filtered = None;
+        self.estimated = None;
     }
 
     /// True once contact is found.
@@ -234,7 +235,7 @@ impl Palpation {
         if let Some(finished) = done {
             self.found = self.search.found(&slice);
             self.fitted = finished.fitted;
-            self.filtered = finished.filtered;
+            self.estimated = finished.estimated;
             self.recognition = Some(finished.recognition);
             self.point = Some(ContactPoint { height_mm: finished.height_mm, ..point });
         }
@@ -248,20 +249,24 @@ impl Palpation {
         Readings { bad: self.bad, all: self.taken, ..Readings::of(samples, depth_max_mm) }
     }
 
-    /// The Kalman filter's result for palpation number `palpation`; `None` before the analysis has ended, or if the filter had no sample to use.
+    /// What palpation number `palpation` says of its foam, with standard errors that hold noise, contact point, zero, table and gains; `None`
+    /// before the analysis has ended, or if there was no sample to use.
     pub fn estimate(&self, config: &PalpationConfig, palpation: u32) -> Option<Estimate> {
-        let (filtered, point) = (self.filtered.as_ref()?, self.point?);
-        let (state, errors) = (filtered.filter.state, filtered.filter.deviations());
+        let (estimated, point) = (self.estimated.as_ref()?, self.point?);
+        let (mean, errors) = (&estimated.mean, &estimated.deviations);
+        let height_mm = point.height_mm + mean[2];
+        let valley = &config.analysis.valley;
+        let gains = [valley.press_gain, valley.cell_gain, GAIN_OF_DEPTH * valley.probe_gain];
         Some(Estimate {
             palpation,
-            mu_mpa: state[0],
-            alpha: state[1],
-            height_mm: point.height_mm + state[2],
-            mu_error_mpa: errors[0],
+            mu_mpa: mean[0],
+            alpha: mean[1],
+            height_mm,
+            mu_error_mpa: root_of_squares(errors[0], &gains.map(|gain| gain * mean[0])),
             alpha_error: errors[1],
-            height_error_mm: errors[2],
+            height_error_mm: root_of_squares(errors[2], &[valley.probe_gain * height_mm]),
             noise_n: point.noise_n.max(config.analysis.noise_floor_n),
-            samples: filtered.samples,
+            samples: estimated.samples,
         })
     }
 
@@ -342,6 +347,14 @@ impl Palpation {
         }
         verdict
     }
+}
+
+/// Gain of the force for a gain of the depth: force goes with the depth to the power of 1.5 (Hertz), whatever mu.
+const GAIN_OF_DEPTH: f32 = 1.5;
+
+/// Independent deviations together.
+fn root_of_squares(one: f32, others: &[f32]) -> f32 {
+    crate::number::sqrt(others.iter().fold(one * one, |sum, x| sum + x * x))
 }
 
 /// What the verdict says about the motion.

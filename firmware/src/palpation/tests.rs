@@ -22,7 +22,7 @@ fn palpate_at(table: &Table<'_>, samples: &[Sample], depth_mm: f32, rate_mm_s: f
             break;
         }
     }
-    for _ in 0..200 {
+    for _ in 0..400 {
         if palpation.analyse(&config, table) {
             break;
         }
@@ -167,28 +167,52 @@ fn a_table_of_rates_is_searched_at_the_commanded_rate_and_refuses_others() {
     assert_eq!(v.outcome, Outcome::NoSuchHeight);
 }
 
-/// The filter's own errors against what it makes of noise: the ratio is chi distributed, 0.8 to 1.2 over 64 presses by two deviations.
+/// Estimate less truth in standard errors: mu, alpha, height of the surface.
+fn off(p: &Palpation, press: &Press) -> [f64; 3] {
+    let e = p.estimate(&PalpationConfig::default(), 1).unwrap();
+    [
+        (f64::from(e.mu_mpa) - press.foam.mu_mpa) / f64::from(e.mu_error_mpa),
+        (f64::from(e.alpha) - press.foam.alpha) / f64::from(e.alpha_error),
+        (f64::from(e.height_mm) - press.surface_mm()) / f64::from(e.height_error_mm),
+    ]
+}
+
+/// Where noise and gain scatter as the board is told: the share within two stated errors of 160 presses is 95.4 % if errors are normal, and
+/// below 90 % or at 100 % in one series of a thousand (binomial).
 #[test]
-fn the_estimate_states_its_errors() {
+fn two_stated_errors_hold_nineteen_of_twenty() {
     let bytes = factored_table();
     let table = Table::parse(&bytes).unwrap();
-    let mut chance = Chance(17);
-    for foam in [LIBRARY[0], LIBRARY[3]] {
-        let (mut squares, n) = ([0.0; 3], 64);
-        for _ in 0..n {
-            let press = Press { noise: 0.003, start_mm: 3.0 + chance.even(), ..Press::clean(foam, 1.0) };
+    let mut chance = Chance(29);
+    for rate in [1.0, 4.0] {
+        let (mut held, mut n) = ([0u32; 2], 0);
+        for i in 0..160 {
+            let press = Press::noisy(LIBRARY[i % 4], rate, &mut chance);
             let (v, p) = palpate(&table, &press.samples(&mut chance), 4.0);
-            let e = p.estimate(&PalpationConfig::default(), v.palpation).unwrap();
-            let off = [
-                (f64::from(e.mu_mpa) - foam.mu_mpa) / f64::from(e.mu_error_mpa),
-                (f64::from(e.alpha) - foam.alpha) / f64::from(e.alpha_error),
-                (f64::from(e.height_mm) - press.surface_mm()) / f64::from(e.height_error_mm),
-            ];
-            squares.iter_mut().zip(off).for_each(|(s, o)| *s += o * o);
+            if v.outcome == Outcome::Identified {
+                n += 1;
+                held.iter_mut().zip(off(&p, &press)).for_each(|(h, o)| *h += u32::from(o.abs() <= 2.0));
+            }
         }
-        let rms = squares.map(|s| (s / f64::from(n)).sqrt());
-        println!("{}: {rms:?}", foam.name);
-        assert!(rms.iter().all(|r| (0.7..1.4).contains(r)), "{}: {rms:?}", foam.name);
+        println!("{rate} mm/s: {held:?} of {n}");
+        assert!(held.iter().all(|h| f64::from(*h) > 0.9 * f64::from(n)) && n > 120, "{rate} mm/s: {held:?} of {n}");
+    }
+}
+
+/// A press without noise, or without any of what the errors hold, is not said to be exact: gains, table and transducer remain.
+#[test]
+fn errors_do_not_vanish_with_the_noise() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    let config = PalpationConfig::default();
+    for foam in &LIBRARY[..4] {
+        let press = Press::clean(*foam, 1.0);
+        let (_, p) = palpate(&table, &press.samples(&mut Chance(1)), 4.0);
+        let e = p.estimate(&config, 1).unwrap();
+        let gains = config.analysis.valley.press_gain.hypot(config.analysis.valley.cell_gain);
+        assert!(e.mu_error_mpa > gains * e.mu_mpa && e.mu_error_mpa < 0.1 * e.mu_mpa, "{}: {e:?}", foam.name);
+        assert!(e.alpha_error > 1e-3 * e.alpha && e.alpha_error < 0.1 * e.alpha, "{}: {e:?}", foam.name);
+        assert!(off(&p, &press).iter().all(|o| o.abs() < 2.0), "{}: {e:?}", foam.name);
     }
 }
 

@@ -90,3 +90,26 @@ fn nothing_is_said_outside_the_grid() {
         }
     });
 }
+
+#[test]
+fn the_curve_of_an_exponent_is_the_surface_and_goes_straight_on_beyond_it() {
+    for bytes in [factored_table(), expanded_table(12.7)] {
+        with_surface(&bytes, 12.7, |surface| {
+            let mut chance = Chance(8);
+            for _ in 0..500 {
+                let (alpha, depth) = (1.0 + 23.0 * chance.even() as f32, 4.0 * chance.even() as f32);
+                let (force, slope) = surface.curve(alpha).unwrap().at(depth);
+                let whole = surface.at(1.0, alpha, depth).unwrap();
+                // The same sums in another order.
+                assert!((force - whole.force_n).abs() <= 1e-5 * whole.force_n, "{force} {whole:?}");
+                assert!((slope - whole.by_depth).abs() <= 1e-4 * whole.by_depth.abs() + 1e-4, "{slope} {whole:?}");
+            }
+            let curve = surface.curve(7.0).unwrap();
+            let (force, slope) = curve.at(4.0);
+            let (beyond, same) = curve.at(4.2);
+            assert!(slope > 0.0 && same == slope && (beyond - force - 0.2 * slope).abs() < 1e-5 * force);
+            assert_eq!([curve.at(0.0), curve.at(-1.0), curve.at(f32::NAN)], [(0.0, 0.0); 3]);
+            assert!(surface.curve(0.9).is_none() && surface.curve(f32::NAN).is_none());
+        });
+    }
+}

@@ -1,6 +1,7 @@
 //! Figures of the demo.
 
 use protocol::lut::{Table, axis_name};
+use protocol::message::Estimate;
 
 use super::{Palpated, Summary};
 use crate::plant::Foam;
@@ -39,21 +40,32 @@ pub(super) fn force_over_depth(summary: &Summary, foams: &[Foam], table: &Table<
     figure
 }
 
-/// Verdicts in the plane of the parameters, with the grid's best column of every palpation.
+/// Parameters of every palpation with their standard errors, in the plane of the parameters.
 pub(super) fn parameter_plane(summary: &Summary, foams: &[Foam], table: &Table<'_>) -> Figure {
     let low = table.axis(axis_name::MU).map_or(1e-3, |a| f64::from(a.value(0)));
     let mut figure = Figure::new(
-        "Parameters found by the search, and the true ones",
+        "Parameters as the board states them, and the true ones",
         Axis::new("alpha").over(0.0, 25.0),
         Axis::new("mu (MPa)").over(low.max(2e-3), 0.4).logarithmic(),
     );
     for (i, foam) in foams.iter().enumerate() {
-        let found = summary.palpated.iter().filter(|p| p.truth == foam.name && p.verdict.mu_mpa > 0.0);
-        let points = found.map(|p| (f64::from(p.verdict.alpha), f64::from(p.verdict.mu_mpa))).collect();
+        let of_foam = summary.palpated.iter().filter(|p| p.truth == foam.name);
+        let found: Vec<&Estimate> = of_foam.filter_map(|p| p.estimate.as_ref()).collect();
+        let points = found.iter().map(|e| (f64::from(e.alpha), f64::from(e.mu_mpa))).collect();
         figure.series.push(Series::new("", points, Stroke::Circles, i));
+        let bars = found.iter().flat_map(|e| bars(e)).collect();
+        figure.series.push(Series::new("", bars, Stroke::Faint, i));
         figure.series.push(Series::new(&foam.name, cross(foam), Stroke::Solid, i));
     }
     figure
+}
+
+/// One standard error to either side of an estimate; a point that is not finite lifts the pen.
+fn bars(e: &Estimate) -> [(f64, f64); 6] {
+    let [a, m, by_a, by_m] = [e.alpha, e.mu_mpa, e.alpha_error, e.mu_error_mpa].map(f64::from);
+    let lift = (f64::NAN, f64::NAN);
+    // The axis of mu is logarithmic.
+    [(a - by_a, m), (a + by_a, m), lift, (a, (m - by_m).max(0.1 * m)), (a, m + by_m), lift]
 }
 
 /// A cross at the true parameters; a point that is not finite lifts the pen.

@@ -44,7 +44,7 @@ pub struct Palpated {
     pub true_height_mm: f64,
     /// What the board said.
     pub verdict: Verdict,
-    /// What its Kalman filter said before that, with standard errors.
+    /// mu, alpha and height with standard errors, as it said before that.
     pub estimate: Option<Estimate>,
     /// Name of the identified library material; empty for none.
     pub identified: String,
@@ -56,6 +56,13 @@ impl Palpated {
     /// True if the board named the foam that was there.
     pub fn recognised(&self) -> bool {
         self.truth == self.identified
+    }
+
+    /// How far mu and alpha lie from the truth, in stated standard errors; none if the board stated none.
+    pub fn off(&self) -> Option<(f64, f64)> {
+        let e = self.estimate.as_ref().filter(|_| self.verdict.outcome == Outcome::Identified)?;
+        let off = |found: f32, truth: f64, error: f32| (f64::from(found) - truth) / f64::from(error);
+        Some((off(e.mu_mpa, self.true_mu_mpa, e.mu_error_mpa), off(e.alpha, self.true_alpha, e.alpha_error)))
     }
 
     /// Truth and verdict in a line.

@@ -12,7 +12,7 @@ use protocol::lut::Table;
 use super::figures::{
     display_over_time, felt_softness, force_over_depth, palpation_over_time, parameter_plane, search_over_depth,
 };
-use super::summary::{HEAD, HOST_TIME};
+use super::summary::{HEAD, HOST_TIME, STANDARD_ERROR};
 use super::{DemoError, Summary};
 use crate::plant::Foam;
 use crate::report::{Page, field};
@@ -99,8 +99,8 @@ fn identification(page: &mut Page, summary: &Summary, foams: &[Foam], table: &Ta
     page.section("Identification");
     page.figure(
         &parameter_plane(summary, foams, table).svg(),
-        "Crosses: true parameters. Circles: best column of the 30 x 30 grid. mu and alpha trade against each other along a curve, which is why \
-         a material is recognised by its own curve and not by its parameters.",
+        "Crosses: true parameters. Circles: what the board states, bars: one standard error to either side. mu and alpha trade against each \
+         other along a curve, which is why a material is recognised by its own curve and not by its parameters.",
     );
     page.figure(
         &search_over_depth(summary, foams).svg(),
@@ -109,6 +109,8 @@ fn identification(page: &mut Page, summary: &Summary, foams: &[Foam], table: &Ta
     );
     let rows = summary.rows();
     page.table(&HEAD, &rows);
+    let (all, mu, alpha) = summary.within_two_errors();
+    page.paragraph(&format!("{STANDARD_ERROR}. Within two of them lie mu {mu} and alpha {alpha} of {all} times."));
     page.paragraph(HOST_TIME);
     page.section("Confusion");
     let confusion = summary.confusion();

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use protocol::message::{Hello, Outcome, Slot, Verdict};
+use protocol::message::{Hello, Outcome, Slot};
 use serde_json::{Value, json};
 
 use super::{Displayed, Options, Palpated};
@@ -53,8 +53,24 @@ pub struct Summary {
 }
 
 /// Head of the table of palpations.
-pub(super) const HEAD: [&str; 10] =
-    ["no", "true", "identified", "mu, MPa", "mu found", "alpha", "alpha found", "margin", "tick, us*", "tick max*"];
+pub(super) const HEAD: [&str; 12] = [
+    "no",
+    "true",
+    "identified",
+    "mu, MPa",
+    "mu found",
+    "+-",
+    "alpha",
+    "alpha found",
+    "+-",
+    "margin",
+    "tick, us*",
+    "tick max*",
+];
+
+/// What stands behind "+-".
+pub(super) const STANDARD_ERROR: &str =
+    "+- one standard error as the board states it: noise, contact point, zero, table, gain from press to press";
 
 /// What the asterisk says.
 pub(super) const HOST_TIME: &str =
@@ -65,6 +81,15 @@ impl Summary {
     pub fn recognised(&self) -> f64 {
         let right = self.palpated.iter().filter(|p| p.recognised()).count();
         right as f64 / self.palpated.len().max(1) as f64
+    }
+
+    /// Of how many palpations the board stated mu and alpha with errors, and how many of these lie within two errors of the truth: (all, mu,
+    /// alpha).
+    pub fn within_two_errors(&self) -> (usize, usize, usize) {
+        let off = self.palpated.iter().filter_map(Palpated::off);
+        off.fold((0, 0, 0), |(all, mu, alpha), off| {
+            (all + 1, mu + usize::from(off.0.abs() <= 2.0), alpha + usize::from(off.1.abs() <= 2.0))
+        })
     }
 
     /// How often each foam was taken for each material.
@@ -90,10 +115,12 @@ impl Summary {
     /// One JSON object.
     pub fn json(&self) -> Value {
         let confusion = self.confusion();
+        let (all, mu, alpha) = self.within_two_errors();
         let file = |name: &str| self.options.out.join(name).display().to_string();
         json!({
             "palpations": self.palpated.iter().map(palpation_json).collect::<Vec<_>>(),
             "recognised": self.recognised(),
+            "within_two_errors": { "palpations": all, "mu": mu, "alpha": alpha },
             "confusion": { "truths": confusion.truths, "answers": confusion.answers, "counts": confusion.counts },
             "display": { "material": self.displayed.material, "tracking_rms_mm": self.displayed.tracking_rms_mm() },
             "telemetry": self.traffic,
@@ -112,9 +139,18 @@ impl Summary {
     }
 }
 
-/// mu and alpha of a verdict that gives them.
-fn parameters(v: &Verdict) -> Option<(f32, f32)> {
-    (v.outcome == Outcome::Identified).then_some((v.mu_mpa, v.alpha))
+/// A parameter and its standard error, if one was stated.
+type Stated = (f32, Option<f32>);
+
+/// mu and alpha of a palpation that gives them: the estimate's with their errors, or the verdict's.
+fn parameters(p: &Palpated) -> Option<(Stated, Stated)> {
+    if p.verdict.outcome != Outcome::Identified {
+        return None;
+    }
+    Some(match &p.estimate {
+        Some(e) => ((e.mu_mpa, Some(e.mu_error_mpa)), (e.alpha, Some(e.alpha_error))),
+        None => ((p.verdict.mu_mpa, None), (p.verdict.alpha, None)),
+    })
 }
 
 fn row(p: &Palpated) -> Vec<String> {
@@ -124,15 +160,18 @@ fn row(p: &Palpated) -> Vec<String> {
         Outcome::Identified | Outcome::GridEdge => "none".into(),
         other => format!("({other:?})"),
     };
-    let given = parameters(v);
+    let given = parameters(p);
+    let cell = |x: Option<f32>, digits: usize| x.map_or("-".into(), |x| format!("{x:.digits$}"));
     vec![
         p.number.to_string(),
         p.truth.clone(),
         identified,
         format!("{:.4}", p.true_mu_mpa),
-        given.map_or("-".into(), |(mu, _)| format!("{mu:.4}")),
+        cell(given.map(|(mu, _)| mu.0), 4),
+        cell(given.and_then(|(mu, _)| mu.1), 4),
         format!("{:.2}", p.true_alpha),
-        given.map_or("-".into(), |(_, alpha)| format!("{alpha:.2}")),
+        cell(given.map(|(_, alpha)| alpha.0), 2),
+        cell(given.and_then(|(_, alpha)| alpha.1), 2),
         format!("{:.3}", v.material.margin),
         format!("{:.1}", v.tick_mean_us),
         v.tick_max_us.to_string(),
@@ -140,7 +179,7 @@ fn row(p: &Palpated) -> Vec<String> {
 }
 
 fn palpation_json(p: &Palpated) -> Value {
-    let v = &p.verdict;
+    let (v, given) = (&p.verdict, parameters(p));
     json!({
         "number": p.number,
         "true_material": p.truth,
@@ -148,9 +187,11 @@ fn palpation_json(p: &Palpated) -> Value {
         "recognised": p.recognised(),
         "outcome": format!("{:?}", v.outcome),
         "true_mu_MPa": p.true_mu_mpa,
-        "mu_MPa": parameters(v).map(|(mu, _)| mu),
+        "mu_MPa": given.map(|(mu, _)| mu.0),
+        "mu_error_MPa": given.and_then(|(mu, _)| mu.1),
         "true_alpha": p.true_alpha,
-        "alpha": parameters(v).map(|(_, alpha)| alpha),
+        "alpha": given.map(|(_, alpha)| alpha.0),
+        "alpha_error": given.and_then(|(_, alpha)| alpha.1),
         "margin": v.material.margin,
         "grid_margin": v.margin,
         "material_error_N": v.material.error_n,
@@ -171,6 +212,7 @@ impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let rows = self.rows();
         write_table(f, &HEAD.map(String::from), &rows)?;
+        writeln!(f, "{STANDARD_ERROR}")?;
         writeln!(f, "{HOST_TIME}\n")?;
 
         let confusion = self.confusion();
@@ -194,6 +236,8 @@ impl fmt::Display for Summary {
             100.0 * self.recognised(),
             self.options.rate_mm_s
         )?;
+        let (all, mu, alpha) = self.within_two_errors();
+        writeln!(f, "errors     within two of them lie mu {mu} and alpha {alpha} of {all} times")?;
         let t = &self.traffic;
         writeln!(
             f,

@@ -245,15 +245,13 @@ fn verdict_line(monitor: &Monitor, verdict: &Verdict, palette: Palette) -> Line<
     };
     let mut spans = vec![Span::styled(format!(" » {found}"), palette.good())];
     if verdict.outcome == Outcome::Identified {
-        let error = monitor.estimate.as_ref().map(|e| (e.mu_error_mpa, e.alpha_error));
-        let (mu, alpha) = match error {
-            Some((mu, alpha)) => (format!(" ±{mu:.4}"), format!(" ±{alpha:.2}")),
-            None => (String::new(), String::new()),
+        let (mu, alpha) = match &monitor.estimate {
+            Some(e) => {
+                (format!("{:.4} ±{:.4}", e.mu_mpa, e.mu_error_mpa), format!("{:.2} ±{:.2}", e.alpha, e.alpha_error))
+            }
+            None => (format!("{:.4}", verdict.mu_mpa), format!("{:.2}", verdict.alpha)),
         };
-        spans.push(Span::raw(format!(
-            "   mu {:.4}{mu} MPa   alpha {:.2}{alpha}   margin {:.2}",
-            verdict.mu_mpa, verdict.alpha, verdict.material.margin
-        )));
+        spans.push(Span::raw(format!("   mu {mu} MPa   alpha {alpha}   margin {:.2}", verdict.material.margin)));
     }
     Line::from(spans)
 }

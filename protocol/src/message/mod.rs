@@ -210,7 +210,7 @@ messages! {
         0x88 TableState(TableState),
         /// The calibration in use.
         0x89 Calibration(Calibration),
-        /// The Kalman filter's result, right before the verdict.
+        /// Parameters with standard errors, right before the verdict.
         0x8a Estimate(Estimate),
     }
 }

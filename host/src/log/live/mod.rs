@@ -40,10 +40,10 @@ pub fn library_names(table: &Table<'_>) -> Vec<String> {
     table.materials().map(|m| m.name.to_owned()).collect()
 }
 
-/// A Kalman estimate in one line, with one standard error of each.
+/// An estimate in one line, with one standard error of each.
 pub fn estimate_text(e: &Estimate) -> String {
     format!(
-        "palpation {}: filter mu {:.4} +- {:.4} MPa, alpha {:.2} +- {:.2}, height {:.3} +- {:.3} mm",
+        "palpation {}: estimate mu {:.4} +- {:.4} MPa, alpha {:.2} +- {:.2}, height {:.3} +- {:.3} mm",
         e.palpation, e.mu_mpa, e.mu_error_mpa, e.alpha, e.alpha_error, e.height_mm, e.height_error_mm
     )
 }
