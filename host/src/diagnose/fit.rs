@@ -1,5 +1,6 @@
 //! Fits of the base model with effects to whitened residuals.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use lut_gen::chain::{Chain, Model, Whole};
@@ -13,7 +14,10 @@ use super::coordinate::{Candidate, Coordinate, coordinates, model};
 use super::design::Design;
 use super::evidence::exceeded;
 use super::noise::Curve;
-use super::whiten::{Whitening, kernel};
+use super::whiten::Whitening;
+use crate::infer::covariance::covariance;
+use crate::infer::descent::{Objective, Quadratic, Region, Rule, minimise};
+use crate::infer::lowrank::Fold;
 use crate::infer::product::inner;
 
 /// Data, model and noise: what is fitted.
@@ -29,60 +33,10 @@ pub struct Problem<'a> {
     pub back_n: DVector<f64>,
     /// Noise.
     pub whitening: Whitening,
-    /// Entries that are fitted; the others are 0 in every residual.
+    /// Entries that are fitted; the others are 0 in every residual, and [`Whitening::for_rows`] takes them for none.
     pub used: Vec<bool>,
-    /// Errors that are allowed beside the noise, each column with unit variance.
-    pub allowed: Option<Allowed>,
     /// What finite elements of whole paths add to the chain near the point where a fit begins.
     pub whole: Option<Arc<Whole>>,
-}
-
-/// Errors along some columns, whitened, each with unit variance.
-#[derive(Debug, Clone)]
-pub struct Allowed {
-    columns: DMatrix<f64>,
-    kernel: DMatrix<f64>,
-    /// Logarithm of the determinant of `I + F'F`: the price of the freedom they give.
-    pub price: f64,
-}
-
-impl Allowed {
-    /// Of columns.
-    #[must_use]
-    pub fn new(columns: DMatrix<f64>) -> Self {
-        let mut freedom = inner(&columns, &columns);
-        for i in 0..freedom.nrows() {
-            freedom[(i, i)] += 1.0;
-        }
-        let price = freedom.cholesky().map_or(0.0, |c| 2.0 * c.l_dirty().diagonal().map(f64::ln).sum());
-        let kernel = kernel(&columns);
-        Self { columns, kernel, price }
-    }
-
-    /// No errors.
-    #[must_use]
-    pub fn none() -> Self {
-        Self { columns: DMatrix::zeros(0, 0), kernel: DMatrix::zeros(0, 0), price: 0.0 }
-    }
-
-    /// Takes off residuals what the errors may explain of them: `(I + F F')^(-1/2) r`.
-    #[must_use]
-    pub fn discounted(&self, residual: &DVector<f64>) -> DVector<f64> {
-        if self.columns.ncols() == 0 {
-            return residual.clone();
-        }
-        residual - &self.columns * (&self.kernel * self.columns.tr_mul(residual))
-    }
-
-    /// The same of several residuals, a column each.
-    #[must_use]
-    pub fn all_discounted(&self, residuals: DMatrix<f64>) -> DMatrix<f64> {
-        if self.columns.ncols() == 0 {
-            return residuals;
-        }
-        let explained = &self.columns * (&self.kernel * inner(&self.columns, &residuals));
-        residuals - explained
-    }
 }
 
 /// A fit.
@@ -118,12 +72,11 @@ pub struct Fit {
     pub settled: bool,
 }
 
-const MOST_STEPS: usize = 30;
 /// A fit has ended when a step changes the sum of squares by less than this.
 const SETTLED: f64 = 0.02;
-/// A descent is left after so many steps, where so many like the last would not bring it to what another one has come to.
-const TRIED: usize = 4;
-const AHEAD: f64 = 20.0;
+/// Information on a parameter that nothing tells of.
+const UNTOLD: f64 = 1e-300;
+const RULE: Rule = Rule { most_steps: 30, settled: SETTLED, settled_share: 0.0, rival: None };
 
 /// Part of the stress that relaxes in the end, of all terms together.
 fn relaxing_part(model: &Model) -> f64 {
@@ -170,19 +123,13 @@ impl Problem<'_> {
     pub fn residual(&self, model: &Model) -> DVector<f64> {
         let mut residual = self.plain(model);
         self.whitening.apply(&mut residual);
-        match &self.allowed {
-            Some(allowed) => allowed.discounted(&residual),
-            None => residual,
-        }
+        residual
     }
 
-    /// Residuals (N), a column each, whitened, errors that are allowed taken off.
-    fn whitened(&self, mut residuals: DMatrix<f64>) -> DMatrix<f64> {
-        self.whitening.apply_to(&mut residuals);
-        match &self.allowed {
-            Some(allowed) => allowed.all_discounted(residuals),
-            None => residuals,
-        }
+    /// The same data of which some rows count only; `None` when what is left of a covariance is not positive definite.
+    #[must_use]
+    pub fn for_rows(&self, used: Vec<bool>) -> Option<Self> {
+        Some(Self { whitening: self.whitening.for_rows(&used)?, used, ..self.clone() })
     }
 
     /// Measured less predicted, N (mm where depths are compared), moved back to contact 0 to first order.
@@ -203,76 +150,46 @@ impl Problem<'_> {
     /// Fits the base with candidates from a point.
     #[must_use]
     pub fn fit(&self, candidates: &[Candidate], start: &DVector<f64>) -> Fit {
-        let (x, residual) = self.descended(candidates, start, f64::INFINITY);
-        self.told(candidates, x, residual)
+        let searched = Searched::new(self, candidates, Clone::clone);
+        self.told(candidates, searched.descended(start, &RULE))
     }
 
-    /// The best fit from some points; none without a point.
+    /// The best fit from some points, the first of equals; none without a point.
     #[must_use]
     pub fn best_of(&self, candidates: &[Candidate], starts: &[DVector<f64>]) -> Option<Fit> {
-        let mut best: Option<(f64, DVector<f64>, DVector<f64>)> = None;
+        let searched = Searched::new(self, candidates, Clone::clone);
+        let mut best: Option<End> = None;
         for start in starts {
-            let least = best.as_ref().map_or(f64::INFINITY, |best| best.0);
-            let (x, residual) = self.descended(candidates, start, least);
-            let square = residual.norm_squared();
-            if best.as_ref().is_none_or(|best| square < best.0) {
-                best = Some((square, x, residual));
+            let rival = best.as_ref().map(|best| best.value);
+            let end = searched.descended(start, &Rule { rival, ..RULE });
+            if best.as_ref().is_none_or(|best| best.value.is_nan() || end.value < best.value) {
+                best = Some(end);
             }
         }
-        best.map(|(_, x, residual)| self.told(candidates, x, residual))
+        best.map(|end| self.told(candidates, end))
     }
 
-    /// Where the sum of squares is least near a point, and the residual there; left where it will not come to what is known of another.
-    fn descended(&self, candidates: &[Candidate], start: &DVector<f64>, known: f64) -> (DVector<f64>, DVector<f64>) {
-        let coordinates = coordinates(self.design, candidates);
-        let bounds: Vec<(f64, f64)> = coordinates.iter().map(Coordinate::bounds).collect();
-        let clamped = |x: &DVector<f64>| DVector::from_fn(x.len(), |i, _| x[i].clamp(bounds[i].0, bounds[i].1));
-        let mut x = clamped(start);
-        let mut residual = self.residual(&self.model(&coordinates, candidates, &x));
-        let mut square = residual.norm_squared();
-        let mut jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
-        let (mut damping, mut accepted) = (1e-3, 0);
-        for _ in 0..MOST_STEPS {
-            let Some(step) = damped_step(&jacobian, &residual, damping, &x, &bounds) else { break };
-            let next = clamped(&(&x + step));
-            let there = self.residual(&self.model(&coordinates, candidates, &next));
-            let its = there.norm_squared();
-            if its < square {
-                let gain = square - its;
-                (x, residual, square) = (next, there, its);
-                damping = f64::max(damping * 0.2, 1e-7);
-                accepted += 1;
-                if gain < SETTLED || (accepted >= TRIED && AHEAD * gain < square - known) {
-                    break;
-                }
-                jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
-            } else {
-                damping *= 10.0;
-                if damping > 1e5 {
-                    break;
-                }
-            }
-        }
-        (x, residual)
+    /// Least sum of squares near a fit, less what `off` takes off whitened residuals (a column each).
+    #[must_use]
+    pub fn least_without(&self, fit: &Fit, off: impl Fn(&DMatrix<f64>) -> DMatrix<f64>, rule: &Rule) -> f64 {
+        Searched::new(self, &fit.candidates, off).descended(&fit.x, rule).value
     }
 
     /// A point as if it were a fit, errors of the effects allowed for.
     #[must_use]
-    pub fn at(&self, candidates: &[Candidate], x: &DVector<f64>, allowed: &Allowed) -> Fit {
-        let coordinates = coordinates(self.design, candidates);
-        let residual = self.residual(&self.model(&coordinates, candidates, x));
-        let mut fit = self.told(candidates, x.clone(), residual);
-        fit.price = allowed.price;
-        fit.discounted = allowed.discounted(&fit.residual).norm_squared() + allowed.price;
-        fit
+    pub fn at(&self, candidates: &[Candidate], x: &DVector<f64>, allowed: &Fold) -> Fit {
+        let searched = Searched::new(self, candidates, Clone::clone);
+        let (value, residual) = searched.value(x.as_slice());
+        let jacobian = self.jacobian(&searched.coordinates, candidates, x, &residual.residual);
+        self.told(candidates, End { x: x.clone(), value, residual: residual.residual, jacobian }).beside(allowed)
     }
 
     /// A fit that ended at a point.
-    fn told(&self, candidates: &[Candidate], x: DVector<f64>, residual: DVector<f64>) -> Fit {
+    fn told(&self, candidates: &[Candidate], end: End) -> Fit {
+        let End { x, residual, jacobian, .. } = end;
         let coordinates = coordinates(self.design, candidates);
         let bounds: Vec<(f64, f64)> = coordinates.iter().map(Coordinate::bounds).collect();
         let square = residual.norm_squared();
-        let jacobian = self.jacobian(&coordinates, candidates, &x, &residual);
         // exponents end where force models do: of two terms, either of which may be the second, a law that goes on beyond is still two terms
         let open = |at: usize| candidates[at].effect.code == second_term::EFFECT.code;
         let ends = coordinates.iter().zip(x.iter().zip(&bounds)).any(|(c, (x, (low, high)))| match c {
@@ -312,11 +229,11 @@ impl Problem<'_> {
 
     /// The fit found again with errors of its effects allowed for, and told without that allowance.
     #[must_use]
-    pub fn refit(&self, fit: &Fit, allowed: &Allowed) -> Fit {
-        let tolerant = Problem { allowed: Some(allowed.clone()), whole: fit.model.whole.clone(), ..self.clone() };
-        let (x, _) = tolerant.descended(&fit.candidates, &fit.x, f64::INFINITY);
-        let mut found = Problem { allowed: None, ..tolerant }.at(&fit.candidates, &x, allowed);
-        let tolerated = allowed.all_discounted(found.jacobian.clone());
+    pub fn refit(&self, fit: &Fit, allowed: &Fold) -> Fit {
+        let own = Problem { whole: fit.model.whole.clone(), ..self.clone() };
+        let searched = Searched::new(&own, &fit.candidates, |of: &DMatrix<f64>| allowed.all_taken_off(of.clone()));
+        let mut found = own.told(&fit.candidates, searched.descended(&fit.x, &RULE)).beside(allowed);
+        let tolerated = allowed.all_taken_off(found.jacobian.clone());
         found.information = inner(&tolerated, &tolerated);
         found
     }
@@ -340,7 +257,8 @@ impl Problem<'_> {
             self.plain(&self.model(coordinates, candidates, &moved))
         };
         let columns: Vec<DVector<f64>> = steps.par_iter().enumerate().map(column).collect();
-        let mut out = self.whitened(DMatrix::from_columns(&columns));
+        let mut out = DMatrix::from_columns(&columns);
+        self.whitening.apply_to(&mut out);
         for (mut column, step) in out.column_iter_mut().zip(steps) {
             column.zip_apply(residual, |there, here| *there = (here - *there) / step);
         }
@@ -365,31 +283,66 @@ impl Problem<'_> {
     }
 }
 
-/// Levenberg and Marquardt's step; a coordinate that would leave its bounds stays on them.
-fn damped_step(
-    jacobian: &DMatrix<f64>,
-    residual: &DVector<f64>,
-    damping: f64,
-    x: &DVector<f64>,
-    bounds: &[(f64, f64)],
-) -> Option<DVector<f64>> {
-    let mut normal = inner(jacobian, jacobian);
-    let mut right = jacobian.tr_mul(residual);
-    let n = x.len();
-    for i in 0..n {
-        let outward = (x[i] <= bounds[i].0 && right[i] < 0.0) || (x[i] >= bounds[i].1 && right[i] > 0.0);
-        if outward {
-            for j in 0..n {
-                normal[(i, j)] = 0.0;
-                normal[(j, i)] = 0.0;
-            }
-            right[i] = 0.0;
-            normal[(i, i)] = 1.0;
-        } else {
-            normal[(i, i)] = normal[(i, i)] * (1.0 + damping) + 1e-9;
-        }
+/// What is searched: whitened residuals over the parameters, less what `off` takes off them, a column each.
+struct Searched<'a, 'b, F> {
+    problem: &'a Problem<'b>,
+    candidates: &'a [Candidate],
+    coordinates: Vec<Coordinate>,
+    off: F,
+}
+
+/// Whitened residuals of a point, with their derivative where that was asked for. Nothing is taken off either.
+struct Evaluated {
+    residual: DVector<f64>,
+    jacobian: OnceCell<DMatrix<f64>>,
+}
+
+/// Where a search ended. Nothing is taken off residuals and derivative.
+struct End {
+    x: DVector<f64>,
+    /// What was searched for.
+    value: f64,
+    residual: DVector<f64>,
+    jacobian: DMatrix<f64>,
+}
+
+impl<'a, 'b, F: Fn(&DMatrix<f64>) -> DMatrix<f64>> Searched<'a, 'b, F> {
+    fn new(problem: &'a Problem<'b>, candidates: &'a [Candidate], off: F) -> Self {
+        Self { problem, candidates, coordinates: coordinates(problem.design, candidates), off }
     }
-    normal.cholesky().map(|c| c.solve(&right))
+
+    /// Where the sum of squares is least near a point.
+    fn descended(&self, start: &DVector<f64>, rule: &Rule) -> End {
+        let region = Region::of(self.coordinates.iter().map(Coordinate::bounds));
+        let end = minimise(self, &region, start.as_slice(), rule);
+        let jacobian = self.derivative(&end.x, &end.kept).clone();
+        End { x: DVector::from_vec(end.x), value: end.value, residual: end.kept.residual, jacobian }
+    }
+
+    fn derivative<'c>(&self, x: &[f64], at: &'c Evaluated) -> &'c DMatrix<f64> {
+        let x = DVector::from_column_slice(x);
+        at.jacobian.get_or_init(|| self.problem.jacobian(&self.coordinates, self.candidates, &x, &at.residual))
+    }
+
+    /// A residual less what is taken off.
+    fn left(&self, residual: &DVector<f64>) -> DVector<f64> {
+        let left = (self.off)(&DMatrix::from_column_slice(residual.len(), 1, residual.as_slice()));
+        DVector::from_vec(left.data.into())
+    }
+}
+
+impl<F: Fn(&DMatrix<f64>) -> DMatrix<f64>> Objective for Searched<'_, '_, F> {
+    type Kept = Evaluated;
+
+    fn value(&self, x: &[f64]) -> (f64, Evaluated) {
+        let x = DVector::from_column_slice(x);
+        let residual = self.problem.residual(&self.problem.model(&self.coordinates, self.candidates, &x));
+        (self.left(&residual).norm_squared(), Evaluated { residual, jacobian: OnceCell::new() })
+    }
+
+    fn slopes(&self, x: &[f64], kept: &Evaluated) -> Quadratic {
+        Quadratic::of(&self.left(&kept.residual), &(self.off)(self.derivative(x, kept)))
+    }
 }
 
 impl Fit {
@@ -414,19 +367,27 @@ impl Fit {
         (0..self.candidates.len()).any(absent)
     }
 
-    /// Covariance of the parameters.
+    /// The same with errors of its effects allowed for in what it comes to.
+    fn beside(mut self, allowed: &Fold) -> Self {
+        self.price = allowed.price();
+        self.discounted = allowed.taken_off(&self.residual).norm_squared() + allowed.price();
+        self
+    }
+
+    /// Covariance of the parameters; that of one which is not told of at all is as good as infinite. None where a number is none.
     #[must_use]
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
-        let mut normal = self.information.clone();
-        for i in 0..normal.nrows() {
-            normal[(i, i)] += 1e-12;
+        let mut information = self.information.clone();
+        for i in 0..information.nrows() {
+            // what is not told of at all is unknown, and says nothing of the others; two that are told of together keep a millionth of their scale
+            information[(i, i)] = (information[(i, i)] * (1.0 + 1e-12)).max(UNTOLD);
         }
-        normal.try_inverse()
+        covariance(&information)
     }
 
     /// Finds how far the errors of the parameters reach in clean twins, which know that the noise is an estimate.
     pub fn reach_in(&mut self, twins: &DMatrix<f64>) {
-        let Some(inverse) = inner(&self.jacobian, &self.jacobian).try_inverse() else { return };
+        let Some(inverse) = covariance(&inner(&self.jacobian, &self.jacobian)) else { return };
         let errors = &inverse * inner(&self.jacobian, twins);
         for (i, reach) in self.reach.iter_mut().enumerate() {
             let own: Vec<f64> = errors.row(i).iter().map(|e| e.abs() / inverse[(i, i)].sqrt()).collect();

@@ -4,9 +4,12 @@ use rayon::prelude::*;
 
 use crate::experiment::Experiment;
 
-use super::fit::{Allowed, Fit, Problem};
+use super::fit::{Fit, Problem};
 use super::prepared::used;
 use super::search::{self, Explanation, Search};
+use crate::infer::covariance::Factor;
+use crate::infer::lowrank::Fold;
+use crate::infer::product::inner;
 
 /// Root mean square errors over conditions that were left out of fit and choice alike.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +28,8 @@ pub struct HeldOut {
 }
 
 /// Leaves every group of conditions out in turn, refits the base and the rivals on the others, takes the likeliest rival there and predicts
-/// the group with it; runs that were marked `hold_out` are predicted instead where there are any. `None` with a single group.
+/// the group with it; runs that were marked `hold_out` are predicted instead where there are any. `None` with a single group, or where what is left of a covariance is
+/// not positive definite.
 #[must_use]
 pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) -> Option<HeldOut> {
     let design = search.problem.design;
@@ -34,10 +38,10 @@ pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) ->
     if !marked && groups.len() < 2 {
         return None;
     }
-    let each: Vec<Each> = groups
+    let each: Option<Vec<Each>> = groups
         .par_iter()
         .map(|group| {
-            let problem = Problem { used: used(design, *group), ..search.problem.clone() };
+            let problem = search.problem.for_rows(used(design, *group))?;
             let base = problem.fit(&[], &search.base.x);
             let refits = held.iter().map(|e| problem.refit(&e.fit, &search::allowed(&problem, &e.fit)));
             let best = refits.min_by(|a, b| search::score(a).total_cmp(&search::score(b)));
@@ -45,11 +49,12 @@ pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) ->
                 Some(group) => s.group == *group && !s.hold_out,
                 None => s.hold_out,
             };
-            let before = miss(&search.problem, &base, &predicted);
-            let after = best.map_or(before, |fit| miss(&search.problem, &fit, &predicted));
-            Each { before, after }
+            let before = miss(&search.problem, &base, &predicted)?;
+            let after = best.map_or(Some(before), |fit| miss(&search.problem, &fit, &predicted))?;
+            Some(Each { before, after })
         })
         .collect();
+    let each = each?;
     let sum = |of: fn(&Each) -> f64| each.iter().map(of).sum::<f64>();
     let count = sum(|e| e.before.count).max(1.0);
     let conditions = groups.iter().map(|group| match group {
@@ -79,10 +84,9 @@ struct Miss {
     count: f64,
 }
 
-fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Series) -> bool) -> Miss {
+fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Series) -> bool) -> Option<Miss> {
     let forces = super::fit::predicted(problem.design, problem.chain, &fit.model, &problem.contacts_mm);
-    let (used, whole) = (used_of(problem, predicted), fit.model.whole.clone());
-    let own = Problem { used, whole, ..problem.clone() };
+    let own = Problem { whole: fit.model.whole.clone(), ..problem.for_rows(used_of(problem, predicted))? };
     let mut miss = Miss { square_n2: 0.0, deviance: deviance(&own, fit), count: 0.0 };
     for (series, force) in problem.design.series.iter().zip(&forces).filter(|(s, _)| predicted(s)) {
         for (node, force_n) in series.nodes.iter().zip(force).filter(|(n, _)| !n.lifted) {
@@ -90,17 +94,23 @@ fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Ser
             miss.count += 1.0;
         }
     }
-    miss
+    Some(miss)
 }
 
 /// Of errors `e` of runs whose prediction moves by `J` with parameters that are known to the inverse of `A`: normal with a covariance of `I + J inv(A) J'`.
+/// Infinite where a number is none.
 fn deviance(own: &Problem<'_>, fit: &Fit) -> f64 {
-    let there = own.at(&fit.candidates, &fit.x, &Allowed::none());
+    let there = own.at(&fit.candidates, &fit.x, &Fold::none());
     let known = &fit.information + search::known_before(&fit.coordinates);
-    let both = &known + there.jacobian.tr_mul(&there.jacobian);
+    let both = &known + inner(&there.jacobian, &there.jacobian);
     let right = there.jacobian.tr_mul(&there.residual);
-    let explained = both.clone().cholesky().map_or(0.0, |c| right.dot(&c.solve(&right)));
-    there.residual.norm_squared() - explained + search::log_determinant(&both) - search::log_determinant(&known)
+    match (Factor::of(&both), Factor::of(&known)) {
+        (Some(both), Some(known)) => {
+            let explained = right.dot(&both.solve(&right));
+            there.residual.norm_squared() - explained + both.log_determinant() - known.log_determinant()
+        }
+        _ => f64::INFINITY,
+    }
 }
 
 fn used_of(problem: &Problem<'_>, predicted: &dyn Fn(&super::design::Series) -> bool) -> Vec<bool> {

@@ -347,10 +347,10 @@ fn level(runs: &[&Contrast<'_>], unit: &SensorNoise) -> Option<(f64, f64)> {
 fn without_shapes(run: &Contrast<'_>, factor: &Factor) -> Option<(f64, f64)> {
     let y = factor.whitened(run.values.clone());
     let x = factor.whitened(run.shapes.clone());
-    let normal = x.tr_mul(&x).cholesky()?;
+    let normal = crate::infer::covariance::Factor::of(&x.tr_mul(&x))?;
     let right = x.tr_mul(&y);
     let fitted = normal.solve(&right).dot(&right);
-    let information = 2.0 * normal.l_dirty().diagonal().map(f64::ln).sum();
+    let information = normal.log_determinant();
     Some(((y.norm_squared() - fitted).max(0.0), information))
 }
 

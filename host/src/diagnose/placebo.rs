@@ -7,7 +7,9 @@ use rayon::prelude::*;
 
 use super::design::Series;
 use super::evidence::{basis, rest_of};
-use super::fit::{Allowed, Fit, Problem, predicted};
+use super::fit::{Fit, Problem, predicted};
+use crate::infer::descent::Rule;
+use crate::infer::lowrank::Fold;
 
 /// Placebo effects that a real one must beat.
 const PLACEBOS: usize = 40;
@@ -16,14 +18,14 @@ const SEED: u64 = 0x706c_6163;
 /// What placebo effects with that many parameters improve the sum of squares by, errors of the effects before them allowed for: twice the logarithm of their mean likelihood,
 /// each being as good as any other. The luckiest alone, of forty, would beat a true cause of five standard deviations every fourth time.
 #[must_use]
-pub fn gain_of_any(problem: &Problem<'_>, before: &Fit, allowed: &Allowed, parameters: usize) -> f64 {
+pub fn gain_of_any(problem: &Problem<'_>, before: &Fit, allowed: &Fold, parameters: usize) -> f64 {
     let mut chance = Pcg64::seed_from_u64(SEED);
-    let explained = basis(&allowed.all_discounted(before.jacobian.clone()));
-    let residual = allowed.discounted(&before.residual);
+    let explained = basis(&allowed.all_taken_off(before.jacobian.clone()));
+    let residual = allowed.taken_off(&before.residual);
     let base = predicted(problem.design, problem.chain, &before.model, &problem.contacts_mm);
     let each = (0..PLACEBOS).map(|_| {
         let columns: Vec<DVector<f64>> = (0..parameters.max(1)).map(|_| placebo(problem, &base, &mut chance)).collect();
-        let rest = rest_of(&allowed.all_discounted(DMatrix::from_columns(&columns)), &explained);
+        let rest = rest_of(&allowed.all_taken_off(DMatrix::from_columns(&columns)), &explained);
         basis(&rest).tr_mul(&residual).norm_squared()
     });
     let gains: Vec<f64> = each.collect();
@@ -54,36 +56,13 @@ pub fn causeless(problem: &Problem<'_>, before: &Fit, charge: f64) -> f64 {
     gains.chain(smooth.collect::<Vec<f64>>()).fold(f64::INFINITY, f64::min)
 }
 
-/// Least sum of squares of a fit with some columns beside it, its own parameters fitted with theirs (Gauss and Newton): next to what was missing they may be far off.
+/// Least sum of squares of a fit with some columns beside it, its own parameters fitted with theirs: next to what was missing they may be far off.
 fn left_beside(problem: &Problem<'_>, before: &Fit, columns: &[DVector<f64>]) -> f64 {
-    /// Steps, and the largest change of a parameter in one as a part of its range.
-    const STEPS: usize = 6;
-    const FARTHEST: f64 = 0.15;
+    /// Far closer than any two departures are told apart.
+    const CLOSE: Rule = Rule { most_steps: 6, settled: 0.1, settled_share: 0.0, rival: None };
     let own = Problem { whole: before.model.whole.clone(), ..problem.clone() };
     let columns = basis(&DMatrix::from_columns(columns));
-    let without = |of: &DVector<f64>| of - &columns * columns.tr_mul(of);
-    let mut fit = before.clone();
-    let mut least = without(&fit.residual).norm_squared();
-    for _ in 0..STEPS {
-        let jacobian = rest_of(&fit.jacobian, &columns);
-        let mut normal = jacobian.tr_mul(&jacobian);
-        (0..normal.nrows()).for_each(|i| normal[(i, i)] = normal[(i, i)] * (1.0 + 1e-6) + 1e-9);
-        let Some(step) = normal.cholesky().map(|c| c.solve(&jacobian.tr_mul(&fit.residual))) else { break };
-        let moved = |i: usize| {
-            let (low, high) = fit.coordinates[i].bounds();
-            let reach = FARTHEST * (high - low);
-            (fit.x[i] + step[i].clamp(-reach, reach)).clamp(low, high)
-        };
-        let x = DVector::from_fn(fit.x.len(), |i, _| moved(i));
-        fit = own.at(&before.candidates, &x, &Allowed::none());
-        let left = without(&fit.residual).norm_squared();
-        let settled = (least - left).abs() < 0.1;
-        least = least.min(left);
-        if settled {
-            break;
-        }
-    }
-    least
+    own.least_without(before, |of| rest_of(of, &columns), &CLOSE)
 }
 
 /// A gain for every ball, rate, specimen or cycle but the first: columns of each variable, whitened.

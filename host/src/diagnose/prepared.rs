@@ -84,7 +84,7 @@ impl<'a> Prepared<'a> {
         let mut problem = placed((design, chain), &noise, &curves, contacts_mm)?;
         let spikes = spike::of(design, &problem.whitening, &problem.residual(model));
         if !spikes.is_empty() {
-            problem.whitening = Whitening::but_for(&spikes, design, &curves, &noise)?;
+            problem.whitening = Whitening::but_for(&spikes, design, &curves, &noise)?.for_rows(&problem.used)?;
         }
         // what the noise is told about may lie in another valley of the base than the base before did
         let mut there = self.base.x.clone();
@@ -102,10 +102,10 @@ fn placed<'a>(
     curves: &[Curve],
     contacts_mm: Vec<f64>,
 ) -> Option<Problem<'a>> {
-    let whitening = Whitening::new(design, curves, noise)?;
-    let back_n = back(design, curves, &contacts_mm, whitening.residuals());
     let used = used(design, None);
-    Some(Problem { design, chain, contacts_mm, back_n, whitening, used, allowed: None, whole: None })
+    let whitening = Whitening::new(design, curves, noise)?.for_rows(&used)?;
+    let back_n = back(design, curves, &contacts_mm, whitening.residuals());
+    Some(Problem { design, chain, contacts_mm, back_n, whitening, used, whole: None })
 }
 
 /// Entries that are fitted: no held-out runs, no group that is left out.

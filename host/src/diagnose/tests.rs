@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use lut_gen::chain::{Chain, Library, Need};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -12,7 +12,7 @@ use rand_pcg::Pcg64;
 use super::design::{Branch, Design};
 use super::evidence::{self, Gauge, Panel};
 use super::jitter::Posterior;
-use super::noise::{self, Curve, Jitter, SensorNoise, Source};
+use super::noise::{self, Curve, Jitter, Noise, SensorNoise, Source};
 use super::whiten::Whitening;
 use super::*;
 use crate::experiment::{Base, BaseLaw, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
@@ -267,6 +267,82 @@ fn what_has_lifted_says_nothing_of_the_windows_beside() {
     assert!(apart < 1e-9, "{apart}");
 }
 
+/// A matrix of what a whitening does.
+fn dense(whitening: &Whitening) -> DMatrix<f64> {
+    let mut out = DMatrix::identity(whitening.residuals(), whitening.residuals());
+    whitening.apply_to(&mut out);
+    out
+}
+
+fn noise_of_spots() -> Noise {
+    let sensor = SensorNoise { sigma_n: SIGMA_N, white: 0.1, correlation_s: TAU_S, relative: 0.0 };
+    let jitter = Jitter { contact_mm: CONTACT_MM, gain: GAIN, zero_n: SIGMA_N };
+    let posterior = Posterior::stated(jitter, 1e6);
+    Noise { source: Source::Stated, sensor, jitter, posterior, sensor_freedom: 1e6 }
+}
+
+/// Rows that are left out are removed: the others are whitened by their own covariance, which is a part of that of all, and not by a part of its inverse. A group of conditions
+/// goes, single windows of runs go, nearly all goes.
+#[test]
+fn rows_that_are_left_out_are_removed_from_the_covariance() {
+    let mut design = Design::of(&experiment(5), "foam").unwrap();
+    design.series[1].nodes[3].lifted = true;
+    let whole = Whitening::new(&design, &curves(&design), &noise_of_spots()).unwrap();
+    let all = dense(&whole);
+    let covariance = (all.transpose() * &all).try_inverse().unwrap();
+    let of_series = |flag: &dyn Fn(usize, usize) -> bool| -> Vec<bool> {
+        let each = design.series.iter().enumerate();
+        each.flat_map(|(s, own)| (0..own.nodes.len()).map(move |k| (s, k))).map(|(s, k)| flag(s, k)).collect()
+    };
+    let compared = |s: usize, k: usize| !design.series[s].nodes[k].lifted;
+    let masks = [
+        of_series(&compared),
+        of_series(&|s, k| compared(s, k) && design.series[s].group != 0),
+        of_series(&|s, k| compared(s, k) && (s + 3 * k) % 5 != 0),
+        of_series(&|s, k| s == 2 && k > 4),
+    ];
+    for used in masks {
+        let rows: Vec<usize> = (0..used.len()).filter(|k| used[*k]).collect();
+        let masked = whole.for_rows(&used).unwrap();
+        let map = dense(&masked);
+        let own = map.select_rows(&rows).select_columns(&rows);
+        let left = &own * covariance.select_rows(&rows).select_columns(&rows) * own.transpose();
+        // rounding of a covariance whose numbers span six orders
+        assert!((left - DMatrix::identity(rows.len(), rows.len())).amax() < 1e-7, "{}", rows.len());
+        let gone = used.iter().enumerate().filter(|(_, used)| !**used).map(|(k, _)| k);
+        assert!(gone.clone().all(|k| map.row(k).amax() == 0.0 && map.column(k).amax() == 0.0));
+        // what was left out can come back
+        let back = dense(&masked.for_rows(&of_series(&compared)).unwrap());
+        assert!((&back - dense(&whole.for_rows(&of_series(&compared)).unwrap())).amax() == 0.0);
+    }
+}
+
+/// What the other groups of conditions leave of one, beside what runs on one spot and all runs share, is what the dense covariance says.
+#[test]
+fn a_group_given_the_others_is_as_the_dense_covariance_says() {
+    let design = Design::of(&experiment(6), "foam").unwrap();
+    let whitening = Whitening::new(&design, &curves(&design), &noise_of_spots()).unwrap();
+    let all = dense(&whitening);
+    let covariance = (all.transpose() * &all).try_inverse().unwrap();
+    let residual = DVector::from_fn(whitening.residuals(), |k, _| SIGMA_N * (0.7 * k as f64).sin());
+    let weighed = whitening.weighed(&DMatrix::from_columns(&[&all * &residual]));
+    let groups = whitening.groups(&design).unwrap();
+    assert!(groups.len() > 1);
+    for (group, given) in groups.iter().enumerate() {
+        let own = |s: &usize| design.series[*s].group == group;
+        let rows_of = |s: usize| whitening.first(s)..whitening.first(s) + design.series[s].nodes.len();
+        let rows: Vec<usize> = (0..design.series.len()).filter(own).flat_map(rows_of).collect();
+        let rest: Vec<usize> = (0..residual.len()).filter(|k| !rows.contains(k)).collect();
+        let part = |a: &[usize], b: &[usize]| covariance.select_rows(a).select_columns(b);
+        let gain = part(&rows, &rest) * part(&rest, &rest).try_inverse().unwrap();
+        let error = residual.select_rows(&rows) - &gain * residual.select_rows(&rest);
+        let left = part(&rows, &rows) - gain * part(&rest, &rows);
+        let exact = error.dot(&(left.try_inverse().unwrap() * &error));
+        let found = given.left(&weighed).norm_squared();
+        assert!((found - exact).abs() < 1e-6 * exact, "{group}: {found} {exact}");
+    }
+}
+
 /// A contact that lifts off stays off, whatever the noise of single windows is.
 #[test]
 fn a_contact_lifts_off_once() {
@@ -303,8 +379,8 @@ fn the_threshold_is_exceeded_as_often_as_it_says() {
     let used = vec![true; whitening.residuals()];
     let twins = evidence::twins(&whitening, &noise, &[], &used, 5000);
     let (known, fresh) = (twins.columns(0, 1000).into_owned(), twins.columns(1000, 4000).into_owned());
-    let patterns = nalgebra::DMatrix::from_fn(whitening.residuals(), 20, |i, j| f64::from(u8::from(i % 20 == j)));
-    let gauge = Gauge::new(&Panel::of(patterns, &known), &nalgebra::DMatrix::zeros(whitening.residuals(), 0), &known);
+    let patterns = DMatrix::from_fn(whitening.residuals(), 20, |i, j| f64::from(u8::from(i % 20 == j)));
+    let gauge = Gauge::new(&Panel::of(patterns, &known), &DMatrix::zeros(whitening.residuals(), 0), &known);
     let above =
         fresh.column_iter().filter(|c| gauge.read(&c.into_owned()).iter().any(|r| r.abs() > gauge.threshold)).count();
     assert!(above < 4000 / 200 + 45, "{above}");
@@ -366,12 +442,12 @@ fn what_else_the_noise_may_be_is_in_the_twins() {
     assert!((0.02..0.6).contains(&(scatter_s / TAU_S)), "{scatter_s}");
     let whitening = Whitening::new(&design, &curves, &noise).unwrap();
     let same = whitening.colours(&design, &curves, &noise.sensor).unwrap();
-    assert!(same.iter().all(|c| (c - nalgebra::DMatrix::identity(c.nrows(), c.ncols())).amax() < 1e-9));
+    assert!(same.iter().all(|c| (c - DMatrix::identity(c.nrows(), c.ncols())).amax() < 1e-9));
     let slower = SensorNoise { correlation_s: 2.0 * noise.sensor.correlation_s, ..noise.sensor };
     let slower = vec![(1.0, whitening.colours(&design, &curves, &slower).unwrap())];
     let used = vec![true; whitening.residuals()];
     // what neighbours have in common
-    let shared = |plausible: &[(f64, Vec<nalgebra::DMatrix<f64>>)]| {
+    let shared = |plausible: &[(f64, Vec<DMatrix<f64>>)]| {
         let twins = evidence::twins(&whitening, &noise, plausible, &used, 500);
         let each = twins.column_iter().map(|c| c.as_slice().windows(2).map(|w| w[0] * w[1]).sum::<f64>());
         each.sum::<f64>() / 500.0 / design.series.iter().map(|s| s.nodes.len()).sum::<usize>() as f64

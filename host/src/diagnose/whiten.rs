@@ -1,23 +1,32 @@
 //! From forces to numbers that are independent with unit variance when the model is right.
 
+use std::sync::{Arc, OnceLock};
+
 use nalgebra::{DMatrix, DVector};
 
 use super::design::{Design, Series};
 use super::noise::{Curve, Noise, SensorNoise};
 use super::spike::Spike;
-use crate::infer::product::{inner, turn_rows};
+use crate::infer::lowrank::{Fold, GivenRest};
+use crate::infer::product::turn_rows;
 
 /// A linear map of residuals (N, all runs one after the other) that makes their noise white.
 #[derive(Debug, Clone)]
 pub struct Whitening {
     /// Inverse of the lower factor of every run's covariance.
-    runs: Vec<DMatrix<f64>>,
-    spots: Vec<Spot>,
-    /// What the simulation's own error may be, after the rest of the whitening, and its kernel.
-    shared: (DMatrix<f64>, DMatrix<f64>),
+    runs: Arc<Vec<DMatrix<f64>>>,
+    spots: Arc<Vec<Spot>>,
+    /// What all runs share, after the runs' own whitening.
+    common: Arc<DMatrix<f64>>,
+    /// The same after the rest of the whitening.
+    shared: Arc<Fold>,
     /// First entry of every run in the vector of all.
-    first: Vec<usize>,
+    first: Arc<Vec<usize>>,
     len: usize,
+    /// Every group of conditions as the others predict it.
+    given: Arc<OnceLock<Option<Vec<GivenRest>>>>,
+    /// That of all rows, where some are left out.
+    whole: Option<Arc<Whitening>>,
 }
 
 /// Inverse of the lower factor of a covariance.
@@ -30,10 +39,8 @@ fn white(lower: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 struct Spot {
     /// Entries of its runs.
     entries: Vec<usize>,
-    /// Jitter's columns after the runs' own whitening: contact, gain, then a zero for each run.
-    jitter: DMatrix<f64>,
-    /// `K` of `(I + Z Z')^(-1/2) = I - Z K Z'`.
-    kernel: DMatrix<f64>,
+    /// Jitter after the runs' own whitening: contact, gain, then a zero for each run.
+    jitter: Fold,
     /// True where the columns are jitter between spots, whose size was estimated.
     estimated: bool,
 }
@@ -41,18 +48,6 @@ struct Spot {
 /// Standard deviation of the simulated force's error, relative, along each of three smooth shapes over depth: the
 /// standard mesh is within 0.14 % of finer ones (docs/verification.md), and neighbouring meshes scatter by as much.
 pub(crate) const SIMULATED: f64 = 0.001;
-
-/// `K` of `(I + Z Z')^(-1/2) = I - Z K Z'`.
-pub(super) fn kernel(z: &DMatrix<f64>) -> DMatrix<f64> {
-    if z.ncols() == 0 {
-        return DMatrix::zeros(0, 0);
-    }
-    let eigen = inner(z, z).symmetric_eigen();
-    // (1 - 1/sqrt(1 + x)) / x, its limit 1/2 for x -> 0
-    let part = |x: f64| if x < 1e-9 { 0.5 } else { (1.0 - 1.0 / (1.0 + x).sqrt()) / x };
-    let scaled = &eigen.eigenvectors * DMatrix::from_diagonal(&eigen.eigenvalues.map(part));
-    scaled * eigen.eigenvectors.transpose()
-}
 
 /// What a zero wanders by in an hour, as a part of the largest force: a random walk over the session. Load cells are specified at a few
 /// hundredths of a percent of full scale an hour or per kelvin, and a palpation uses a tenth of full scale: a drift has to
@@ -92,12 +87,11 @@ impl Whitening {
             len += check.rows();
             runs.push(white(&check.factor(noise)?)?);
         }
-        let shared = (DMatrix::zeros(len, 0), DMatrix::zeros(0, 0));
-        let mut out = Self { runs, spots: Vec::new(), shared, first, len };
+        let mut spots = Vec::new();
         for spot in 0..design.spots {
             let members: Vec<usize> = (0..design.series.len()).filter(|s| design.series[*s].spot == spot).collect();
             let entries: Vec<usize> =
-                members.iter().flat_map(|s| out.first[*s]..out.first[*s] + design.series[*s].nodes.len()).collect();
+                members.iter().flat_map(|s| first[*s]..first[*s] + design.series[*s].nodes.len()).collect();
             let mut jitter = DMatrix::zeros(entries.len(), 2 + members.len());
             let mut row = 0;
             for (at, &s) in members.iter().enumerate() {
@@ -113,71 +107,66 @@ impl Whitening {
                 }
                 let rows = row - curve.force_n.len();
                 let own = jitter.rows(rows, curve.force_n.len()).into_owned();
-                let white = &out.runs[s] * own;
+                let white = &runs[s] * own;
                 jitter.rows_mut(rows, curve.force_n.len()).copy_from(&white);
             }
-            let kernel = kernel(&jitter);
-            out.spots.push(Spot { entries, jitter, kernel, estimated: true });
+            spots.push(Spot { entries, jitter: Fold::of(jitter), estimated: true });
         }
         for (at, check) in design.checks.iter().enumerate() {
             let run = design.series.len() + at;
-            let entries: Vec<usize> = (out.first[run]..out.first[run] + check.rows()).collect();
-            let jitter = &out.runs[run] * check.freedom(noise);
-            let kernel = kernel(&jitter);
-            out.spots.push(Spot { entries, jitter, kernel, estimated: false });
+            let entries: Vec<usize> = (first[run]..first[run] + check.rows()).collect();
+            let jitter = &runs[run] * check.freedom(noise);
+            spots.push(Spot { entries, jitter: Fold::of(jitter), estimated: false });
         }
-        out.share(design, curves);
-        Some(out)
+        let mut common = common(design, curves, &first, len);
+        turn_runs(&runs, &first, &mut common);
+        Some(Self::of(runs, spots, common, Arc::new(first)))
     }
 
-    /// Adds what all runs share: the error of the simulation, smooth over depth for every geometry by itself, the tare, and the wandering zero.
-    fn share(&mut self, design: &Design, curves: &[Curve]) {
-        let smooth = 3 * design.geometries.len();
-        let mut columns = DMatrix::zeros(self.len, smooth + 1 + MODES);
-        let peaks = curves.iter().flat_map(|c| c.force_n.iter().copied());
-        let peak_n = peaks.chain(design.checks.iter().map(|check| check.scale_n)).fold(0.0, f64::max);
-        columns.column_mut(smooth).fill(TARE * peak_n);
-        for (at, check) in design.checks.iter().enumerate() {
-            let first = self.first[design.series.len() + at];
-            (check.readings()..check.rows()).for_each(|row| columns[(first + row, smooth)] = 0.0);
+    /// From runs and errors that runs have whitened.
+    fn of(runs: Vec<DMatrix<f64>>, spots: Vec<Spot>, common: DMatrix<f64>, first: Arc<Vec<usize>>) -> Self {
+        let mut shared = common.clone();
+        fold_spots(&spots, &mut shared);
+        Self {
+            runs: Arc::new(runs),
+            spots: Arc::new(spots),
+            len: common.nrows(),
+            common: Arc::new(common),
+            shared: Arc::new(Fold::of(shared)),
+            first,
+            given: Arc::default(),
+            whole: None,
         }
-        self.wander(design, peak_n, &mut columns.columns_mut(smooth + 1, MODES));
-        for (s, (series, curve)) in design.series.iter().zip(curves).enumerate() {
-            let depth_mm = design.geometries[series.geometry].depth_mm;
-            for (k, (node, force_n)) in series.nodes.iter().zip(&curve.force_n).enumerate() {
-                let x = 2.0 * (node.depth_mm / depth_mm).clamp(0.0, 1.0).sqrt() - 1.0;
-                for (j, shape) in [1.0, x, 1.5 * x * x - 0.5].into_iter().enumerate() {
-                    columns[(self.first[s] + k, 3 * series.geometry + j)] = SIMULATED * force_n * shape;
-                }
-                if node.lifted {
-                    columns.row_mut(self.first[s] + k).fill(0.0);
-                }
-            }
-        }
-        self.apply_to(&mut columns);
-        let kernel = kernel(&columns);
-        self.shared = (columns, kernel);
     }
 
-    /// Brownian motion of the zero over the session clock, mode by mode; nothing where no clock is known.
-    fn wander(&self, design: &Design, peak_n: f64, columns: &mut nalgebra::DMatrixViewMut<'_, f64>) {
-        let runs = design.series.iter().map(|s| (s.start_s, s.nodes.len()));
-        let checks = design.checks.iter().map(|check| (check.start_s, check.readings()));
-        let (starts, lengths): (Vec<Option<f64>>, Vec<usize>) = runs.chain(checks).unzip();
-        let Some(starts) = starts.into_iter().collect::<Option<Vec<f64>>>() else { return };
-        let first = starts.iter().copied().fold(f64::INFINITY, f64::min);
-        let length_s = starts.iter().copied().fold(first, f64::max) - first;
-        if length_s <= 0.0 {
-            return;
+    /// The same where some rows count only. The others are removed: the noise of those that are used is theirs alone, and rows that are not become 0 whatever they are.
+    /// `None` when what is left of a run's covariance is not positive definite.
+    ///
+    /// # Panics
+    /// When there are fewer flags than residuals.
+    #[must_use]
+    pub fn for_rows(&self, used: &[bool]) -> Option<Self> {
+        let whole = self.whole.clone().unwrap_or_else(|| Arc::new(self.clone()));
+        let mut runs = Vec::new();
+        // what turns errors that a run has whitened into those that its used rows whiten
+        let mut turns = Vec::new();
+        for (run, first) in whole.runs.iter().zip(whole.first.iter()) {
+            let own = Kept::of(run, &used[*first..first + run.nrows()])?;
+            runs.push(own.white);
+            turns.push(own.turn);
         }
-        let size_n = WANDER * peak_n * (length_s / 3600.0).sqrt();
-        for (s, length) in lengths.into_iter().enumerate() {
-            for mode in 0..MODES {
-                let wave = (mode as f64 + 0.5) * std::f64::consts::PI;
-                let value = size_n * 2.0_f64.sqrt() * (wave * (starts[s] - first) / length_s).sin() / wave;
-                columns.view_mut((self.first[s], mode), (length, 1)).fill(value);
+        let mut common = whole.common.as_ref().clone();
+        turn_runs(&turns, &whole.first, &mut common);
+        let spots = whole.spots.iter().map(|spot| {
+            let mut columns = DMatrix::zeros(whole.len, spot.jitter.len());
+            for (k, entry) in spot.entries.iter().enumerate() {
+                columns.row_mut(*entry).copy_from(&spot.jitter.columns().row(k));
             }
-        }
+            turn_runs(&turns, &whole.first, &mut columns);
+            Spot { jitter: Fold::of(columns.select_rows(&spot.entries)), ..spot.clone() }
+        });
+        let masked = Self::of(runs, spots.collect(), common, whole.first.clone());
+        Some(Self { whole: Some(whole), ..masked })
     }
 
     /// Number of residuals.
@@ -207,26 +196,45 @@ impl Whitening {
     }
 
     fn apply_runs(&self, columns: &mut DMatrix<f64>) {
-        for (white, first) in self.runs.iter().zip(&self.first) {
-            turn_rows(white, columns, *first);
-        }
+        turn_runs(&self.runs, &self.first, columns);
     }
 
-    fn apply_shared(&self, values: &mut DMatrix<f64>) {
-        let (columns, kernel) = &self.shared;
-        if columns.ncols() > 0 {
-            *values -= columns * (kernel * inner(columns, values));
-        }
+    fn apply_spots(&self, columns: &mut DMatrix<f64>) {
+        fold_spots(&self.spots, columns);
     }
 
-    fn apply_spots(&self, values: &mut DMatrix<f64>) {
-        for spot in &self.spots {
-            let own = values.select_rows(&spot.entries);
-            let change = &spot.jitter * (&spot.kernel * inner(&spot.jitter, &own));
-            for (k, &entry) in spot.entries.iter().enumerate() {
-                values.row_mut(entry).zip_apply(&change.row(k), |value, change| *value -= change);
+    fn apply_shared(&self, columns: &mut DMatrix<f64>) {
+        *columns = self.shared.all_taken_off(std::mem::replace(columns, DMatrix::zeros(0, 0)));
+    }
+
+    /// Every group of conditions as the others predict it, beside errors that runs share; `None` where a number is none.
+    pub(super) fn groups(&self, design: &Design) -> Option<&[GivenRest]> {
+        let find = || {
+            let widths = self.spots.iter().map(|spot| spot.jitter.len());
+            let mut columns = DMatrix::zeros(self.len, widths.sum::<usize>() + self.common.ncols());
+            let mut at = 0;
+            for spot in self.spots.iter() {
+                let own = spot.jitter.columns();
+                for (k, entry) in spot.entries.iter().enumerate() {
+                    columns.view_mut((*entry, at), (1, own.ncols())).copy_from(&own.row(k));
+                }
+                at += own.ncols();
             }
-        }
+            columns.columns_mut(at, self.common.ncols()).copy_from(&self.common);
+            let rows = |group: usize| {
+                let series = design.series.iter().enumerate().filter(move |(_, s)| s.group == group);
+                series.flat_map(|(s, series)| self.first[s]..self.first[s] + series.nodes.len()).collect()
+            };
+            GivenRest::each(&columns, (0..design.groups).map(rows))
+        };
+        self.given.get_or_init(find).as_deref()
+    }
+
+    /// From whitened residuals to what [`GivenRest::left`] asks for.
+    pub(super) fn weighed(&self, whitened: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut columns = self.shared.all_taken_off(whitened.clone());
+        self.apply_spots(&mut columns);
+        columns
     }
 
     /// What makes of independent unit normal numbers what this whitening makes of another noise of the sensor, run by run; `None` when a covariance is not positive definite.
@@ -236,7 +244,7 @@ impl Whitening {
             let its = sensor.factor(&series.nodes, &curve.force_n)?;
             Some(white * its.lower())
         };
-        design.series.iter().zip(curves).zip(&self.runs).map(of).collect()
+        design.series.iter().zip(curves).zip(self.runs.iter()).map(of).collect()
     }
 
     /// A draw of what whitened residuals would be if sensor noise were `sensor` times that of some [`Whitening::colours`] and jitter of contact, gain and zero
@@ -249,19 +257,19 @@ impl Whitening {
         mut normal: impl FnMut() -> f64,
     ) -> DVector<f64> {
         let mut values = DMatrix::from_fn(self.len, 1, |_, _| sensor * normal());
-        for (colour, first) in colours.iter().zip(&self.first) {
+        for (colour, first) in colours.iter().zip(self.first.iter()) {
             turn_rows(colour, &mut values, *first);
         }
-        for spot in &self.spots {
+        for spot in self.spots.iter() {
             let size = |k: usize| if spot.estimated { jitter[k.min(2)] } else { 1.0 };
-            let amounts = DVector::from_fn(spot.jitter.ncols(), |k, _| size(k) * normal());
-            let shift = &spot.jitter * amounts;
+            let amounts = DVector::from_fn(spot.jitter.len(), |k, _| size(k) * normal());
+            let shift = spot.jitter.columns() * amounts;
             for (k, &entry) in spot.entries.iter().enumerate() {
                 values[entry] += shift[k];
             }
         }
         self.apply_spots(&mut values);
-        let (columns, _) = &self.shared;
+        let columns = self.shared.columns();
         values += columns * DMatrix::from_fn(columns.ncols(), 1, |_, _| normal());
         self.apply_shared(&mut values);
         DVector::from_vec(values.data.into())
@@ -276,13 +284,102 @@ impl Whitening {
             .iter()
             .map(|spot| {
                 let own = DVector::from_fn(spot.entries.len(), |k, _| half[spot.entries[k]]);
-                let mut normal = inner(&spot.jitter, &spot.jitter);
-                for k in 0..normal.nrows() {
-                    normal[(k, k)] += 1.0;
-                }
-                let right = spot.jitter.tr_mul(&own);
-                normal.cholesky().map_or(0.0, |c| contact_sigma_mm * c.solve(&right)[0])
+                contact_sigma_mm * spot.jitter.amounts(&own).get(0).copied().unwrap_or(0.0)
             })
             .collect()
+    }
+}
+
+/// A run of which some rows are left out.
+struct Kept {
+    /// What whitens the others; 0 in all rows and columns that are left out.
+    white: DMatrix<f64>,
+    /// The same after the whitening of all rows.
+    turn: DMatrix<f64>,
+}
+
+impl Kept {
+    fn of(white: &DMatrix<f64>, used: &[bool]) -> Option<Self> {
+        let n = white.nrows();
+        let gone = |k: usize| !used[k];
+        let apart = |k: usize| (0..n).all(|j| j == k || (white[(k, j)] == 0.0 && white[(j, k)] == 0.0));
+        if !(0..n).any(|k| used[k]) || (0..n).filter(|k| gone(*k)).all(apart) {
+            // nothing of what stays was told of what goes
+            let own = |i: usize, j: usize| if used[i] && used[j] { white[(i, j)] } else { 0.0 };
+            let stays = DVector::from_iterator(n, used.iter().map(|used| f64::from(u8::from(*used))));
+            return Some(Self { white: DMatrix::from_fn(n, n, own), turn: DMatrix::from_diagonal(&stays) });
+        }
+        let rows: Vec<usize> = (0..n).filter(|k| used[*k]).collect();
+        let lower = white.solve_lower_triangular(&DMatrix::identity(n, n))?;
+        let own = lower.select_rows(&rows);
+        let inverse = self::white(&(&own * own.transpose()).cholesky()?.unpack())?;
+        let turned = &inverse * &own;
+        let (mut white, mut turn) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+        for (i, row) in rows.iter().enumerate() {
+            turn.row_mut(*row).copy_from(&turned.row(i));
+            rows.iter().enumerate().for_each(|(j, column)| white[(*row, *column)] = inverse[(i, j)]);
+        }
+        Some(Self { white, turn })
+    }
+}
+
+fn turn_runs(by: &[DMatrix<f64>], first: &[usize], columns: &mut DMatrix<f64>) {
+    for (turn, first) in by.iter().zip(first) {
+        turn_rows(turn, columns, *first);
+    }
+}
+
+fn fold_spots(spots: &[Spot], columns: &mut DMatrix<f64>) {
+    for spot in spots {
+        let own = spot.jitter.all_taken_off(columns.select_rows(&spot.entries));
+        spot.entries.iter().enumerate().for_each(|(k, &entry)| columns.row_mut(entry).copy_from(&own.row(k)));
+    }
+}
+
+/// What all runs share, N: the error of the simulation, smooth over depth for every geometry by itself, the tare, and the wandering zero.
+fn common(design: &Design, curves: &[Curve], first: &[usize], len: usize) -> DMatrix<f64> {
+    let smooth = 3 * design.geometries.len();
+    let mut columns = DMatrix::zeros(len, smooth + 1 + MODES);
+    let peaks = curves.iter().flat_map(|c| c.force_n.iter().copied());
+    let peak_n = peaks.chain(design.checks.iter().map(|check| check.scale_n)).fold(0.0, f64::max);
+    columns.column_mut(smooth).fill(TARE * peak_n);
+    for (at, check) in design.checks.iter().enumerate() {
+        let first = first[design.series.len() + at];
+        (check.readings()..check.rows()).for_each(|row| columns[(first + row, smooth)] = 0.0);
+    }
+    wander(design, peak_n, first, &mut columns.columns_mut(smooth + 1, MODES));
+    for (s, (series, curve)) in design.series.iter().zip(curves).enumerate() {
+        let depth_mm = design.geometries[series.geometry].depth_mm;
+        for (k, (node, force_n)) in series.nodes.iter().zip(&curve.force_n).enumerate() {
+            let x = 2.0 * (node.depth_mm / depth_mm).clamp(0.0, 1.0).sqrt() - 1.0;
+            for (j, shape) in [1.0, x, 1.5 * x * x - 0.5].into_iter().enumerate() {
+                columns[(first[s] + k, 3 * series.geometry + j)] = SIMULATED * force_n * shape;
+            }
+            if node.lifted {
+                columns.row_mut(first[s] + k).fill(0.0);
+            }
+        }
+    }
+    columns
+}
+
+/// Brownian motion of the zero over the session clock, mode by mode; nothing where no clock is known.
+fn wander(design: &Design, peak_n: f64, first: &[usize], columns: &mut nalgebra::DMatrixViewMut<'_, f64>) {
+    let runs = design.series.iter().map(|s| (s.start_s, s.nodes.len()));
+    let checks = design.checks.iter().map(|check| (check.start_s, check.readings()));
+    let (starts, lengths): (Vec<Option<f64>>, Vec<usize>) = runs.chain(checks).unzip();
+    let Some(starts) = starts.into_iter().collect::<Option<Vec<f64>>>() else { return };
+    let begin = starts.iter().copied().fold(f64::INFINITY, f64::min);
+    let length_s = starts.iter().copied().fold(begin, f64::max) - begin;
+    if length_s <= 0.0 {
+        return;
+    }
+    let size_n = WANDER * peak_n * (length_s / 3600.0).sqrt();
+    for (s, length) in lengths.into_iter().enumerate() {
+        for mode in 0..MODES {
+            let wave = (mode as f64 + 0.5) * std::f64::consts::PI;
+            let value = size_n * 2.0_f64.sqrt() * (wave * (starts[s] - begin) / length_s).sin() / wave;
+            columns.view_mut((first[s], mode), (length, 1)).fill(value);
+        }
     }
 }

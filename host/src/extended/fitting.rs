@@ -1,5 +1,7 @@
 //! Fits of mu and alpha with effects that stay as they are.
 
+use std::cell::Cell;
+
 use lut_gen::chain::{Chain, Model, Setting};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -11,6 +13,7 @@ use crate::diagnose::noise::Source;
 use crate::diagnose::{Models, Prepared};
 use crate::experiment::Experiment;
 use crate::identify;
+use crate::infer::descent::{Region, Residuals, Rule, minimise};
 
 use super::{ExtendedError, ExtendedModel};
 
@@ -135,41 +138,24 @@ pub(super) fn search(problem: &Problem<'_>, settings: &[Setting]) -> Vec<Descent
     all
 }
 
-/// Levenberg and Marquardt's search within the bounds of the parameters.
+/// Searches within the bounds of the parameters.
 pub(super) fn descend(problem: &Problem<'_>, settings: &[Setting], start: DVector<f64>) -> Descent {
     let list = coordinates(problem.design, &[]);
-    let clamped =
-        |x: DVector<f64>| DVector::from_fn(x.len(), |i, _| x[i].clamp(list[i].bounds().0, list[i].bounds().1));
-    let residual = |x: &DVector<f64>| problem.residual(&extended(problem.design, x, settings));
-    let mut x = clamped(start.clone());
-    let mut here = residual(&x);
-    let (mut damping, mut evaluations) = (1e-3, 1);
-    let mut jacobian = slope(&list, &x, &here, &residual);
-    for _ in 0..MOST_STEPS {
-        let mut normal = jacobian.tr_mul(&jacobian);
-        for i in 0..x.len() {
-            normal[(i, i)] = normal[(i, i)] * (1.0 + damping) + 1e-12;
-        }
-        let Some(step) = normal.cholesky().map(|c| c.solve(&jacobian.tr_mul(&here))) else { break };
-        let next = clamped(&x + step);
-        let there = residual(&next);
-        evaluations += 1;
-        let gain = here.norm_squared() - there.norm_squared();
-        if gain > 0.0 {
-            (x, here, damping) = (next, there, f64::max(0.2 * damping, 1e-9));
-            jacobian = slope(&list, &x, &here, &residual);
-            evaluations += x.len();
-            if gain < SETTLED * here.len() as f64 {
-                break;
-            }
-        } else {
-            damping *= 10.0;
-            if damping > 1e6 {
-                break;
-            }
-        }
-    }
-    Descent { start, square: here.norm_squared(), x, jacobian, evaluations }
+    let evaluations = Cell::new(0);
+    let residual = |x: &DVector<f64>| {
+        evaluations.set(evaluations.get() + 1);
+        problem.residual(&extended(problem.design, x, settings))
+    };
+    let objective = Residuals {
+        residual: |x: &[f64]| residual(&DVector::from_column_slice(x)),
+        jacobian: |x: &[f64], here: &DVector<f64>| slope(&list, &DVector::from_column_slice(x), here, &residual),
+    };
+    let region = Region::of(list.iter().map(Coordinate::bounds));
+    let settled = SETTLED * problem.whitening.residuals() as f64;
+    let rule = Rule { most_steps: MOST_STEPS, settled, settled_share: 0.0, rival: None };
+    let end = minimise(&objective, &region, start.as_slice(), &rule);
+    let (_, jacobian) = end.kept.into_parts();
+    Descent { start, x: DVector::from_vec(end.x), square: end.value, jacobian, evaluations: evaluations.get() }
 }
 
 fn slope(

@@ -12,6 +12,8 @@ use crate::diagnose::fit::{self, Problem};
 use crate::diagnose::{Models, Z95};
 use crate::experiment::{Experiment, motion};
 use crate::identify::Outcome;
+use crate::infer::covariance::covariance;
+use crate::infer::product::inner;
 
 use super::fitting::{self, Descent};
 use super::{ExtendedError, ExtendedModel};
@@ -206,7 +208,7 @@ impl Identified {
             self.freed(problem, settings, &best.x)
         } else {
             let list = coordinates(design, &[]);
-            let covariance = best.jacobian.tr_mul(&best.jacobian).try_inverse();
+            let covariance = covariance(&inner(&best.jacobian, &best.jacobian));
             let base: [(f64, (f64, f64)); 2] = std::array::from_fn(|i| {
                 let sigma = covariance.as_ref().map_or(f64::NAN, |c| c[(i, i)].sqrt());
                 let (low, high) = list[i].bounds();

@@ -40,6 +40,14 @@ impl Factor {
         DMatrix::from_fn(right.nrows(), right.ncols(), |i, j| solved[(i, j)] / self.scale[i])
     }
 
+    /// `J A^(-1/2)`: columns along which a normal distribution with the covariance `A^-1` moves what has the derivative `J`, `J A^-1 J'` in all.
+    #[must_use]
+    pub fn rooted(&self, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+        let scaled = DMatrix::from_fn(jacobian.ncols(), jacobian.nrows(), |i, j| jacobian[(j, i)] / self.scale[i]);
+        // the diagonal of a factor is above 0
+        self.scaled.l_dirty().solve_lower_triangular(&scaled).map_or_else(|| scaled.transpose(), |own| own.transpose())
+    }
+
     /// `A^-1`.
     #[must_use]
     pub fn inverse(&self) -> DMatrix<f64> {
@@ -112,6 +120,15 @@ mod tests {
         assert!((log_determinant(&plain) - 3.0_f64.ln()).abs() < 1e-14);
         assert_eq!(standard_errors(&DMatrix::zeros(2, 2)), [f64::INFINITY; 2]);
         assert_eq!(log_determinant(&DMatrix::from_element(1, 1, f64::NAN)), f64::NEG_INFINITY);
+    }
+
+    #[test]
+    fn roots_have_the_covariance_as_their_product() {
+        let (a, j) =
+            (DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 50.0]), DMatrix::from_fn(3, 2, |i, j| (i + 2 * j) as f64));
+        let factor = Factor::of(&a).unwrap();
+        let root = factor.rooted(&j);
+        assert!((&root * root.transpose() - &j * factor.inverse() * j.transpose()).amax() < 1e-12);
     }
 
     /// A nuisance along the only parameter with unit prior halves what one reading says; a wide one takes it all.

@@ -1,6 +1,8 @@
 //! Levenberg-Marquardt inside a box (Marquardt 1963, doi:10.1137/0111030) with a gain ratio (Nielsen 1999, IMM-REP-1999-05) and an active set, on anything
 //! that gives a sum of squares with its Gauss-Newton approximation.
 
+use std::cell::OnceCell;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::covariance::Factor;
@@ -102,20 +104,38 @@ pub struct Residuals<R, J> {
     pub jacobian: J,
 }
 
+/// Residuals of a point that was evaluated, with their derivative where that was asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluated {
+    /// Whitened residuals.
+    pub residual: DVector<f64>,
+    /// Derivative of the prediction.
+    jacobian: OnceCell<DMatrix<f64>>,
+}
+
+impl Evaluated {
+    /// Residuals, and the derivative of the prediction; that is there wherever a search ended. Without rows where it was never asked for.
+    #[must_use]
+    pub fn into_parts(self) -> (DVector<f64>, DMatrix<f64>) {
+        (self.residual, self.jacobian.into_inner().unwrap_or_else(|| DMatrix::zeros(0, 0)))
+    }
+}
+
 impl<R, J> Objective for Residuals<R, J>
 where
     R: Fn(&[f64]) -> DVector<f64>,
     J: Fn(&[f64], &DVector<f64>) -> DMatrix<f64>,
 {
-    type Kept = DVector<f64>;
+    type Kept = Evaluated;
 
-    fn value(&self, x: &[f64]) -> (f64, DVector<f64>) {
+    fn value(&self, x: &[f64]) -> (f64, Evaluated) {
         let residual = (self.residual)(x);
-        (residual.norm_squared(), residual)
+        (residual.norm_squared(), Evaluated { residual, jacobian: OnceCell::new() })
     }
 
-    fn slopes(&self, x: &[f64], kept: &DVector<f64>) -> Quadratic {
-        Quadratic::of(kept, &(self.jacobian)(x, kept))
+    fn slopes(&self, x: &[f64], kept: &Evaluated) -> Quadratic {
+        let jacobian = kept.jacobian.get_or_init(|| (self.jacobian)(x, &kept.residual));
+        Quadratic::of(&kept.residual, jacobian)
     }
 }
 
@@ -402,6 +422,8 @@ mod tests {
         };
         let end = minimise(&residuals, &region(-3.0, 3.0), &[-1.2, 1.0], &Rule::default());
         assert_eq!(end.x, ended(&region(-3.0, 3.0), &[-1.2, 1.0]).x);
-        assert!((end.kept.norm_squared() - end.value).abs() < 1e-20);
+        let (residual, jacobian) = end.kept.into_parts();
+        assert!((residual.norm_squared() - end.value).abs() < 1e-20);
+        assert_eq!(jacobian[(0, 0)], 20.0 * end.x[0]);
     }
 }

@@ -180,6 +180,72 @@ impl Fold {
     }
 }
 
+/// Rows of a data set as all its other rows predict them: with independent errors of unit variance in every row and errors along columns that rows share,
+/// `C = I + Z Z'`.
+///
+/// Of all rows only `C^-1 r` is needed (Rasmussen and Williams 2006, Eqs. 5.10-5.12): with `(C^-1)_gg^-1 = I + Y Y'` what the others
+/// leave of the rows `g` has the square `|x|^2 + |Y' x|^2` at `x = (C^-1 r)_g`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GivenRest {
+    rows: Vec<usize>,
+    /// `Y = Z_g (I + Z_r' Z_r)^(-1/2)`, `r` being the rest.
+    uncertain: DMatrix<f64>,
+}
+
+impl GivenRest {
+    /// Of whitened columns of unit deviation and groups of rows, each of which is left out by itself; `None` where a number is none.
+    ///
+    /// # Panics
+    /// When the columns have no such row.
+    #[must_use]
+    pub fn each(columns: &DMatrix<f64>, groups: impl IntoIterator<Item = Vec<usize>>) -> Option<Vec<Self>> {
+        let mut whole = inner(columns, columns);
+        (0..whole.nrows()).for_each(|k| whole[(k, k)] += 1.0);
+        let one = |rows: Vec<usize>| {
+            let own = columns.select_rows(&rows);
+            let uncertain = if own.ncols() > 0 { Factor::of(&(&whole - inner(&own, &own)))?.rooted(&own) } else { own };
+            Some(Self { rows, uncertain })
+        };
+        groups.into_iter().map(one).collect()
+    }
+
+    /// Of `C^-1 R` (all rows, a column for every residual) what the rest leaves of these rows: independent numbers of unit variance, some more than there are rows.
+    #[must_use]
+    pub fn left(&self, weighed: &DMatrix<f64>) -> DMatrix<f64> {
+        let own = weighed.select_rows(&self.rows);
+        let more = inner(&self.uncertain, &own);
+        let mut out = DMatrix::zeros(own.nrows() + more.nrows(), own.ncols());
+        out.rows_mut(0, own.nrows()).copy_from(&own);
+        out.rows_mut(own.nrows(), more.nrows()).copy_from(&more);
+        out
+    }
+}
+
+/// What data say of one error of unknown size along some whitened columns: information along directions that are told of independently, and the square
+/// of what the data say along each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Directions(Vec<(f64, f64)>);
+
+impl Directions {
+    /// Of whitened columns, and their products with whitened data. None where a number is none.
+    #[must_use]
+    pub fn of(columns: &DMatrix<f64>, said: &DVector<f64>) -> Self {
+        let Some(eigen) = eigen::symmetric(inner(columns, columns)) else { return Self(Vec::new()) };
+        let along = eigen.eigenvectors.tr_mul(said);
+        Self(eigen.eigenvalues.iter().zip(along.iter()).map(|(value, said)| (value.max(0.0), said * said)).collect())
+    }
+
+    /// What an error of this deviation takes off the square of the data, and what it costs: the logarithm of the determinant of `I + a^2 Z'Z`.
+    #[must_use]
+    pub fn at(&self, deviation: f64) -> (f64, f64) {
+        let variance = deviation * deviation;
+        self.0.iter().fold((0.0, 0.0), |(taken, price), (information, said)| {
+            let whole = 1.0 + variance * information;
+            (taken + variance * said / whole, price + whole.ln())
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -215,6 +281,44 @@ mod tests {
         assert_eq!((error.len(), error.meanings()), (3, ["gain", "gain", "tare"].as_slice()));
         assert!((scaled.column(0) - 2.0 * columns(2).column(0)).amax() < 1e-15);
         assert!(LowRank::none(9).is_empty());
+    }
+
+    /// Against the dense covariance of the rows that are left: the same normal distribution of the others.
+    #[test]
+    fn rows_given_the_rest_are_as_the_dense_covariance_says() {
+        for count in 0..4 {
+            let z = columns(count);
+            let dense = DMatrix::identity(9, 9) + &z * z.transpose();
+            let r = DVector::from_fn(9, |i, _| (i as f64).cos());
+            let weighed = dense.clone().try_inverse().unwrap() * &r;
+            let (own, rest) = (vec![1, 2, 7], vec![0, 3, 4, 5, 6, 8]);
+            let part = |a: &[usize], b: &[usize]| DMatrix::from_fn(a.len(), b.len(), |i, j| dense[(a[i], b[j])]);
+            let pick = |a: &[usize]| DVector::from_fn(a.len(), |i, _| r[a[i]]);
+            let gain = part(&own, &rest) * part(&rest, &rest).try_inverse().unwrap();
+            let error = pick(&own) - &gain * pick(&rest);
+            let covariance = part(&own, &own) - gain * part(&rest, &own);
+            let exact = error.dot(&(covariance.try_inverse().unwrap() * &error));
+            let given = &GivenRest::each(&z, [own]).unwrap()[0];
+            let left = given.left(&DMatrix::from_column_slice(9, 1, weighed.as_slice()));
+            assert!((left.norm_squared() - exact).abs() < 1e-11 * exact, "{count}");
+        }
+    }
+
+    /// Against the covariance `I + a^2 Z Z'` itself: its determinant, and the square of whitened values.
+    #[test]
+    fn an_error_of_any_size_along_its_directions_is_the_same_covariance() {
+        let r = DVector::from_fn(9, |i, _| (i as f64).cos());
+        for count in 0..4 {
+            let z = columns(count);
+            let directions = Directions::of(&z, &z.tr_mul(&r));
+            for deviation in [0.1, 0.7, 3.0] {
+                let fold = Fold::of(&z * deviation);
+                let (taken, price) = directions.at(deviation);
+                assert!((price - fold.price()).abs() < 1e-11, "{count} {deviation}");
+                let left = r.norm_squared() - taken;
+                assert!((left - fold.taken_off(&r).norm_squared()).abs() < 1e-11, "{count} {deviation}");
+            }
+        }
     }
 
     #[test]

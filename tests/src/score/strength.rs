@@ -119,7 +119,6 @@ pub fn strength(
             back_n: DVector::zeros(shift.len()),
             whitening: whitening.clone(),
             used: used.clone(),
-            allowed: None,
             whole: None,
         };
         let starts = [DVector::from_vec(vec![truth.0.ln(), truth.1.ln()]), base.x.rows(0, 2).into_owned()];

@@ -13,6 +13,7 @@ use super::margin::{Margin, Variable};
 use super::noise::Noise;
 use super::whiten::Whitening;
 use crate::diagnose::evidence::{Space, basis, exceeded, rest_of, visible};
+use crate::infer::eigen;
 
 /// Clean twins that thresholds are taken from.
 const TWINS: usize = 2000;
@@ -24,8 +25,11 @@ const SEED: u64 = 0x6469_7370;
 /// Clean twins of a channel as a set of directions (one a column, whitened) sees them: one twin a column.
 fn twins(whitening: &Whitening, noise: &Noise, directions: &DMatrix<f64>) -> DMatrix<f64> {
     let response = whitening.response(directions);
-    let eigen = response.white.clone().symmetric_eigen();
-    let root = &eigen.eigenvectors * DMatrix::from_diagonal(&eigen.eigenvalues.map(|v| v.max(0.0).sqrt()));
+    // without a number nothing is drawn, and every threshold is none
+    let nothing = || DMatrix::from_element(directions.ncols(), directions.ncols(), f64::NAN);
+    let root = eigen::symmetric(response.white.clone()).map_or_else(nothing, |eigen| {
+        &eigen.eigenvectors * DMatrix::from_diagonal(&eigen.eigenvalues.map(|v| v.max(0.0).sqrt()))
+    });
     let mut chance = Pcg64::seed_from_u64(SEED);
     let mut out = DMatrix::zeros(directions.ncols(), TWINS);
     for mut column in out.column_iter_mut() {
@@ -93,7 +97,7 @@ impl Panel {
         let directions = orthogonal(&self.raw, &fit.jacobian);
         let values = directions.tr_mul(&fit.residual);
         let variances = whitening.response(&directions).variances();
-        let along = directions.tr_mul(errors);
+        let along = if errors.ncols() == 0 { DMatrix::zeros(values.len(), 0) } else { directions.tr_mul(errors) };
         let readings: Vec<f64> = (0..values.len())
             .map(|j| {
                 let variance = variances[j] + along.row(j).norm_squared();

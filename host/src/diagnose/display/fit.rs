@@ -7,6 +7,9 @@ use super::design::Design;
 use super::effect::Effect;
 use super::law::{Law, Setting};
 use super::whiten::Whitening;
+use crate::infer::covariance::standard_errors;
+use crate::infer::descent::{Region, Residuals, Rule, minimise};
+use crate::infer::product::inner;
 
 /// Data with their whitening.
 #[derive(Debug, Clone)]
@@ -15,7 +18,7 @@ pub struct Problem<'a> {
     pub design: &'a Design,
     /// Noise.
     pub whitening: Whitening,
-    /// Runs that are fitted.
+    /// Runs that are fitted; the others are 0 in every residual, and [`Whitening::for_runs`] takes them for none.
     pub used: Vec<bool>,
 }
 
@@ -76,7 +79,8 @@ pub struct Fit {
 /// A parameter with its 95 % interval.
 pub type Estimate = (&'static str, f64, (f64, f64));
 
-const ITERATIONS: usize = 25;
+/// When a fit has ended: its sum of squares is that of a chi-square.
+const RULE: Rule = Rule { most_steps: 25, settled: 1e-4, settled_share: 1e-7, rival: None };
 
 /// Coordinates of a law.
 #[must_use]
@@ -128,6 +132,12 @@ impl Problem<'_> {
         out
     }
 
+    /// The same data of which some runs count only.
+    #[must_use]
+    pub fn for_runs(&self, used: Vec<bool>) -> Self {
+        Self { whitening: self.whitening.for_runs(&used), used, ..self.clone() }
+    }
+
     /// The same, whitened.
     #[must_use]
     pub fn residual(&self, law: &Law) -> DVector<f64> {
@@ -157,30 +167,13 @@ impl Problem<'_> {
     #[must_use]
     pub fn fit(&self, from: &Law) -> Fit {
         let list = coordinates(from);
-        let mut x = point(from, &list);
-        let mut residual = self.residual(&at(from, &list, &x));
-        let mut jacobian = self.jacobian(from, &list, &x);
-        let mut damping = 1e-3;
-        for _ in 0..ITERATIONS {
-            let square = residual.norm_squared();
-            let Some(next) = descend(&list, &x, &jacobian, &residual, damping) else { break };
-            let tried = self.residual(&at(from, &list, &next));
-            let better = tried.norm_squared();
-            if better < square {
-                let done = square - better < 1e-4 + 1e-7 * square;
-                (x, residual) = (next, tried);
-                jacobian = self.jacobian(from, &list, &x);
-                damping = (damping * 0.2_f64).max(1e-9);
-                if done {
-                    break;
-                }
-            } else {
-                damping *= 8.0;
-                if damping > 1e7 {
-                    break;
-                }
-            }
-        }
+        let objective = Residuals {
+            residual: |x: &[f64]| self.residual(&at(from, &list, &DVector::from_column_slice(x))),
+            jacobian: |x: &[f64], _: &DVector<f64>| self.jacobian(from, &list, &DVector::from_column_slice(x)),
+        };
+        let region = Region::of(list.iter().map(Coordinate::limits));
+        let end = minimise(&objective, &region, point(from, &list).as_slice(), &RULE);
+        let (x, (residual, jacobian)) = (DVector::from_vec(end.x), end.kept.into_parts());
         let at_bound = list.iter().zip(x.iter()).filter(|(c, _)| !c.base).any(|(c, x)| {
             let (low, high) = c.limits();
             let near = 1e-3 * (high - low);
@@ -199,26 +192,6 @@ impl Problem<'_> {
     }
 }
 
-fn descend(
-    list: &[Coordinate],
-    x: &DVector<f64>,
-    jacobian: &DMatrix<f64>,
-    residual: &DVector<f64>,
-    damping: f64,
-) -> Option<DVector<f64>> {
-    let mut normal = jacobian.tr_mul(jacobian);
-    for j in 0..normal.nrows() {
-        let own = normal[(j, j)];
-        normal[(j, j)] = own * (1.0 + damping) + 1e-12;
-    }
-    let mut next = x + normal.cholesky()?.solve(&jacobian.tr_mul(residual));
-    for (value, c) in next.iter_mut().zip(list) {
-        let (low, high) = c.limits();
-        *value = value.clamp(low, high);
-    }
-    next.iter().all(|v| v.is_finite()).then_some(next)
-}
-
 impl Fit {
     /// Effects of the law.
     #[must_use]
@@ -228,14 +201,13 @@ impl Fit {
 
     /// Half widths of the coordinates at `z` standard deviations.
     fn widths(&self, z: f64) -> Vec<f64> {
-        let mut normal = self.jacobian.tr_mul(&self.jacobian);
+        let mut normal = inner(&self.jacobian, &self.jacobian);
         for (j, c) in self.coordinates.iter().enumerate() {
             // what the data do not show is known to its bounds
             let (low, high) = c.limits();
             normal[(j, j)] += 4.0 / (high - low).powi(2);
         }
-        let inverse = normal.try_inverse();
-        (0..self.x.len()).map(|j| inverse.as_ref().map_or(f64::INFINITY, |i| z * i[(j, j)].max(0.0).sqrt())).collect()
+        standard_errors(&normal).into_iter().map(|error| z * error).collect()
     }
 
     /// Parameters with intervals of `z` standard deviations: of the base, or of its `effect`-th effect.

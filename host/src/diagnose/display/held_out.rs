@@ -38,10 +38,7 @@ pub fn of(search: &Search<'_>, held: &[Explanation]) -> Option<HeldOut> {
                 Some(group) => design.series[s].condition == *group,
                 None => design.series[s].hold_out,
             };
-            let of = |whose: &dyn Fn(usize) -> bool| Problem {
-                used: (0..design.series.len()).map(whose).collect(),
-                ..problem.clone()
-            };
+            let of = |whose: &dyn Fn(usize) -> bool| problem.for_runs((0..design.series.len()).map(whose).collect());
             let fitted = of(&|s| !predicted(s) && !design.series[s].hold_out);
             let shown = of(&predicted);
             let base = fitted.fit(&search.base.law);

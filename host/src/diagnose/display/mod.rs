@@ -221,7 +221,7 @@ fn prepared(design: &Design) -> Option<(Problem<'_>, Fit, Noise)> {
             noise = noise::estimate(design, &predicted)?;
         }
         let whitening = Whitening::new(design, &predicted, &noise);
-        let problem = Problem { design, whitening, used: used.clone() };
+        let problem = Problem { design, whitening, used: Vec::new() }.for_runs(used.clone());
         let fit = problem.fit(&law);
         if round == ROUNDS {
             return Some((problem, fit, noise));

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::channel::Channel;
 use super::design::Design;
 use super::whiten::{Innovations, levels, shapes};
+use crate::infer::covariance::Factor;
 
 /// Noise of one sample: a part that is correlated in time and a white one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -174,7 +175,7 @@ fn likelihood(design: &Design, predicted: &[Vec<f64>], runs: &[&Deviation], unit
         let (y, x, innovations) = whitened(design, predicted, run, unit);
         let (found, information) = amounts(&y, &x)?;
         square += (y - x * found).norm_squared();
-        log += 2.0 * innovations.log_deviation + ln_determinant(&information);
+        log += 2.0 * innovations.log_deviation + information.log_determinant();
         count += design.series[run.run].compared.iter().filter(|c| **c).count() as f64 - 3.0;
     }
     let variance = square / count;
@@ -182,13 +183,13 @@ fn likelihood(design: &Design, predicted: &[Vec<f64>], runs: &[&Deviation], unit
 }
 
 /// Least-squares amounts of the shapes that a run shows, with their information.
-fn amounts(y: &DVector<f64>, x: &DMatrix<f64>) -> Option<(DVector<f64>, nalgebra::Cholesky<f64, nalgebra::Dyn>)> {
+fn amounts(y: &DVector<f64>, x: &DMatrix<f64>) -> Option<(DVector<f64>, Factor)> {
     let mut normal = x.tr_mul(x);
     for j in 0..normal.nrows() {
         // a shape that a run does not have (no motion, no output) gets no amount
         normal[(j, j)] = normal[(j, j)] * (1.0 + 1e-6) + 1e-9;
     }
-    let factor = normal.cholesky()?;
+    let factor = Factor::of(&normal)?;
     Some((factor.solve(&x.tr_mul(y)), factor))
 }
 
@@ -221,8 +222,4 @@ fn jitter(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation], sen
         Jitter { gain: spread(0, design.channel.expected_gain()), zero: spread(1, 0.0), slide },
         freedom + EXPECTED_FREEDOM,
     )
-}
-
-fn ln_determinant(factor: &nalgebra::Cholesky<f64, nalgebra::Dyn>) -> f64 {
-    2.0 * factor.l_dirty().diagonal().map(f64::ln).sum()
 }

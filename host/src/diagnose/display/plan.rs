@@ -8,6 +8,9 @@ use super::fit::{Fit, Problem};
 use super::law;
 use super::search::{Explanation, Search, with};
 use super::whiten::Whitening;
+use crate::infer::covariance::Factor;
+use crate::infer::lowrank::Fold;
+use crate::infer::product::inner;
 
 /// A run and what it would tell.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,14 +98,12 @@ fn distance(search: &Search<'_>, truth: &Fit, rival: &Fit, planned: &Planned) ->
     let whitening = Whitening::new(&design, &[predicted], search.noise);
     let problem = Problem { design: &design, whitening, used: vec![true] };
     let (difference, jacobian) = problem.linear(rival);
-    let mut normal = rival.jacobian.tr_mul(&rival.jacobian);
-    normal += jacobian.tr_mul(&jacobian);
-    for j in 0..normal.nrows() {
-        normal[(j, j)] = normal[(j, j)] * (1.0 + 1e-9) + 1e-12;
+    let mut known = inner(&rival.jacobian, &rival.jacobian);
+    for j in 0..known.nrows() {
+        known[(j, j)] = known[(j, j)] * (1.0 + 1e-9) + 1e-12;
     }
-    let right: DVector<f64> = jacobian.tr_mul(&difference);
-    let moved = normal.cholesky().map_or(0.0, |c| c.solve(&right).dot(&right));
-    (difference.norm_squared() - moved).max(0.0).sqrt()
+    // what the data leave open of the parameters is an error of the prediction; where a number is none nothing is told apart
+    Factor::of(&known).map_or(0.0, |known| Fold::of(known.rooted(&jacobian)).taken_off(&difference).norm())
 }
 
 impl Problem<'_> {

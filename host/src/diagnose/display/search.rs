@@ -13,7 +13,9 @@ use super::margin::placebos;
 use super::noise::Noise;
 use crate::diagnose::evidence::{basis, rest_of};
 use crate::diagnose::search::CHARGE;
-use crate::diagnose::whiten::kernel;
+use crate::infer::covariance::Factor;
+use crate::infer::lowrank::Fold;
+use crate::infer::product::inner;
 
 /// Relative error of an effect as the catalogue writes it down, along smooth shapes of time in every command by itself: nature's friction,
 /// creep and steel are no closer to these laws.
@@ -120,14 +122,15 @@ impl Search<'_> {
     /// What was found out about a fit that extends another by an effect whose space is given.
     #[must_use]
     pub fn judged(&self, fit: Fit, before: &Fit, (spaces, at): (&Spaces, usize)) -> Explanation {
-        let errors = form_errors(self.problem, &fit);
+        let errors = Fold::of(form_errors(self.problem, &fit));
         // what the effects before may be wrong by is no evidence for one more
-        let allowed = form_errors(self.problem, before);
-        let gain = discounted(&before.residual, &allowed) - discounted(&fit.residual, &allowed);
+        let allowed = Fold::of(form_errors(self.problem, before));
+        let square = |of: &Fit, beside: &Fold| beside.taken_off(&of.residual).norm_squared();
+        let gain = square(before, &allowed) - square(&fit, &allowed);
         let added = fit.coordinates.len() - before.coordinates.len();
         Explanation {
-            discounted: discounted(&fit.residual, &errors),
-            adequacy: self.panel.read(&fit, &self.problem.whitening, &errors),
+            discounted: square(&fit, &errors),
+            adequacy: self.panel.read(&fit, &self.problem.whitening, errors.columns()),
             beats_noise: spaces.of_gain(at, gain) > self.spaces.threshold,
             predicts: left_out(self.problem, &fit) < left_out(self.problem, before),
             beats_placebo: before.square - fit.square > self.placebo(before, added),
@@ -219,47 +222,29 @@ fn form_errors(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
     if columns.is_empty() { DMatrix::zeros(design.samples(), 0) } else { DMatrix::from_columns(&columns) }
 }
 
-/// Sum of squares of a residual that may be wrong along some columns, each of unit variance.
-fn discounted(residual: &DVector<f64>, errors: &DMatrix<f64>) -> f64 {
-    if errors.ncols() == 0 {
-        return residual.norm_squared();
-    }
-    (residual - errors * (kernel(errors) * errors.tr_mul(residual))).norm_squared()
-}
-
 /// Sum of squares of every command as the others predict it, to first order about the fit. Where there is one command only, its thirds stand
-/// for commands: what a step up shows is then predicted from the step down.
+/// for commands: what a step up shows is then predicted from the step down. Infinite where a number is none.
 fn left_out(problem: &Problem<'_>, fit: &Fit) -> f64 {
-    let design = problem.design;
-    let commands = design.conditions.len();
-    let parts = if commands > 1 { 1 } else { 3 };
-    let whole = fit.jacobian.tr_mul(&fit.jacobian);
-    let mut sum = 0.0;
-    for group in 0..commands * parts {
-        let (condition, part) = (group / parts, group % parts);
-        let rows: Vec<usize> = (0..design.series.len())
-            .filter(|s| design.series[*s].condition == condition)
-            .flat_map(|s| {
-                let (first, count) = (design.first(s), design.series[s].time_s.len());
-                first + part * count / parts..first + (part + 1) * count / parts
-            })
-            .collect();
-        sum += predicted_square(fit, &whole, &rows);
-    }
-    sum
+    let Some(groups) = problem.whitening.groups(problem.design) else { return f64::INFINITY };
+    let whole = inner(&fit.jacobian, &fit.jacobian);
+    let count = fit.jacobian.ncols();
+    let mut all = fit.jacobian.clone().insert_column(count, 0.0);
+    all.set_column(count, &fit.residual);
+    let weighed = problem.whitening.weighed(&all);
+    groups.iter().map(|group| predicted_square(fit, &whole, &group.left(&weighed))).sum()
 }
 
-/// Sum of squares of some rows as all others predict them. `whole` is the information of all.
-fn predicted_square(fit: &Fit, whole: &DMatrix<f64>, rows: &[usize]) -> f64 {
-    let own = DMatrix::from_fn(rows.len(), fit.jacobian.ncols(), |i, j| fit.jacobian[(rows[i], j)]);
-    let residual = DVector::from_fn(rows.len(), |i, _| fit.residual[rows[i]]);
-    let mut rest = whole - own.tr_mul(&own);
+/// Sum of squares of a group as all others predict it, from its derivative and residual (the last column). `whole` is the information of all.
+fn predicted_square(fit: &Fit, whole: &DMatrix<f64>, group: &DMatrix<f64>) -> f64 {
+    let count = fit.jacobian.ncols();
+    let (own, residual) = (group.columns(0, count).into_owned(), group.column(count).into_owned());
+    let mut rest = whole - inner(&own, &own);
     for (i, c) in fit.coordinates.iter().enumerate() {
         // a parameter that only these rows show stays where it is
         let span = c.of(c.bounds.1) - c.of(c.bounds.0);
         rest[(i, i)] += 4.0 / span.powi(2) + 1e-9 * whole[(i, i)];
     }
-    let moved = rest.cholesky().map(|c| c.solve(&own.tr_mul(&residual)));
+    let moved = Factor::of(&rest).map(|factor| factor.solve(&own.tr_mul(&residual)));
     moved.map_or(f64::INFINITY, |m| (&residual + &own * m).norm_squared())
 }
 

@@ -1,11 +1,13 @@
 //! From differences in a channel's unit to numbers that are independent with unit variance when the law is right.
 
+use std::sync::{Arc, OnceLock};
+
 use nalgebra::{DMatrix, DVector};
 
 use super::channel::{Channel, slope};
 use super::design::{Design, Series};
 use super::noise::{Noise, SensorNoise};
-use crate::diagnose::whiten::kernel;
+use crate::infer::lowrank::{Fold, GivenRest};
 
 /// Innovations of one run's noise: a first-order process plus white noise (Kalman filter with known variances), sample by sample.
 #[derive(Debug, Clone)]
@@ -65,8 +67,7 @@ impl Innovations {
 #[derive(Debug, Clone)]
 struct Jitter {
     first: usize,
-    columns: DMatrix<f64>,
-    kernel: DMatrix<f64>,
+    of: Fold,
 }
 
 /// A linear map of all runs' residuals.
@@ -74,8 +75,14 @@ struct Jitter {
 pub struct Whitening {
     runs: Vec<(usize, Innovations, Vec<f64>)>,
     jitter: Vec<Jitter>,
-    shared: (DMatrix<f64>, DMatrix<f64>),
+    /// What the base law may be wrong by in all runs, after the runs' own whitening.
+    common: DMatrix<f64>,
+    /// Runs that count.
+    used: Vec<bool>,
+    /// The same after the rest of the whitening.
+    shared: Fold,
     len: usize,
+    given: Arc<OnceLock<Option<Vec<GivenRest>>>>,
 }
 
 /// Standard deviation of the base law's own error, relative to the span, along each of three smooth shapes over the output: converters and
@@ -101,19 +108,57 @@ impl Whitening {
                 innovations.apply(&mut column, |k| level[k]);
                 columns.set_column(j, &DVector::from_vec(column));
             }
-            jitter.push(Jitter { first, kernel: kernel(&columns), columns });
+            jitter.push(Jitter { first, of: Fold::of(columns) });
             runs.push((first, innovations, level));
         }
         let len = design.samples();
-        let mut out = Self { runs, jitter, shared: (DMatrix::zeros(len, 0), DMatrix::zeros(0, 0)), len };
-        let mut shared = errors(design, predicted);
+        let used = vec![true; runs.len()];
+        let mut out = Self {
+            runs,
+            jitter,
+            used,
+            common: DMatrix::zeros(len, 0),
+            shared: Fold::none(),
+            len,
+            given: Arc::default(),
+        };
+        let mut common = errors(design, predicted);
+        for j in 0..common.ncols() {
+            let mut whole = common.column(j).into_owned();
+            out.innovate(&mut whole);
+            common.set_column(j, &whole);
+        }
+        out.common = common;
+        out.share();
+        out
+    }
+
+    /// The same where some runs count only: the others are removed, and nothing is known of the law's own error from them. Values of these must be 0.
+    #[must_use]
+    pub fn for_runs(&self, used: &[bool]) -> Self {
+        let mut out = self.clone();
+        out.used = used.to_vec();
+        out.share();
+        out
+    }
+
+    /// What the base law may be wrong by in runs that count, after the runs' own whitening.
+    fn common(&self) -> DMatrix<f64> {
+        let mut common = self.common.clone();
+        for ((first, _, level), _) in self.runs.iter().zip(&self.used).filter(|(_, used)| !**used) {
+            common.rows_mut(*first, level.len()).fill(0.0);
+        }
+        common
+    }
+
+    fn share(&mut self) {
+        let mut shared = self.common();
         for j in 0..shared.ncols() {
             let mut whole = shared.column(j).into_owned();
-            out.apply(&mut whole);
+            self.fold_jitter(&mut whole);
             shared.set_column(j, &whole);
         }
-        out.shared = (shared.clone(), kernel(&shared));
-        out
+        (self.shared, self.given) = (Fold::of(shared), Arc::default());
     }
 
     /// Number of residuals.
@@ -124,33 +169,59 @@ impl Whitening {
 
     /// Whitens residuals of all runs, one after the other, in place.
     pub fn apply(&self, values: &mut DVector<f64>) {
-        let all = values.as_mut_slice();
-        for (first, innovations, level) in &self.runs {
-            innovations.apply(&mut all[*first..first + level.len()], |k| level[k]);
-        }
-        self.fold(values);
-    }
-
-    /// The symmetric part of the map: takes off what jitter and the law's own error may be.
-    fn fold(&self, values: &mut DVector<f64>) {
+        self.innovate(values);
         self.fold_jitter(values);
         self.fold_shared(values);
     }
 
+    fn innovate(&self, values: &mut DVector<f64>) {
+        let all = values.as_mut_slice();
+        for (first, innovations, level) in &self.runs {
+            innovations.apply(&mut all[*first..first + level.len()], |k| level[k]);
+        }
+    }
+
     fn fold_jitter(&self, values: &mut DVector<f64>) {
         for one in &self.jitter {
-            let own = values.rows(one.first, one.columns.nrows()).into_owned();
-            let change = &one.columns * (&one.kernel * one.columns.tr_mul(&own));
-            let mut rows = values.rows_mut(one.first, one.columns.nrows());
-            rows -= change;
+            let mut rows = values.rows_mut(one.first, one.of.columns().nrows());
+            let left = one.of.taken_off(&rows.clone_owned());
+            rows.copy_from(&left);
         }
     }
 
     fn fold_shared(&self, values: &mut DVector<f64>) {
-        let (columns, kernel) = &self.shared;
-        if columns.ncols() > 0 {
-            *values -= columns * (kernel * columns.tr_mul(values));
+        *values = self.shared.taken_off(values);
+    }
+
+    /// Every command as the others predict it, beside errors that runs share; `None` where a number is none. Where there is one command only, its thirds stand for commands.
+    pub(super) fn groups(&self, design: &Design) -> Option<&[GivenRest]> {
+        self.given.get_or_init(|| GivenRest::each(&self.columns(), groups(design))).as_deref()
+    }
+
+    /// Columns of all errors that rows share, after the runs' own whitening.
+    fn columns(&self) -> DMatrix<f64> {
+        let widths = self.jitter.iter().map(|one| one.of.len()).sum::<usize>();
+        let mut columns = DMatrix::zeros(self.len, widths + self.common.ncols());
+        let mut at = 0;
+        for one in &self.jitter {
+            let own = one.of.columns();
+            columns.view_mut((one.first, at), own.shape()).copy_from(own);
+            at += own.ncols();
         }
+        columns.columns_mut(at, self.common.ncols()).copy_from(&self.common());
+        columns
+    }
+
+    /// From whitened residuals to what [`GivenRest::left`] asks for.
+    pub(super) fn weighed(&self, whitened: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut out = whitened.clone();
+        for mut column in out.column_iter_mut() {
+            let mut own = column.clone_owned();
+            self.fold_shared(&mut own);
+            self.fold_jitter(&mut own);
+            column.copy_from(&own);
+        }
+        out
     }
 
     /// What clean data make of directions (one a column, whitened): the map of white noise, of each kind of jitter of every run, and of
@@ -158,19 +229,19 @@ impl Whitening {
     #[must_use]
     pub fn response(&self, directions: &DMatrix<f64>) -> Response {
         let mut folded = directions.clone();
-        let mut law = DMatrix::zeros(directions.ncols(), self.shared.0.ncols());
+        let mut law = DMatrix::zeros(directions.ncols(), self.shared.len());
         for j in 0..directions.ncols() {
             let mut column = directions.column(j).into_owned();
             self.fold_shared(&mut column);
-            law.set_row(j, &self.shared.0.tr_mul(&column).transpose());
+            law.set_row(j, &self.shared.columns().tr_mul(&column).transpose());
             self.fold_jitter(&mut column);
             folded.set_column(j, &column);
         }
         let kinds = 3 * self.jitter.len();
         let mut jitter = DMatrix::zeros(directions.ncols(), kinds);
         for (s, one) in self.jitter.iter().enumerate() {
-            let own = folded.rows(one.first, one.columns.nrows());
-            jitter.view_mut((0, 3 * s), (directions.ncols(), 3)).copy_from(&own.tr_mul(&one.columns));
+            let own = folded.rows(one.first, one.of.columns().nrows());
+            jitter.view_mut((0, 3 * s), (directions.ncols(), 3)).copy_from(&own.tr_mul(one.of.columns()));
         }
         Response { white: folded.tr_mul(&folded), jitter, law }
     }
@@ -210,6 +281,22 @@ pub fn shapes(channel: Channel, series: &Series, output: &[f64]) -> DMatrix<f64>
         1 => 1.0,
         _ => channel.slide(series, output, k),
     })
+}
+
+/// Rows of every command; of its thirds where there is one only.
+fn groups(design: &Design) -> Vec<Vec<usize>> {
+    let commands = design.conditions.len();
+    let parts = if commands > 1 { 1 } else { 3 };
+    let rows = |group: usize| {
+        let (condition, part) = (group / parts, group % parts);
+        let own = (0..design.series.len()).filter(|s| design.series[*s].condition == condition);
+        let rows = own.flat_map(|s| {
+            let (first, count) = (design.first(s), design.series[s].time_s.len());
+            first + part * count / parts..first + (part + 1) * count / parts
+        });
+        rows.collect()
+    };
+    (0..commands * parts).map(rows).collect()
 }
 
 /// What the base law may itself be wrong by: smooth over the output, along time, and between gaps.

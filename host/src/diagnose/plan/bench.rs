@@ -7,9 +7,11 @@ use nalgebra::{DMatrix, DVector};
 use super::super::coordinate;
 use super::super::design::{Branch, Design};
 use super::super::fit::{self, Fit, Problem};
-use super::super::search::Search;
+use super::super::search::{Search, known_before};
 use super::super::whiten::Whitening;
 use super::Plan;
+use crate::infer::covariance::Factor;
+use crate::infer::lowrank::{Fold, LowRank};
 
 /// What a fit predicts of planned runs, by how much each of its parameters moves that, and what the prediction may be wrong by, a column of unit variance each.
 pub(super) struct Forecast {
@@ -136,22 +138,13 @@ fn placed(plan: &Plan, design: &Design, model: &Model) -> Model {
     placed
 }
 
-/// Distance of a forecast from another one whose parameters are known as far as its fit knows them, and which both may be wrong as the chain is.
+/// Distance of a forecast from another one whose parameters are known as far as its fit knows them, and which both may be wrong as the chain is. None (0) where a
+/// number is none.
 pub(super) fn distance(from: &Forecast, to: &Forecast, fit: &Fit) -> f64 {
-    let difference = &from.force - &to.force;
-    let Some(covariance) = fit.covariance() else { return 0.0 };
-    // (I + J C J')^-1 by Woodbury
-    let Some(information) = covariance.try_inverse() else { return 0.0 };
-    let (known, errors) = (to.slopes.ncols(), to.errors.ncols());
-    let count = known + errors + from.errors.ncols();
-    let mut columns = DMatrix::zeros(difference.len(), count);
-    columns.columns_mut(0, known).copy_from(&to.slopes);
-    columns.columns_mut(known, errors).copy_from(&to.errors);
-    columns.columns_mut(known + errors, from.errors.ncols()).copy_from(&from.errors);
-    let mut inner = DMatrix::identity(count, count);
-    inner.view_mut((0, 0), (known, known)).copy_from(&information);
-    inner += columns.tr_mul(&columns);
-    let right = columns.tr_mul(&difference);
-    let taken = inner.cholesky().map_or(0.0, |c| c.solve(&right).dot(&right));
-    (difference.norm_squared() - taken).max(0.0).sqrt()
+    let known = Factor::of(&(&fit.information + known_before(&fit.coordinates)));
+    let Some(known) = known else { return 0.0 };
+    let free = LowRank::unit(known.rooted(&to.slopes), "parameters");
+    let errors = [&to.errors, &from.errors].map(|columns| LowRank::unit(columns.clone(), "chain"));
+    let fold = Fold::of(free.and(&errors[0]).and(&errors[1]).scaled());
+    fold.taken_off(&(&from.force - &to.force)).norm()
 }

@@ -13,6 +13,8 @@ use super::check::{Check, Touched};
 use super::design::{Branch, Design, LEAST_SAMPLES, Node, Series};
 use super::fit::Fit;
 use super::search::{Explanation, Search};
+use crate::infer::covariance::Factor;
+use crate::infer::product::inner;
 use bench::{Bench, Forecast, distance};
 
 /// A run that could be made.
@@ -386,9 +388,11 @@ fn shown(bench: &Bench, search: &Search<'_>, blind: &[&'static str]) -> (f64, Ve
         let new = bench.forces(&model) - &base.force;
         // old and new data together, the base fitted to both
         let middle = old.column(old.ncols() / 2);
-        let information = search.base.jacobian.tr_mul(&search.base.jacobian) + base.slopes.tr_mul(&base.slopes);
+        let information = inner(&search.base.jacobian, &search.base.jacobian) + inner(&base.slopes, &base.slopes);
         let right = search.base.jacobian.tr_mul(&middle) + base.slopes.tr_mul(&new);
-        let taken = information.cholesky().map_or(0.0, |c| c.solve(&right).dot(&right));
+        // a base that is not told of takes up all
+        let Some(known) = Factor::of(&information) else { continue };
+        let taken = known.solve(&right).dot(&right);
         let reading = (middle.norm_squared() + new.norm_squared() - taken).max(0.0).sqrt();
         best = f64::max(best, reading);
         if reading > SEEN {

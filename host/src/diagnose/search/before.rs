@@ -2,9 +2,10 @@
 
 use std::sync::OnceLock;
 
-use super::super::fit::{Allowed, Fit, Problem};
+use super::super::fit::{Fit, Problem};
 use super::super::placebo;
 use super::{CHARGE, allowed, left_out};
+use crate::infer::lowrank::Fold;
 
 /// Numbers of parameters that a candidate may have.
 const PARAMETERS: usize = 6;
@@ -19,7 +20,7 @@ pub struct Before {
     /// The fit.
     pub fit: Fit,
     /// What its effects may be wrong by.
-    allowed: Allowed,
+    allowed: Fold,
     /// How badly it predicts conditions that were left out.
     pub left_out: f64,
     /// What must be beaten of a departure without a cause: a gain of its own for every ball, rate, specimen or cycle, or a smooth function of depth, time or clock.
@@ -44,7 +45,7 @@ impl Before {
     /// By how much another fit lowers the sum of squares: what the effects of this one may be wrong by is no evidence for one more.
     #[must_use]
     pub fn gain_of(&self, other: &Fit) -> f64 {
-        let left = |fit: &Fit| self.allowed.discounted(&fit.residual).norm_squared();
+        let left = |fit: &Fit| self.allowed.taken_off(&fit.residual).norm_squared();
         left(&self.fit) - left(other)
     }
 

@@ -6,7 +6,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::coordinate::Candidate;
 use super::super::design::Branch;
-use super::super::fit::{Allowed, Fit, Problem};
+use super::super::fit::{Fit, Problem};
+use crate::infer::covariance::Factor;
+use crate::infer::lowrank::Fold;
+use crate::infer::product::inner;
 
 /// Relative error of an effect as the catalogue writes it down, along smooth shapes, on the way down and in holds, and on the way back, where
 /// the edge of the contact lifts and histories matter most: the chain against finite elements of the whole path is within that
@@ -105,7 +108,7 @@ fn beyond_base(problem: &Problem<'_>, model: &Model, here: &DVector<f64>, added:
     let mut seen = added.clone();
     problem.whitening.apply(&mut seen);
     let right = white.tr_mul(&seen);
-    if let Some(normal) = white.tr_mul(&white).cholesky() {
+    if let Some(normal) = Factor::of(&inner(&white, &white)) {
         *added -= columns * normal.solve(&right);
     }
 }
@@ -150,8 +153,8 @@ pub(super) fn is_rough(candidate: &Candidate, fit: &Fit) -> bool {
 
 /// The same as errors to be allowed.
 #[must_use]
-pub fn allowed(problem: &Problem<'_>, fit: &Fit) -> Allowed {
-    Allowed::new(form_error(problem, fit))
+pub fn allowed(problem: &Problem<'_>, fit: &Fit) -> Fold {
+    Fold::of(form_error(problem, fit))
 }
 
 /// What a sensor that creeps still reads of the run before, N: it recovers while nothing loads it, and whether its zero was taken again before the touch is not known.

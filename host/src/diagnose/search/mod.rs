@@ -29,8 +29,8 @@ use begin::starts;
 pub use form_error::allowed;
 use form_error::{form_error, is_rough};
 pub(super) use held::Found;
+pub(super) use left_out::known_before;
 use left_out::left_out;
-pub(super) use left_out::{known_before, log_determinant};
 pub(super) use nameless::rival;
 use solve::Aim;
 

@@ -9,9 +9,10 @@ use nalgebra::DMatrix;
 use super::super::coordinate::Candidate;
 use super::super::design::{Branch, Design, Node};
 use super::super::evidence::{basis, rest_of};
-use super::super::fit::{Allowed, Fit, Problem};
+use super::super::fit::{Fit, Problem};
 use super::rounds::BEHIND;
 use super::{CHARGE, Explanation, RATIO_100, Search, changes, score};
+use crate::infer::lowrank::Fold;
 
 /// An elastic departure without a name.
 const NAMELESS: Candidate = Candidate { effect: &nameless::EFFECT, owner: 0 };
@@ -159,7 +160,7 @@ impl Search<'_> {
     /// What it costs that plausible amounts, a column each, are free, as a difference of sums of squares (Laplace's): little where these data, with modulus and exponent free, can tell little of
     /// them.
     fn price(&self, plausible: &DMatrix<f64>) -> f64 {
-        Allowed::new(rest_of(plausible, &basis(&self.base.jacobian))).price
+        Fold::of(rest_of(plausible, &basis(&self.base.jacobian))).price()
     }
 
     /// A relaxation of one or two times must be three times likelier than that of a power law, and what is named beside it a hundred times likelier than that alone. A power law may be the material's,

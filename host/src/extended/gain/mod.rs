@@ -216,7 +216,9 @@ impl Bench<'_> {
         let Some(first) = runs.first() else { return Ok(Vec::new()) };
         let deepest = runs.iter().flat_map(|s| &s.nodes).map(|n| n.depth_mm).fold(0.0, f64::max);
         let declared = table::declared(self.experiment, design, first, deepest);
-        let problem = Problem { used: seen(design, (!self.marked).then_some(group)), ..self.problem.clone() };
+        let Some(problem) = self.problem.for_rows(seen(design, (!self.marked).then_some(group))) else {
+            return Ok(Vec::new());
+        };
         let entries = [&[][..], &self.settings[..]].map(|effects: &[Setting]| entry(&problem, effects));
         let arms = [
             Arm { spec: declared.clone(), entry: entries[0], kept: Vec::new(), left_out: Vec::new() },
@@ -257,7 +259,11 @@ fn conditions(design: &Design, marked: bool) -> Vec<(usize, bool)> {
 /// Nodes that a fit sees when a group is left out.
 fn seen(design: &Design, left_out: Option<usize>) -> Vec<bool> {
     let of = |s: &Series| !s.hold_out && (design.groups < 2 || Some(s.group) != left_out);
-    design.series.iter().flat_map(|s| s.nodes.iter().map(move |n| !n.lifted && of(s))).collect()
+    let mut seen: Vec<bool> =
+        design.series.iter().flat_map(|s| s.nodes.iter().map(move |n| !n.lifted && of(s))).collect();
+    // a table is of what a ball on the specimen shows
+    seen.extend(design.checks.iter().flat_map(|check| (0..check.rows()).map(|_| false)));
+    seen
 }
 
 /// mu (MPa) and alpha of the library's entry.
