@@ -3,15 +3,46 @@
 use std::fs;
 use std::io;
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use lut_gen::chain::{Geometry, Library, LibraryError, Need};
 
 /// Force models that were made before, to be shared by many diagnoses.
+///
+/// No lock is held while finite elements are solved, so that threads of a pool whose work is shared may ask at the same time. What lacks a solve that failed is given to who asked
+/// for it, with what is missing, and is not kept.
 #[derive(Debug, Default)]
 pub struct Models {
-    known: Mutex<Library>,
+    state: Mutex<State>,
+    /// Tells that a solve has ended.
+    ended: Condvar,
     folder: Option<PathBuf>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    known: Library,
+    /// What is being solved now.
+    begun: Vec<Geometry>,
+}
+
+/// Geometries that one call solves; others may, once it is dropped.
+struct Turn<'a> {
+    models: &'a Models,
+    geometries: &'a [Geometry],
+}
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        let mut state = self.models.state();
+        for geometry in self.geometries {
+            if let Some(at) = state.begun.iter().position(|other| other == geometry) {
+                state.begun.swap_remove(at);
+            }
+        }
+        drop(state);
+        self.models.ended.notify_all();
+    }
 }
 
 /// Names the folder of kept force models; empty, none is kept.
@@ -32,7 +63,7 @@ impl Models {
     /// The same in a folder, which is made when the first of them is.
     #[must_use]
     pub fn kept_in(folder: PathBuf) -> Self {
-        Self { known: Mutex::default(), folder: Some(folder) }
+        Self { folder: Some(folder), ..Self::default() }
     }
 
     /// A library of the wanted geometries; what is missing is solved.
@@ -44,29 +75,62 @@ impl Models {
         wanted: &[Geometry],
         progress: &(dyn Fn(usize, usize) + Send + Sync),
     ) -> Result<Library, LibraryError> {
-        let mut library = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut missing: Vec<Geometry> = Vec::new();
-        for geometry in wanted {
-            if library.of(&[*geometry]).is_none() {
-                match self.read(geometry) {
-                    Some(kept) => library.extend(kept),
-                    None => missing.push(*geometry),
+        let (mut own, missing) = self.begin(wanted);
+        if !missing.is_empty() {
+            let turn = Turn { models: self, geometries: &missing };
+            let made = Library::build(&missing, Need { effects: true }, progress)?;
+            let mut state = self.state();
+            for geometry in made.complete().geometries() {
+                // what cannot be kept is made again next time
+                let _ = self.keep(&geometry, &made);
+                if let (None, Some(new)) = (state.known.of(&[geometry]), made.of(&[geometry])) {
+                    state.known.extend(new);
                 }
             }
+            drop(state);
+            drop(turn);
+            own.extend(made);
         }
-        if !missing.is_empty() {
-            let more = Library::build(&missing, Need { effects: true }, progress)?;
-            for geometry in &missing {
-                // what cannot be kept is made again next time
-                let _ = self.keep(geometry, &more);
-            }
-            library.extend(more);
-        }
-        library.of(wanted).ok_or_else(|| LibraryError::Parameter {
+        own.of(wanted).ok_or_else(|| LibraryError::Parameter {
             parameter: "geometries",
             value: wanted.len() as f64,
             expected: "must have been solved".to_owned(),
         })
+    }
+
+    /// What is known of the wanted geometries, in memory or in the folder, and the others: they are this call's to solve.
+    ///
+    /// A thread outside of any pool waits for those that another call solves. One of a pool must not, since what it would wait for may be work that it has itself
+    /// interrupted: it solves them as well.
+    fn begin(&self, wanted: &[Geometry]) -> (Library, Vec<Geometry>) {
+        let waits = rayon::current_thread_index().is_none();
+        let mut state = self.state();
+        loop {
+            let (mut own, mut missing) = (Library::default(), Vec::new());
+            for geometry in wanted {
+                if own.of(&[*geometry]).is_some() || missing.contains(geometry) {
+                    continue;
+                }
+                let found = state.known.of(&[*geometry]).or_else(|| {
+                    let kept = self.read(geometry)?;
+                    state.known.extend(kept.clone());
+                    Some(kept)
+                });
+                match found {
+                    Some(found) => own.extend(found),
+                    None => missing.push(*geometry),
+                }
+            }
+            if !waits || !missing.iter().any(|geometry| state.begun.contains(geometry)) {
+                state.begun.extend(&missing);
+                return (own, missing);
+            }
+            state = self.ended.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn read(&self, geometry: &Geometry) -> Option<Library> {
@@ -93,6 +157,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
     use lut_gen::model::Specimen;
+    use rayon::prelude::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     /// Solves counted by the progress of making models.
@@ -104,6 +169,22 @@ mod tests {
         let library = models.of(&[geometry], &count).unwrap();
         assert_eq!(library.geometries(), [geometry]);
         parts.into_inner()
+    }
+
+    /// Threads of one pool and threads of their own ask for the same model at the same time: all get it, and none waits for what it has itself interrupted.
+    #[test]
+    fn many_threads_may_ask_at_once() {
+        let models = Models::default();
+        let geometry = Geometry { specimen: Specimen::of_height(12.7), ball_mm: 4.0, depth_mm: 1.0, nu: 0.0 };
+        let ask = || models.of(&[geometry], &|_, _| {}).unwrap().geometries();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        std::thread::scope(|scope| {
+            let outside = scope.spawn(ask);
+            let within = pool.install(|| (0..3).into_par_iter().map(|_| ask()).collect::<Vec<_>>());
+            assert!(within.iter().all(|found| *found == [geometry]));
+            assert_eq!(outside.join().unwrap(), [geometry]);
+        });
+        assert_eq!(made(&models, geometry), 0);
     }
 
     #[test]

@@ -126,6 +126,7 @@ pub fn identify(
         Ok(design) => {
             out.messages.extend_from_slice(&design.messages);
             let chain = fitting::chain(&design, models, progress)?;
+            out.messages.extend(chain.library.missing().map(ToString::to_string));
             out.fe_solves = chain.library.solves();
             let (prepared, from) = fitting::prepared(&design, &chain, experiment.sensor.noise_n, &settings)
                 .ok_or_else(|| IdentifyError::Covariance(material.clone()))?;

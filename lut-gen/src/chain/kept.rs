@@ -21,10 +21,10 @@ impl Library {
         format!("{FINGERPRINT}-{:016x}.force", hasher.finish())
     }
 
-    /// The models of one geometry as bytes with a checksum; none where it is not in the library.
+    /// The models of one geometry as bytes with a checksum; none where it is not in the library, or lacks something: what failed may not fail next time.
     #[must_use]
     pub fn to_bytes(&self, geometry: &Geometry) -> Option<Vec<u8>> {
-        let family = self.families.iter().find(|family| family.geometry == *geometry)?;
+        let family = self.families.iter().find(|family| family.geometry == *geometry && family.is_complete())?;
         postcard::to_allocvec_crc32(&(FINGERPRINT, family), CRC.digest()).ok()
     }
 

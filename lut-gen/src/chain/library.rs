@@ -1,12 +1,13 @@
 //! Continuous force models of every pair of ball and specimen in an experiment.
 
+use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::{Ball, Interface};
-use crate::effect::relaxation;
+use crate::effect::{friction, poisson, relaxation, thickness};
 use crate::law::{Hyperfoam, PronyTerm, Term};
 use crate::model::{CLOSER, ForceModel, ForceSlice, ModelSpec, Resolution, Simulation, Specimen};
 use crate::solve::{Base, Motion, SolveError};
@@ -38,6 +39,28 @@ pub struct Need {
 /// Why there is no library.
 pub type LibraryError = SolveError;
 
+/// What finite elements did not find for one geometry: the effect changes nothing there, or is known less well.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Missing {
+    /// The ball on the specimen.
+    pub geometry: Geometry,
+    /// Code of the effect.
+    pub code: &'static str,
+    /// Why.
+    pub reason: SolveError,
+}
+
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Geometry { specimen, ball_mm, depth_mm, .. } = &self.geometry;
+        write!(
+            f,
+            "finite elements of \"{}\" failed for a ball of {ball_mm} mm, {depth_mm} mm deep in a specimen of {} mm: what it does there is unknown ({})",
+            self.code, specimen.height_mm, self.reason
+        )
+    }
+}
+
 /// Forces of one geometry.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Family {
@@ -56,6 +79,9 @@ pub(super) struct Family {
     memory: Vec<(f64, f64)>,
     /// Finite-element solves that were spent on it.
     solves: usize,
+    /// What was not found. A family that lacks something is not kept, so that none is read.
+    #[serde(skip)]
+    missing: Vec<Missing>,
 }
 
 /// Force with friction over force without, on the way down and on the way up.
@@ -119,6 +145,21 @@ enum Part {
     Memory(f64),
 }
 
+impl Part {
+    /// The effect that a part is for.
+    fn code(self) -> &'static str {
+        match self {
+            // the force itself is no effect
+            Self::Declared => "force",
+            Self::Height => thickness::HEIGHT.code,
+            Self::Poisson => poisson::EFFECT.code,
+            Self::Sliding => thickness::SLIDING.code,
+            Self::Friction(_) => friction::EFFECT.code,
+            Self::Memory(_) => relaxation::ONE.code,
+        }
+    }
+}
+
 enum Made {
     Declared(ForceModel),
     Height(ForceModel),
@@ -132,7 +173,7 @@ impl Library {
     /// Solves what a diagnosis of these geometries may need; `progress(done, total)` counts parts.
     ///
     /// A part that is not the force at the declared height may fail (a thin, nearly incompressible, deeply pressed foam): its effect then
-    /// changes nothing in that geometry.
+    /// changes nothing in that geometry, and [`Library::missing`] tells so.
     ///
     /// # Errors
     /// The first geometry whose forces fail.
@@ -140,6 +181,16 @@ impl Library {
         geometries: &[Geometry],
         need: Need,
         progress: &(dyn Fn(usize, usize) + Send + Sync),
+    ) -> Result<Self, LibraryError> {
+        Self::assembled(geometries, need, progress, &|geometry, part| geometry.part(part, need))
+    }
+
+    /// The same from parts that `made` makes.
+    fn assembled(
+        geometries: &[Geometry],
+        need: Need,
+        progress: &(dyn Fn(usize, usize) + Send + Sync),
+        made: &(dyn Fn(&Geometry, Part) -> Result<Made, SolveError> + Sync),
     ) -> Result<Self, LibraryError> {
         let plan: Vec<(usize, Part)> = geometries
             .iter()
@@ -150,7 +201,7 @@ impl Library {
         let built: Vec<Result<Made, SolveError>> = plan
             .par_iter()
             .map(|&(at, part)| {
-                let made = geometries[at].part(part, need);
+                let made = made(&geometries[at], part);
                 progress(done.fetch_add(1, Ordering::Relaxed) + 1, plan.len());
                 made
             })
@@ -160,8 +211,12 @@ impl Library {
             match (made, part, families.last_mut()) {
                 (Ok(Made::Declared(model)), ..) => families.push(Family::new(geometries[*at], model)),
                 (Ok(made), _, Some(family)) => family.add(made),
-                (Err(error), Part::Declared, _) => return Err(error),
-                _ => {}
+                (Err(error), Part::Declared, _) | (Err(error), _, None) => return Err(error),
+                (Err(reason), part, Some(family)) => {
+                    family.missing.push(Missing { geometry: family.geometry, code: part.code(), reason });
+                }
+                // a family begins with the force at the declared height
+                (Ok(_), _, None) => {}
             }
         }
         Ok(Self { families })
@@ -186,6 +241,17 @@ impl Library {
         self.families.extend(other.families);
     }
 
+    /// What finite elements did not find.
+    pub fn missing(&self) -> impl Iterator<Item = &Missing> {
+        self.families.iter().flat_map(|family| &family.missing)
+    }
+
+    /// Those of its geometries for which nothing is missing.
+    #[must_use]
+    pub fn complete(&self) -> Self {
+        Self { families: self.families.iter().filter(|family| family.is_complete()).cloned().collect() }
+    }
+
     /// Finite-element solves that were spent.
     #[must_use]
     pub fn solves(&self) -> usize {
@@ -198,7 +264,9 @@ impl Geometry {
     fn parts(&self, need: Need) -> Vec<Part> {
         let mut list = vec![Part::Declared];
         if need.effects {
-            list.extend([Part::Height, Part::Poisson, Part::Sliding]);
+            list.extend([Part::Height, Part::Sliding]);
+            // of a base that hardly changes its volume another Poisson's ratio is no effect
+            list.extend((self.nu == 0.0).then_some(Part::Poisson));
             list.extend(self.rubbed_alpha().into_iter().flat_map(|alpha| [Part::Friction(alpha), Part::Memory(alpha)]));
         }
         list
@@ -230,10 +298,6 @@ impl Geometry {
                 let resolution = if self.is_deep() { Resolution::Standard } else { fine };
                 let spec = ModelSpec { heights_mm, alpha_nodes: HEIGHT_ALPHAS, resolution, ..one };
                 Ok(Made::Height(ForceModel::build(&spec, &silent)?))
-            }
-            // of a base that hardly changes its volume another Poisson's ratio is no effect
-            Part::Poisson if self.nu > 0.0 => {
-                Err(SolveError::parameter("nu of the base", self.nu, "must be 0 where it is to vary"))
             }
             Part::Poisson => {
                 let resolution = self.change_resolution();
@@ -329,7 +393,13 @@ impl Family {
             sliding: None,
             friction: Vec::new(),
             memory: Vec::new(),
+            missing: Vec::new(),
         }
+    }
+
+    /// True where every solve was found.
+    pub fn is_complete(&self) -> bool {
+        self.missing.is_empty()
     }
 
     fn add(&mut self, made: Made) {
@@ -423,4 +493,57 @@ fn least(f: impl Fn(f64) -> f64, bracket: (f64, f64)) -> f64 {
         }
     }
     0.5 * (a + b)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// A solve that fails is told with its reason, is not written down, and leaves the others as they are.
+    #[test]
+    fn a_failed_solve_is_missing_and_told_and_not_kept() {
+        let geometry = Geometry { specimen: Specimen::of_height(12.7), ball_mm: 4.0, depth_mm: 1.0, nu: 0.0 };
+        let need = Need { effects: true };
+        let failed = || SolveError::parameter("injected", 1.0, "must fail");
+        let silent = |_: usize, _: usize| {};
+        let with = |fails: &'static str| {
+            Library::assembled(&[geometry], need, &silent, &|geometry, part| match part {
+                part if part.code() == fails => Err(failed()),
+                // cheap stand-ins: what they hold plays no part here
+                Part::Memory(alpha) => Ok(Made::Memory(alpha, 0.3)),
+                Part::Friction(_) => Ok(Made::Friction(Vec::new())),
+                Part::Height => Ok(Made::Height(small(geometry))),
+                Part::Poisson => Ok(Made::Poisson(small(geometry))),
+                Part::Sliding => Ok(Made::Sliding(small(geometry))),
+                Part::Declared => Ok(Made::Declared(small(geometry))),
+            })
+        };
+        let whole = with("none").unwrap();
+        assert!(whole.missing().next().is_none() && whole.to_bytes(&geometry).is_some());
+        for code in ["poisson", "friction", "relaxation"] {
+            let library = with(code).unwrap();
+            let missing: Vec<&Missing> = library.missing().collect();
+            assert!(
+                !missing.is_empty() && missing.iter().all(|m| m.code == code && m.reason == failed()),
+                "{missing:?}"
+            );
+            assert!(missing[0].to_string().contains(code) && missing[0].to_string().contains("injected"));
+            assert!(library.to_bytes(&geometry).is_none() && library.complete().geometries().is_empty());
+        }
+        // without the force itself there is nothing
+        assert!(with("force").is_err());
+    }
+
+    /// The coarsest force model there is.
+    fn small(geometry: &Geometry) -> ForceModel {
+        let ball = Ball { radius_mm: geometry.ball_mm };
+        let spec = ModelSpec {
+            alpha: (4.0, 8.0),
+            alpha_nodes: 2,
+            checked: false,
+            ..ModelSpec::new(geometry.specimen, ball, 0.2)
+        };
+        ForceModel::build(&spec, &|_, _| {}).unwrap()
+    }
 }

@@ -12,7 +12,7 @@ mod predict;
 mod whole;
 
 pub use coupon::{Shortening, Sides};
-pub use library::{Geometry, Library, LibraryError, Need, RUBBER_NU};
+pub use library::{Geometry, Library, LibraryError, Missing, Need, RUBBER_NU};
 pub use passage::Passage;
 pub use predict::{Chain, Prediction};
 pub use whole::{Detail, Whole, Window, is_rough};

@@ -59,7 +59,8 @@ pub fn limited(time_s: &[f64], recorded_mm: &[f64], limit_s_per_mm: f64) -> Vec<
     }
     for i in 1..out.len() {
         let reach = (time_s[i] - time_s[i - 1]).max(0.0) / limit_s_per_mm;
-        out[i] = recorded_mm[i].clamp(out[i - 1] - reach, out[i - 1] + reach);
+        // a depth that is no number gives way to the nearest that is in reach
+        out[i] = recorded_mm[i].max(out[i - 1] - reach).min(out[i - 1] + reach);
     }
     out
 }

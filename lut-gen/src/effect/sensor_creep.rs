@@ -50,9 +50,10 @@ pub fn creep(time_s: &[f64], force_n: &mut [f64], (amplitude, tau_s): (f64, f64)
 /// more on the way back.
 pub fn hysteresis(force_n: &mut [f64], width: f64) {
     let gap = 0.5 * width * force_n.iter().copied().fold(0.0, f64::max);
-    let mut seat = 0.0;
+    let mut seat = 0.0_f64;
     for force in force_n.iter_mut() {
-        seat = f64::clamp(seat, *force - gap, *force + gap);
+        // a force that is no number moves nothing
+        seat = seat.max(*force - gap).min(*force + gap);
         *force = seat;
     }
 }
