@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 
-use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models, Verdict};
+use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models};
 use crate::experiment::{self, Experiment};
 use crate::extended::ExtendedModel;
 use crate::report::{self, number};
@@ -173,11 +173,12 @@ fn print(found: &Diagnosis) {
         outln!("note             {note}");
     }
     let Some(evidence) = &found.evidence else { return };
-    if matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
-        print_gain(evidence);
-    }
+    print_gain(found, evidence);
     if !found.blind_to.is_empty() {
         outln!("blind to         {}", found.blind_to.join(", "));
+    }
+    for both in &found.cancelling {
+        outln!("cannot exclude   {both}");
     }
     if let Some(next) = found.proposals.first() {
         outln!("next run         {}", next.what);
@@ -206,14 +207,14 @@ fn print_finding(finding: &Finding) {
 }
 
 /// Parameters and held-out errors, before and after.
-fn print_gain(evidence: &Evidence) {
-    let Some(after) = evidence.extended() else { return };
+fn print_gain(found: &Diagnosis, evidence: &Evidence) {
+    let Some(after) = found.extended() else { return };
     let before = evidence.base.base();
     for (name, (was, is)) in ["mu_MPa", "alpha"].iter().zip(before.iter().zip(&after)) {
         let (low, high) = is.1;
         outln!("{name:16} {:>10} -> {}  95 %: {} to {}", number(was.0), number(is.0), number(low), number(high));
     }
-    if let Some(held_out) = &evidence.held_out {
+    if let Some(held_out) = found.held_out() {
         let (was, is) = (held_out.rmse_before_n, held_out.rmse_after_n);
         outln!("held out, N      {:>10} -> {}  rms", number(was), number(is));
     }

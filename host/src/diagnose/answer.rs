@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::plan::On;
 use super::search::Explanation;
-use super::{Diagnosis, Estimate, Evidence, Verdict};
+use super::{Diagnosis, Estimate, Evidence};
 
 /// One material's answer; keys as in the contract, `material`, `faults`, `reason` and `messages` added.
 #[must_use]
@@ -25,8 +25,8 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         .collect();
     let ambiguous: Vec<&Vec<&str>> = diagnosis.findings.iter().map(|f| &f.ambiguous_with).collect();
     let evidence = diagnosis.evidence.as_deref();
-    let held_out = evidence.and_then(|e| e.held_out.as_ref());
-    let extended = evidence.and_then(Evidence::extended).filter(|_| named(diagnosis.verdict));
+    let held_out = diagnosis.held_out();
+    let extended = diagnosis.extended();
     let proposals = proposals(diagnosis);
     let candidates: Vec<Value> =
         evidence.map_or_else(Vec::new, |e| e.singles.iter().map(|s| candidate(e, s)).collect());
@@ -99,21 +99,16 @@ fn on(on: On) -> Value {
 /// What one effect alone explains, and which demands it meets. `leaves` is the largest margin over its threshold.
 fn candidate(evidence: &Evidence, single: &Explanation) -> Value {
     let effect = single.fit.candidates.first().map(|c| c.effect);
-    let excess = evidence.compared_square - evidence.base.residual.len() as f64;
     json!({
         "code": effect.map(|e| e.code),
         "form": effect.map(|e| e.form),
-        "explains": (evidence.compared_square - single.fit.square) / excess.max(1.0),
+        "explains": evidence.explained(single.fit.square),
         "leaves": single.adequacy.worst(),
         "beats_noise": single.beats_noise,
         "predicts": single.predicts,
         "beats_placebo": single.beats_placebo,
         "in_bounds": !single.fit.at_bound,
     })
-}
-
-fn named(verdict: Verdict) -> bool {
-    matches!(verdict, Verdict::Named | Verdict::Ambiguous)
 }
 
 fn parameters([mu, alpha]: [Estimate; 2]) -> Value {

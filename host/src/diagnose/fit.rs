@@ -90,6 +90,11 @@ pub fn predicted(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f
     design.series.iter().zip(paths).map(|(s, force_n)| s.at.iter().map(|at| force_n[*at]).collect()).collect()
 }
 
+/// What noise alone leaves of a fit, as a sum of squares: rows that count less its parameters.
+pub(super) fn freedom(used: &[bool], fit: &Fit) -> f64 {
+    used.iter().filter(|used| **used).count().saturating_sub(fit.x.len()) as f64
+}
+
 /// What a model predicts for every row of a residual: forces (N) at the nodes of every run, then what runs without a ball on the specimen show.
 #[must_use]
 pub fn rows(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f64]) -> DVector<f64> {

@@ -3,7 +3,9 @@
 //! Beside the scatter between spots stands a gain that is linear in the place, two slopes a specimen. For every scatter that is tried the slopes have their likeliest values and a chi-square; how
 //! likely scatter alone makes as large a one is averaged over what the scatter may be, weighed by how likely it makes what is left (REML). With little known about it that is Student's test.
 
-use nalgebra::{DMatrix, DVector, Matrix2, SymmetricEigen, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+
+use crate::infer::eigen;
 
 /// Places vary along a direction when their differences exceed this, mm.
 const APART_MM: f64 = 0.1;
@@ -84,7 +86,7 @@ impl Slopes {
             }
         }
         let specimens = sums.into_iter().filter_map(|(specimen, sum)| {
-            let eigen = SymmetricEigen::new(sum);
+            let eigen = eigen::symmetric(DMatrix::from_column_slice(2, 2, sum.as_slice()))?;
             let least = (1e-6 * eigen.eigenvalues.max()).max(APART_MM * APART_MM);
             let far: Vec<DVector<f64>> = (0..2)
                 .filter(|i| eigen.eigenvalues[*i] > least)

@@ -165,6 +165,21 @@ impl Evidence {
         })
     }
 
+    /// Sum of squares that noise alone leaves of the base: rows that count less its parameters.
+    #[must_use]
+    pub fn expected_square(&self) -> f64 {
+        fit::freedom(&prepared::used(&self.design, None), &self.base)
+    }
+
+    /// Share that a sum of squares has lost of what the base leaves beyond noise; none where that is within two standard deviations of noise, a share of
+    /// which would say nothing.
+    #[must_use]
+    pub fn explained(&self, square: f64) -> Option<f64> {
+        let expected = self.expected_square();
+        let excess = self.compared_square - expected;
+        (excess > 2.0 * (2.0 * expected).sqrt()).then(|| (self.compared_square - square) / excess)
+    }
+
     /// True where a departure without a name explains the data about as well as what explains them best.
     #[must_use]
     pub fn is_nameless(&self) -> bool {
@@ -230,6 +245,24 @@ fn one(
 }
 
 impl Diagnosis {
+    /// True where something has a name, or one of a few.
+    #[must_use]
+    pub fn is_named(&self) -> bool {
+        matches!(self.verdict, Verdict::Named | Verdict::Ambiguous)
+    }
+
+    /// `mu` (MPa) and `alpha` of the extended model; none where nothing is named.
+    #[must_use]
+    pub fn extended(&self) -> Option<[Estimate; 2]> {
+        self.evidence.as_deref().filter(|_| self.is_named()).and_then(Evidence::extended)
+    }
+
+    /// Error on conditions that were left out; none where nothing is named.
+    #[must_use]
+    pub fn held_out(&self) -> Option<&HeldOut> {
+        self.evidence.as_deref().filter(|_| self.is_named()).and_then(|evidence| evidence.held_out.as_ref())
+    }
+
     fn empty(material: &str, faults: Vec<Fault>) -> Self {
         Self {
             material: material.to_owned(),
@@ -270,6 +303,8 @@ impl Diagnosis {
         }
         let library = models.of(&design.geometries, &|done, total| progress("force models", done, total))?;
         let solves = library.solves();
+        let missing: Vec<&'static str> = library.missing().map(|missing| missing.code).collect();
+        self.messages.extend(library.missing().map(ToString::to_string));
         let chain = Chain { library, passages: design.passages() };
         progress("base", 0, 1);
         let Some(prepared) = Prepared::new(&design, &chain, experiment.sensor.noise_n) else {
@@ -313,6 +348,13 @@ impl Diagnosis {
             nameless: held.first().filter(|_| is_nameless(beyond_nameless)).map(|best| search::rival(best, &design)),
         };
         verdict::conclude(self, experiment, seen, &held, held_out.as_ref());
+        // what finite elements did not find cannot be seen
+        let unseen = missing.into_iter().filter(|code| !self.findings.iter().any(|f| f.code == *code));
+        for code in unseen.collect::<Vec<_>>() {
+            if !self.blind_to.contains(&code) {
+                self.blind_to.push(code);
+            }
+        }
         let compared_square = search.base.square;
         // a noise that was told about what does not hold may leave the base anywhere
         let (extended_curves, shown) =

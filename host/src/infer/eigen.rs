@@ -5,12 +5,12 @@ use nalgebra::{DMatrix, SymmetricEigen};
 /// Sweeps after which the iteration is given up; a matrix of a hundred rows takes a few hundred.
 const MOST_SWEEPS: usize = 10_000;
 
-/// Eigenvalues and vectors of a symmetric matrix; `None` where an entry is not finite or the iteration has no end.
+/// Eigenvalues and vectors of a symmetric matrix; `None` where it is empty, an entry is not finite or the iteration has no end.
 ///
 /// `nalgebra`'s own call without a limit never returns from a matrix that holds a NaN.
 #[must_use]
 pub fn symmetric(matrix: DMatrix<f64>) -> Option<SymmetricEigen<f64, nalgebra::Dyn>> {
-    if matrix.iter().any(|value| !value.is_finite()) {
+    if matrix.is_empty() || matrix.iter().any(|value| !value.is_finite()) {
         return None;
     }
     SymmetricEigen::try_new(matrix, f64::EPSILON, MOST_SWEEPS)

@@ -8,6 +8,7 @@ use rand_pcg::Pcg64;
 
 use crate::identify::data::LoadingCurve;
 use crate::infer::descent::{Quadratic, Region, Rule, Together, minimise};
+use crate::infer::eigen;
 
 /// A fitted run.
 pub struct Run<'a> {
@@ -43,9 +44,9 @@ impl Line {
                 from * from.transpose()
             })
             .sum();
-        let eigen = scatter.symmetric_eigen();
+        let eigen = eigen::symmetric(DMatrix::from_column_slice(2, 2, scatter.as_slice()))?;
         let longest = usize::from(eigen.eigenvalues[1] > eigen.eigenvalues[0]);
-        let along = eigen.eigenvectors.column(longest).into_owned();
+        let along = Vector2::new(eigen.eigenvectors[(0, longest)], eigen.eigenvectors[(1, longest)]);
         (points.len() > 1 && eigen.eigenvalues[longest] > 0.0).then_some(Self { origin, along })
     }
 

@@ -30,6 +30,17 @@ const ADHESIVE: (f64, f64) = (0.05, 0.06);
 /// (tests/whole_paths.rs, lut-gen/tests/chain.rs), which is what all elastic forces are taken to be wrong by.
 const ELASTIC: (f64, f64) = (0.0201, 0.0201);
 
+/// Least and largest share that an effect may be wrong by, on the way down and on the way back.
+#[must_use]
+pub fn form_error_range() -> ((f64, f64), (f64, f64)) {
+    let all = [ROUGH, SOLVED_SHARE, OUTSIDE, SOFTENED, RUBBED, ADHESIVE, ELASTIC];
+    let ends = |of: fn(&(f64, f64)) -> f64| {
+        let each = all.iter().map(of);
+        (each.clone().fold(f64::INFINITY, f64::min), each.fold(0.0, f64::max))
+    };
+    (ends(|share| share.0), ends(|share| share.1))
+}
+
 /// What the effects of a fit add to the prediction may be wrong by a small share of itself, differently in each group of
 /// conditions and each branch, and smoothly along it.
 pub(super) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {

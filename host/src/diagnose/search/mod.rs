@@ -1,4 +1,4 @@
-//! Which effects explain a residual: fits of every candidate, and of pairs and triples where one is not enough.
+//! Which effects explain a residual: fits of every candidate, and of pairs where one is not enough.
 
 mod before;
 mod begin;
@@ -20,13 +20,13 @@ use super::check::Check;
 use super::coordinate::{Candidate, Coordinate, coordinates};
 use super::design::{Branch, Design};
 use super::evidence::{self, Adequacy, Panel, Spaces};
-use super::fit::{Fit, Problem};
+use super::fit::{Fit, Problem, freedom};
 use super::margin::{self, Margin};
 use super::noise::{self, Curve, Noise, SensorNoise};
 use super::prepared::Prepared;
 use before::Before;
 use begin::starts;
-pub use form_error::allowed;
+pub use form_error::{allowed, form_error_range};
 use form_error::{form_error, is_rough};
 pub(super) use held::Found;
 pub(super) use left_out::known_before;
@@ -187,7 +187,7 @@ impl<'a> Search<'a> {
 
     /// What noise alone leaves of a fit, as a sum of squares: points that count less its parameters.
     fn freedom(&self, fit: &Fit) -> f64 {
-        self.problem.used.iter().filter(|used| **used).count().saturating_sub(fit.x.len()) as f64
+        freedom(&self.problem.used, fit)
     }
 
     /// Largest reading of any candidate, or of an elastic departure without a name, at the base.

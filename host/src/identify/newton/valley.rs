@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::identify::data::Selection;
 use crate::identify::spec::Loss;
+use crate::infer::covariance::Factor;
 
 use super::condition::Condition;
 use super::coordinate::{Unknown, Values};
@@ -130,7 +131,7 @@ fn follow(hessian: &DMatrix<f64>, axes: [usize; 2]) -> DMatrix<f64> {
     let count = hessian.nrows();
     let others: Vec<usize> = (0..count).filter(|i| !axes.contains(i)).collect();
     let inner = DMatrix::from_fn(others.len(), others.len(), |i, j| hessian[(others[i], others[j])]);
-    let solved = inner.cholesky();
+    let solved = Factor::of(&inner);
     let mut follow = DMatrix::zeros(count, 2);
     for (column, axis) in axes.into_iter().enumerate() {
         follow[(axis, column)] = 1.0;

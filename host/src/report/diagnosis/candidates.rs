@@ -14,7 +14,7 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
         page.paragraph("No effect was tried: where nothing is visible, whatever fits best would only fit the noise.");
         return;
     }
-    let count = entries(evidence);
+    let count = number(evidence.expected_square());
     page.paragraph(&format!(
         "Each effect of the catalogue was added to the base and everything was fitted again. In the noise that the likeliest of them leaves, the base has a sum of squares of {} where {count} is expected; \
          'explains' is the share of that excess that an effect removes. A name needs every demand; the order is that of the likelihood with a charge for each parameter. \
@@ -34,21 +34,8 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
         });
         table(page, experiment, evidence, &together, first.score());
     } else if verdict == Verdict::Unknown && evidence.held.is_empty() {
-        page.paragraph(
-            "Up to three effects at once were tried as well; none of those combinations meets every demand either.",
-        );
+        page.paragraph("Two effects at once were tried as well; no pair meets every demand either.");
     }
-}
-
-/// Residuals that count.
-fn entries(evidence: &Evidence) -> usize {
-    evidence.design.series.iter().filter(|s| !s.hold_out).map(|s| s.nodes.len()).sum()
-}
-
-/// Share of the base's excess over noise that a sum of squares has lost; none where there is no excess.
-fn explained(evidence: &Evidence, square: f64) -> Option<f64> {
-    let excess = evidence.compared_square - entries(evidence) as f64;
-    (excess > 0.0).then(|| (evidence.compared_square - square) / excess)
 }
 
 /// Whole percents, without a minus before nothing.
@@ -60,7 +47,7 @@ fn percent(share: f64) -> String {
 pub(super) fn nearest(experiment: &Experiment, found: &Diagnosis) -> Option<String> {
     let evidence = found.evidence.as_deref().filter(|_| found.verdict == Verdict::Unknown)?;
     let first = evidence.singles.first()?;
-    let share = explained(evidence, first.fit.square)?;
+    let share = evidence.explained(first.fit.square)?;
     Some(format!(
         "Of single effects, {} comes closest: it removes {} of what exceeds the noise, but {}. It is not a name for what is wrong here.",
         words::candidates(experiment, &first.fit.candidates),
@@ -90,7 +77,7 @@ fn table(page: &mut Page, experiment: &Experiment, evidence: &Evidence, list: &[
     let rows: Vec<Vec<String>> = list
         .iter()
         .map(|e| {
-            let share = explained(evidence, e.fit.square).map_or_else(|| "-".to_owned(), percent);
+            let share = evidence.explained(e.fit.square).map_or_else(|| "-".to_owned(), percent);
             vec![
                 words::candidates(experiment, &e.fit.candidates),
                 share,

@@ -1,6 +1,8 @@
 //! What a diagnosis could be wrong about.
 
 use crate::diagnose::noise::Source;
+use crate::diagnose::search::form_error_range;
+use crate::diagnose::whiten::SIMULATED;
 use crate::diagnose::{Diagnosis, Evidence};
 use crate::report::{Page, number};
 
@@ -10,6 +12,7 @@ pub(super) fn section(page: &mut Page, found: &Diagnosis, evidence: Option<&Evid
         page.section("What this could be wrong about");
         noise(page, evidence);
         let mut list = vec![source(evidence), zero(evidence)];
+        list.extend(accuracy());
         list.extend(ASSUMPTIONS.map(str::to_owned));
         page.list(&list);
         if let Some(warning) = moved(evidence) {
@@ -24,14 +27,31 @@ pub(super) fn section(page: &mut Page, found: &Diagnosis, evidence: Option<&Evid
     }
 }
 
-/// What is assumed of every experiment.
-const ASSUMPTIONS: [&str; 6] = [
-    "The simulated force is taken to be right to 0.1 % along smooth shapes over depth (docs/verification.md). An error of the simulation that is larger, or not smooth, would look like an effect.",
-    "Each effect acts in its simplest form, which is taken to be within 2 % of what it adds (6 % on the way back). A real cause of another form can be named after the nearest one, or be 'unknown'.",
+/// What forces and effects are taken to be right to.
+fn accuracy() -> [String; 2] {
+    let percent = |share: f64| number(100.0 * share);
+    let (forth, back) = form_error_range();
+    [
+        format!(
+            "The simulated force is taken to be right to {} % along smooth shapes over depth (docs/verification.md). An error of the simulation that is larger, or not smooth, would look like an effect.",
+            percent(SIMULATED)
+        ),
+        format!(
+            "Each effect acts in its simplest form, which is taken to be within {} to {} % of what it adds ({} to {} % on the way back), by effect. A real cause of another form can be named after the nearest one, or be 'unknown'.",
+            percent(forth.0),
+            percent(forth.1),
+            percent(back.0),
+            percent(back.1)
+        ),
+    ]
+}
+
+/// What else is assumed of every experiment.
+const ASSUMPTIONS: [&str; 4] = [
     "Spots are independent of each other: what neighbouring spots share, and what the whole session shares, is not noise here but a discrepancy.",
     "Runs that agree in specimen, ball, rate, motion and cycle are taken to repeat one condition, and the declared labels (cycle, spot, clock) to be right.",
     "Intervals hold for the extended model as named. They do not contain the chance that the name is wrong.",
-    "At most three effects at once are looked for, and effects of opposite sign can cancel.",
+    "At most two effects at once are looked for, and effects of opposite sign can cancel.",
 ];
 
 fn source(evidence: &Evidence) -> String {

@@ -1,10 +1,12 @@
 //! CMA-ES and Hooke-Jeeves. Own code: the one crate of CMA-ES brings a second nalgebra and a statistics library, and there is none
 //! that is kept of Hooke and Jeeves.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
+
+use crate::infer::eigen;
 
 use super::landscape::Counted;
 
@@ -77,7 +79,7 @@ impl Cma {
     /// One generation; false when the covariance has degenerated.
     fn generation(&mut self, problem: &Counted<'_>, chance: &mut Pcg64) -> bool {
         let n = self.mean.len();
-        let eigen = SymmetricEigen::new(self.covariance.clone());
+        let Some(eigen) = eigen::symmetric(self.covariance.clone()) else { return false };
         if eigen.eigenvalues.iter().any(|value| value.is_nan() || *value <= 0.0) {
             return false;
         }

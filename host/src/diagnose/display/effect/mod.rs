@@ -117,7 +117,8 @@ pub fn play(values: &[f64], half_width: impl Fn(f64) -> f64) -> Vec<f64> {
         .iter()
         .map(|value| {
             let half = half_width(*value).max(0.0);
-            follower = follower.clamp(value - half, value + half);
+            // bounds that are no number hold nothing back
+            follower = follower.max(value - half).min(value + half);
             follower
         })
         .collect()

@@ -26,5 +26,5 @@ pub const EFFECT: Effect = Effect {
 /// Speed within the limit, mm/s.
 #[must_use]
 pub fn limited(speed_mm_s: f64, limit_mm_s: f64) -> f64 {
-    speed_mm_s.clamp(-limit_mm_s, limit_mm_s)
+    speed_mm_s.max(-limit_mm_s).min(limit_mm_s)
 }

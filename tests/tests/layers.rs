@@ -1,0 +1,111 @@
+//! What the sources may import, and that inference is written once.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Every source file of the host below a folder, without its test modules: path from `host/src`, and text.
+fn sources(below: &str) -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/src");
+    let mut files = Vec::new();
+    collect(&root.join(below), &mut files);
+    assert!(!files.is_empty(), "{below}");
+    let read = |file: PathBuf| {
+        let text = fs::read_to_string(&file).unwrap();
+        let name = file.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
+        // tests may compare with anything, and stand last
+        let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+        (name, code.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n"))
+    };
+    files.into_iter().filter(|file| !file.ends_with("tests.rs")).map(read).collect()
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+/// Code without white space, so that a line break hides nothing.
+fn plain(code: &str) -> String {
+    code.chars().filter(|c| !c.is_whitespace()).collect()
+}
+
+/// Modules of the crate that code names: what follows `crate::`, also in braces.
+fn named(code: &str) -> Vec<String> {
+    let code = plain(code);
+    let mut all = Vec::new();
+    for rest in code.split("crate::").skip(1) {
+        let list = rest.strip_prefix('{').map_or(rest, |inner| inner);
+        let several = list.len() < rest.len();
+        let mut depth = 0_i32;
+        let mut word = String::new();
+        let mut fresh = true;
+        for c in list.chars() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 0 => break,
+                '}' => depth -= 1,
+                ',' if depth == 0 && several => {
+                    all.push(std::mem::take(&mut word));
+                    fresh = true;
+                }
+                c if depth == 0 && fresh && (c.is_alphanumeric() || c == '_') => word.push(c),
+                _ if depth == 0 && !several => break,
+                _ if depth == 0 => fresh = false,
+                _ => {}
+            }
+        }
+        all.push(word);
+    }
+    all
+}
+
+#[test]
+fn imports_are_found_in_all_their_forms() {
+    let code = "use crate::{experiment::Run,\n identify::{self, Outcome}};\nlet x = crate::report::number(1.0);";
+    assert_eq!(named(code), ["experiment", "identify", "report"]);
+}
+
+/// Inference knows no physics and none of its users; neither of the generator and the diagnosis knows the other, nor does what identifies know what diagnoses.
+#[test]
+fn layers_import_what_is_below_them_only() {
+    let wrong = |below: &str, forbidden: &dyn Fn(&str) -> bool| -> Vec<String> {
+        let of = |(file, code): &(String, String)| {
+            named(code)
+                .into_iter()
+                .filter(|name| forbidden(name))
+                .map(|name| format!("{file}: {name}"))
+                .collect::<Vec<_>>()
+        };
+        sources(below).iter().flat_map(of).collect()
+    };
+    assert_eq!(wrong("infer", &|name| name != "infer"), [""; 0]);
+    assert_eq!(wrong("diagnose", &|name| name == "simulate"), [""; 0]);
+    assert_eq!(wrong("simulate", &|name| name == "diagnose"), [""; 0]);
+    assert_eq!(wrong("identify", &|name| name == "diagnose"), [""; 0]);
+    let physics =
+        sources("infer").into_iter().filter(|(_, code)| code.contains("lut_gen") || code.contains("super::super"));
+    assert_eq!(physics.map(|(file, _)| file).collect::<Vec<_>>(), [""; 0]);
+}
+
+/// Marks of a step that is damped on the diagonal of normal equations, of the root of `I + Z Z'`, and of eigenvalues without an end.
+#[test]
+fn there_is_one_optimiser_of_sums_of_squares_and_one_low_rank_step() {
+    let marks = ["(1.0+damping)", "(1.0+lambda)", ".sqrt())/x", "symmetric_eigen()", "SymmetricEigen::new("];
+    let mut found = Vec::new();
+    for (file, code) in sources("") {
+        let code = plain(&code);
+        found.extend(marks.iter().filter(|mark| code.contains(**mark)).map(|mark| format!("{file}: {mark}")));
+    }
+    found.retain(|place| !place.starts_with("infer/"));
+    assert_eq!(found, [""; 0]);
+    let kept: String = sources("infer").into_iter().map(|(_, code)| plain(&code)).collect();
+    // the marks are those of what is there: a search for what nobody writes would find nothing
+    assert!(kept.contains(marks[0]) && kept.contains(marks[2]));
+}
