@@ -129,7 +129,7 @@ pub fn by_multistart(
         ending: if search.converged() { Ending::Settled } else { Ending::OutOfSteps },
         promised: 0.0,
     };
-    let errors = StandardErrors::of(problem, &end, &noises, model_error);
+    let errors = StandardErrors::of(problem, &search.bounds, &end, &noises, model_error);
     let mut parameters = simplex_parameters(problem, &search, &point, &errors);
     parameters.extend(derived(problem, &point, &spread(&point, &errors)));
     let (objective_n, rmse_n, noise) = summary(problem.selection, &curves, &noises);
