@@ -15,7 +15,7 @@ use super::absolute::ROUNDED;
 use super::condition::Source;
 use super::coordinate::{Kind, Unknown, Values};
 use super::likelihood::{End, Z95};
-use super::problem::{MOST_RELAXING, Problem};
+use super::problem::{MOST_RELAXING, Problem, Weight};
 use super::search::{Budget, Found, Told, Visit};
 use super::setup::FIRST_ALPHA;
 use super::valley::Solved;
@@ -154,20 +154,20 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     let mut path = found.path.clone();
     let mut failures = found.failures.clone();
     let mut noises = Vec::new();
-    for _ in 0..WEIGHINGS {
-        let before: Vec<f64> = problem.weights.iter().map(|weight| weight.sigma_n).collect();
-        noises = problem.weigh_by_fit(&found.minimum.x, demand.groups, demand.stated_n);
-        let changed = problem
-            .weights
-            .iter()
-            .zip(before)
-            .any(|(weight, before)| (weight.sigma_n / before).ln().abs() > REWEIGHED.ln());
+    for round in 0..WEIGHINGS {
+        let before = problem.weights.clone();
+        let told = problem.weigh_by_fit(&found.minimum.x, demand.groups, demand.stated_n);
+        let factor = |(new, old): (&Weight, &Weight)| (new.sigma_n / old.sigma_n).ln().abs();
+        let changed = problem.weights.iter().zip(&before).map(factor).any(|change| change > REWEIGHED.ln());
+        if round > 0 && !changed {
+            // The minimum that was found is one in the weights that it was found with.
+            problem.weights = before;
+            break;
+        }
+        noises = told;
         let visited = points(&found);
         found = problem.search_again(&visited, budget, demand.told)?.after(&found);
         path.extend_from_slice(found.path.get(visited.len()..).unwrap_or_default());
-        if !changed {
-            break;
-        }
     }
     if problem.loss == Loss::Absolute {
         problem.smooth = ROUNDED * problem.spread(&found.minimum);
