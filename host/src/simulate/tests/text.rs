@@ -26,7 +26,7 @@ fn the_documentation_shows_a_specification_and_names_every_effect() {
     let error = self::spec(&format!("{WHOLE}[[effect]]\ncode = \"?\"\n")).unwrap_err();
     let codes: Vec<&str> =
         error.split("one of ").nth(1).unwrap().split(", ").map(|code| code.trim_matches('"')).collect();
-    assert_eq!(codes.len(), 24);
+    assert_eq!(codes.len(), 26);
     assert!(codes.iter().all(|code| text.contains(&format!("| `{code}` |"))), "{codes:?}");
 }
 
