@@ -83,11 +83,9 @@ fn the_base_of_beef_is_a_fit_of_it() {
         let evidence = evidence.as_ref().unwrap();
         assert!(evidence.held.is_empty(), "{material} has no explanation that holds");
         let (mut left, mut whole) = (0.0, 0.0);
-        for ((series, base), contact_mm) in
-            evidence.design.series.iter().zip(&evidence.base_curves).zip(&evidence.contacts_mm)
-        {
-            for ((node, force), slope) in series.nodes.iter().zip(&base.force_n).zip(&base.slope_n_per_mm) {
-                left += (node.force_n - force - slope * contact_mm).powi(2);
+        for (series, base) in evidence.design.series.iter().zip(&evidence.before.curves) {
+            for (node, force) in series.nodes.iter().zip(&base.force_n) {
+                left += (node.force_n - force).powi(2);
                 whole += node.force_n.powi(2);
             }
         }

@@ -176,7 +176,7 @@ fn print(found: &Diagnosis) {
     if found.is_named() {
         print_gain(found, evidence);
     } else {
-        for (name, (value, (low, high))) in ["mu_MPa", "alpha"].iter().zip(evidence.base.base()) {
+        for (name, (value, (low, high))) in ["mu_MPa", "alpha"].iter().zip(evidence.before.parameters) {
             outln!("{name:16} {:>10}  95 %: {} to {}", number(value), number(low), number(high));
         }
     }
@@ -218,7 +218,7 @@ fn print_finding(finding: &Finding) {
 /// Parameters and held-out errors, before and after.
 fn print_gain(found: &Diagnosis, evidence: &Evidence) {
     let Some(after) = found.extended() else { return };
-    let before = evidence.base.base();
+    let before = evidence.before.parameters;
     for (name, (was, is)) in ["mu_MPa", "alpha"].iter().zip(before.iter().zip(&after)) {
         let (low, high) = is.1;
         outln!("{name:16} {:>10} -> {}  95 %: {} to {}", number(was.0), number(is.0), number(low), number(high));
@@ -226,5 +226,7 @@ fn print_gain(found: &Diagnosis, evidence: &Evidence) {
     if let Some(held_out) = found.held_out() {
         let (was, is) = (held_out.rmse_before_n, held_out.rmse_after_n);
         outln!("held out, N      {:>10} -> {}  rms", number(was), number(is));
+        let (was, is) = held_out.percent_of_peak();
+        outln!("  % of the peak  {:>10} -> {}", number(was), number(is));
     }
 }

@@ -2,11 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::fit::Fit;
 use super::plan::On;
 use super::search::Explanation;
 use super::{Diagnosis, Estimate, Evidence};
-use crate::infer::unseen;
+use crate::infer::unseen::{self, Widening};
 
 /// One material's answer; keys as in the contract, `material`, `faults`, `reason` and `messages` added.
 #[must_use]
@@ -48,11 +47,13 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "faults": faults,
         "reason": diagnosis.refusal.as_ref().map(ToString::to_string),
         "held_out": held_out.map(|h| json!({
-            "rmse_N_before": h.rmse_before_n, "rmse_N_after": h.rmse_after_n, "conditions": h.conditions,
+            "rmse_N_before": h.rmse_before_n, "rmse_N_after": h.rmse_after_n,
+            "percent_of_peak_before": h.percent_of_peak().0, "percent_of_peak_after": h.percent_of_peak().1,
+            "conditions": h.conditions,
         })),
-        "base": { "parameters": evidence.map(|e| parameters(e.base.base(), e.base.base_of_noise(), &e.base)) },
+        "base": { "parameters": evidence.map(|e| parameters(e.before.parameters, e.before.of_noise, e.before.unseen.as_ref())) },
         "extended": { "parameters": evidence.zip(extended).and_then(|(e, all)| {
-            Some(parameters(all, e.extended_of_noise()?, &e.held.first()?.fit))
+            Some(parameters(all, e.extended_of_noise()?, e.held.first()?.fit.unseen.as_ref()))
         }) },
         "messages": diagnosis.messages,
         "report": report,
@@ -116,10 +117,10 @@ fn candidate(evidence: &Evidence, single: &Explanation) -> Value {
 }
 
 /// Parameters with their intervals, those of noise alone, and what widened them in a fit.
-fn parameters(all: [Estimate; 2], noise: [Estimate; 2], fit: &Fit) -> Value {
+fn parameters(all: [Estimate; 2], noise: [Estimate; 2], unseen: Option<&Widening>) -> Value {
     let one = |at: usize| {
         let ((value, (low, high)), (_, (least, most))) = (all[at], noise[at]);
-        let by = fit.unseen.as_ref().map_or_else(|| json!([]), |unseen| unseen::json(&unseen.by[at]));
+        let by = unseen.map_or_else(|| json!([]), |widened| unseen::json(&widened.by[at]));
         json!({ "value": value, "interval95": [low, high], "interval95_noise": [least, most], "widened_by": by })
     };
     json!({ "mu_MPa": one(0), "alpha": one(1) })

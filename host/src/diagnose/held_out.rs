@@ -4,20 +4,24 @@ use rayon::prelude::*;
 
 use crate::experiment::Experiment;
 
+use super::design::Series;
 use super::fit::{Fit, Problem};
+use super::plain::{Plain, Plainly};
 use super::prepared::used;
 use super::search::{self, Explanation, Search};
 use crate::infer::covariance::Factor;
 use crate::infer::lowrank::Fold;
 use crate::infer::product::inner;
 
-/// Root mean square errors over conditions that were left out of fit and choice alike.
+/// Root mean square errors over conditions that were left out of fit and choice alike, and what the verdict makes of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOut {
-    /// With the base, N.
+    /// Of the [plain best fit](Plain) of the base, N, over the samples of whole paths.
     pub rmse_before_n: f64,
-    /// With the effects, N.
+    /// The same with the effects.
     pub rmse_after_n: f64,
+    /// Largest force of the runs that were left out, N.
+    pub peak_n: f64,
     /// Minus twice the logarithm of the density that was predicted with the base, less what base and effects have in common: whitened errors, weighed by what the other
     /// conditions left open of the parameters.
     pub deviance_before: f64,
@@ -25,6 +29,15 @@ pub struct HeldOut {
     pub deviance_after: f64,
     /// Their names.
     pub conditions: Vec<String>,
+}
+
+impl HeldOut {
+    /// Errors before and after in percent of the largest force.
+    #[must_use]
+    pub fn percent_of_peak(&self) -> (f64, f64) {
+        let of = |error_n: f64| 100.0 * error_n / self.peak_n.max(f64::MIN_POSITIVE);
+        (of(self.rmse_before_n), of(self.rmse_after_n))
+    }
 }
 
 /// Leaves every group of conditions out in turn, refits the base and the rivals on the others, takes the likeliest rival there and predicts
@@ -45,7 +58,7 @@ pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) ->
             let base = problem.fit(&[], &search.base.x);
             let refits = held.iter().map(|e| problem.refit(&e.fit, &search::allowed(&problem, &e.fit)));
             let best = refits.min_by(|a, b| search::score(a).total_cmp(&search::score(b)));
-            let predicted = |s: &super::design::Series| match group {
+            let predicted = |s: &Series| match group {
                 Some(group) => s.group == *group && !s.hold_out,
                 None => s.hold_out,
             };
@@ -56,7 +69,9 @@ pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) ->
         .collect();
     let each = each?;
     let sum = |of: fn(&Each) -> f64| each.iter().map(of).sum::<f64>();
-    let count = sum(|e| e.before.count).max(1.0);
+    let count = sum(|e| e.before.samples).max(1.0);
+    let left_out = design.series.iter().filter(|s| s.hold_out == marked);
+    let peak_n = left_out.flat_map(|s| &s.nodes).map(|n| n.force_n).fold(0.0, f64::max);
     let conditions = groups.iter().map(|group| match group {
         Some(group) => design.group_name(experiment, *group),
         None => "runs marked hold_out".to_owned(),
@@ -64,6 +79,7 @@ pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) ->
     Some(HeldOut {
         rmse_before_n: (sum(|e| e.before.square_n2) / count).sqrt(),
         rmse_after_n: (sum(|e| e.after.square_n2) / count).sqrt(),
+        peak_n,
         deviance_before: sum(|e| e.before.deviance),
         deviance_after: sum(|e| e.after.deviance),
         conditions: conditions.collect(),
@@ -81,20 +97,16 @@ struct Each {
 struct Miss {
     square_n2: f64,
     deviance: f64,
-    count: f64,
+    samples: f64,
 }
 
-fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &dyn Fn(&super::design::Series) -> bool) -> Option<Miss> {
-    let forces = super::fit::predicted(problem.design, problem.chain, &fit.model, &problem.contacts_mm);
+/// Of a fit's effects: their plain best fit to the other runs in newtons, the fit itself in the noise of the verdict.
+fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &(dyn Fn(&Series) -> bool + Sync)) -> Option<Miss> {
     let own = Problem { whole: fit.model.whole.clone(), ..problem.for_rows(used_of(problem, predicted))? };
-    let mut miss = Miss { square_n2: 0.0, deviance: deviance(&own, fit), count: 0.0 };
-    for (series, force) in problem.design.series.iter().zip(&forces).filter(|(s, _)| predicted(s)) {
-        for (node, force_n) in series.nodes.iter().zip(force).filter(|(n, _)| !n.lifted) {
-            miss.square_n2 += (node.force_n - force_n).powi(2);
-            miss.count += 1.0;
-        }
-    }
-    Some(miss)
+    let plainly = Plainly { design: problem.design, chain: problem.chain, with: &fit.model };
+    let known: Plain = plainly.best_of(&|s| !s.hold_out && !predicted(s));
+    let (square_n2, samples) = plainly.left(&known, predicted);
+    Some(Miss { square_n2, deviance: deviance(&own, fit), samples })
 }
 
 /// Of errors `e` of runs whose prediction moves by `J` with parameters that are known to the inverse of `A`: normal with a covariance of `I + J inv(A) J'`.
@@ -113,8 +125,8 @@ fn deviance(own: &Problem<'_>, fit: &Fit) -> f64 {
     }
 }
 
-fn used_of(problem: &Problem<'_>, predicted: &dyn Fn(&super::design::Series) -> bool) -> Vec<bool> {
-    let of = |s: &super::design::Series| {
+fn used_of(problem: &Problem<'_>, predicted: &dyn Fn(&Series) -> bool) -> Vec<bool> {
+    let of = |s: &Series| {
         let own = predicted(s);
         s.nodes.iter().map(move |n| own && !n.lifted).collect::<Vec<_>>()
     };

@@ -20,6 +20,7 @@ pub mod margin;
 mod models;
 pub mod noise;
 mod placebo;
+pub mod plain;
 pub mod plan;
 mod prepared;
 
@@ -36,6 +37,7 @@ use std::time::Instant;
 
 use crate::experiment::Experiment;
 use crate::identify;
+use crate::infer::unseen::Widening;
 use lut_gen::chain::{Chain, LibraryError};
 
 use design::Design;
@@ -45,6 +47,7 @@ use fit::{Fit, Problem};
 use held_out::HeldOut;
 use margin::Margin;
 use noise::{Curve, Noise, Source};
+use plain::{Plain, Plainly};
 use plan::Proposal;
 use ripple::Ripple;
 use search::{Explanation, Found, Search};
@@ -119,16 +122,16 @@ pub struct Evidence {
     pub design: Design,
     /// The noise: that of the likeliest explanation that holds, or of the base where none does.
     pub noise: Noise,
-    /// The base, fitted to that noise.
+    /// The base, fitted to that noise: what explanations are compared with.
     pub base: Fit,
+    /// The base as it stands alone: its plain best fit, with intervals in a noise that was told of nothing else.
+    pub before: Stand,
+    /// The plain best fit of the likeliest explanation that holds, or of the likeliest single effect where none does; none where nothing was tried.
+    pub after: Option<Stand>,
     /// Sum of squares that the base leaves where explanations are compared: in the noise of the likeliest, whether it holds or not.
     pub compared_square: f64,
     /// Contact point of every run, mm, as the base fit sees it.
     pub contacts_mm: Vec<f64>,
-    /// What the base predicts there for every run.
-    pub base_curves: Vec<Curve>,
-    /// The same with the likeliest explanation that holds, or the likeliest single effect where none does; none where nothing was tried.
-    pub extended_curves: Option<Vec<Curve>>,
     /// What the base leaves.
     pub adequacy: Adequacy,
     /// Margins, as the readings of an [`Adequacy`] refer to them.
@@ -153,24 +156,62 @@ pub struct Evidence {
 /// A value with its 95 % interval.
 pub type Estimate = (f64, (f64, f64));
 
+/// A model as it stands: its plain best fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stand {
+    /// The fit.
+    pub plain: Plain,
+    /// `mu` (MPa) and `alpha` there, in intervals that have those of the verdict's fit.
+    pub parameters: [Estimate; 2],
+    /// The same in intervals of noise alone.
+    pub of_noise: [Estimate; 2],
+    /// What widened the intervals.
+    pub unseen: Option<Widening>,
+    /// What it predicts for every run, each at its contact point.
+    pub curves: Vec<Curve>,
+}
+
+impl Stand {
+    /// Of a model whose effects stay as they are; intervals are widened to hold where the plain fit ends.
+    fn of(design: &Design, chain: &Chain, fit: &Fit) -> Self {
+        let plainly = Plainly { design, chain, with: &fit.model };
+        let plain = plainly.best();
+        let curves = Problem::curves(design, chain, &plain.model, &plainly.contacts_of_runs(&plain));
+        let ends = [plain.model.mu_mpa, plain.model.alpha];
+        let about = |known: [Estimate; 2]| {
+            std::array::from_fn(|i| {
+                let (value, (_, (low, high))) = (ends[i], known[i]);
+                (value, (low.min(value), high.max(value)))
+            })
+        };
+        let (parameters, of_noise) = (about(fit.base()), about(fit.base_of_noise()));
+        Self { plain, parameters, of_noise, unseen: fit.unseen.clone(), curves }
+    }
+}
+
 impl Evidence {
-    /// `mu` (MPa) and `alpha` of the likeliest explanation that holds, each in an interval that has those of all that hold: which of these is true is not known.
+    /// `mu` (MPa) and `alpha` of the likeliest explanation that holds at its plain best fit, each in an interval that has those of all that hold: which of these is true is not known.
     #[must_use]
     pub fn extended(&self) -> Option<[Estimate; 2]> {
-        self.held.iter().map(|e| e.fit.base()).reduce(holding)
+        let best = self.after.as_ref().filter(|_| !self.held.is_empty())?.parameters;
+        Some(self.held.iter().map(|e| e.fit.base()).fold(best, holding))
     }
 
     /// The same with the intervals that noise alone makes.
     #[must_use]
     pub fn extended_of_noise(&self) -> Option<[Estimate; 2]> {
-        self.held.iter().map(|e| e.fit.base_of_noise()).reduce(holding)
+        let best = self.after.as_ref().filter(|_| !self.held.is_empty())?.of_noise;
+        Some(self.held.iter().map(|e| e.fit.base_of_noise()).fold(best, holding))
     }
 
     /// Sentences that say what widened the intervals of `mu` and `alpha`: of the likeliest explanation where one is named, of the base else.
     pub fn widened(&self, named: bool) -> impl Iterator<Item = String> + '_ {
-        let fit = self.held.first().filter(|_| named).map_or(&self.base, |best| &best.fit);
+        let unseen = match self.held.first().filter(|_| named) {
+            Some(best) => best.fit.unseen.as_ref(),
+            None => self.before.unseen.as_ref(),
+        };
         let each = ["mu", "alpha"].into_iter().enumerate();
-        fit.unseen.iter().flat_map(move |unseen| {
+        unseen.into_iter().flat_map(move |unseen| {
             each.clone().filter_map(|(at, name)| crate::infer::unseen::sentence(name, unseen.times(at), &unseen.by[at]))
         })
     }
@@ -377,19 +418,21 @@ impl Diagnosis {
             }
         }
         let compared_square = search.base.square;
+        let mut first = first;
+        first.base.unseen = unseen::widening(&first.problem, &first.base);
+        let before = Stand::of(&design, &chain, &first.base);
+        let after = best.map(|e| Stand::of(&design, &chain, &e.fit));
         // a noise that was told about what does not hold may leave the base anywhere
-        let (extended_curves, shown) =
-            if held.is_empty() { (curves_of(&first.problem), first) } else { (explained, search) };
-        let Search { problem, noise, mut base, curves: base_curves, adequacy, margins, .. } = shown;
-        base.unseen = unseen::widening(&problem, &base);
+        let shown = if held.is_empty() { first } else { search };
+        let Search { problem, noise, base, adequacy, margins, .. } = shown;
         self.evidence = Some(Box::new(Evidence {
             design: design.clone(),
             noise,
             base,
+            before,
+            after,
             compared_square,
             contacts_mm: problem.contacts_mm,
-            base_curves,
-            extended_curves,
             adequacy,
             margins,
             ripple,

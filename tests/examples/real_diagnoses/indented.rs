@@ -68,7 +68,7 @@ fn noise(evidence: &Evidence) -> String {
 }
 
 fn base(evidence: &Evidence) -> String {
-    let [mu, alpha] = evidence.base.base();
+    let [mu, alpha] = evidence.before.parameters;
     let nodes: usize = evidence.design.series.iter().map(|s| s.nodes.len()).sum();
     format!(
         "mu {} MPa ({} to {}), alpha {} ({} to {}); sum of squares {:.0} where {nodes} is expected",
@@ -116,9 +116,8 @@ fn drawn(title: &str, evidence: &Evidence) -> [Figure; 2] {
     let mut over_time = Figure::new("The hold", Axis::new("time since it began (s)"), Axis::new("force (N)"));
     over_time.size.1 = 260.0;
     for (at, series) in evidence.design.series.iter().enumerate() {
-        let contact_mm = evidence.contacts_mm.get(at).copied().unwrap_or(0.0);
-        let base = &evidence.base_curves[at];
-        let at_zero = |k: usize| base.force_n[k] + base.slope_n_per_mm[k] * contact_mm;
+        let base = &evidence.before.curves[at];
+        let at_zero = |k: usize| base.force_n[k];
         let nodes = || series.nodes.iter().enumerate();
         let down = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
             nodes().filter(|(_, n)| n.branch == Branch::Loading).map(|(k, n)| (n.depth_mm, value(k))).collect()

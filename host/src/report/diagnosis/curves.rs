@@ -14,7 +14,7 @@ use super::panel::{Band, Grid, Key, Panel, Row};
 /// Most plots beside each other.
 const COLUMNS: usize = 4;
 
-/// Forces and residuals of one run, all at the experiment's common contact point.
+/// Forces and residuals of one run, predictions those of plain best fits at the contact point of its spot.
 pub(super) struct Shown {
     pub depth_mm: Vec<f64>,
     pub measured_n: Vec<f64>,
@@ -28,17 +28,12 @@ impl Shown {
     /// Of the run at a place in the design.
     pub fn of(evidence: &Evidence, run: usize) -> Self {
         let series = &evidence.design.series[run];
-        let base = &evidence.base_curves[run];
-        let contact_mm = evidence.contacts_mm[run];
-        // predictions are at the run's own contact; noise is about the common one, whose scatter is part of it
-        let moved = |curve: &Curve| -> Vec<f64> {
-            curve.force_n.iter().zip(&base.slope_n_per_mm).map(|(force, slope)| force + slope * contact_mm).collect()
-        };
+        let base = &evidence.before.curves[run];
         Self {
             depth_mm: series.nodes.iter().map(|n| n.depth_mm).collect(),
             measured_n: series.nodes.iter().map(|n| n.force_n).collect(),
-            base_n: moved(base),
-            extended_n: evidence.extended_curves.as_ref().map(|all| moved(&all[run])),
+            base_n: base.force_n.clone(),
+            extended_n: evidence.after.as_ref().map(|after| after.curves[run].force_n.clone()),
             sigma_n: sigma(evidence, series, base),
         }
     }
@@ -90,7 +85,7 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
         }
     ));
     // said once, under the first figure
-    let mut caption = "Loading runs to the right, a hold is the upright piece at its end, unloading runs back. Depth is as recorded; the predictions are at the contact point that all runs share.";
+    let mut caption = "Loading runs to the right, a hold is the upright piece at its end, unloading runs back. Depth is as recorded; the predictions are plain best fits, each at the contact point of its spot.";
     for place in places(evidence) {
         let runs = runs(evidence, place);
         for part in runs.chunks(COLUMNS) {

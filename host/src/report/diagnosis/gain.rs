@@ -55,18 +55,24 @@ fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
         vec![name.to_owned(), number(before), number(after), change(before, after)]
     };
     let error_n = (held_out.rmse_before_n, held_out.rmse_after_n);
+    let share = held_out.percent_of_peak();
     let weighed = (held_out.deviance_before, held_out.deviance_after);
     page.table(
         &["", "base", "extended", "change"],
-        &[row("error, root mean square (N)", error_n), row("log score, times -2", weighed)],
+        &[
+            row("error, root mean square (N)", error_n),
+            row("the same, % of the largest force", share),
+            row("log score, times -2", weighed),
+        ],
     );
     page.paragraph(&format!(
         "Each of these was left out in turn; base and rivals were fitted to the others, the likeliest rival there was taken, and the left-out one predicted: {}. \
-         The scatter of contact point and gain from spot to spot is in both errors; the second row knows how large it is, and how well the others told the parameters, and decides.",
+         The errors are those of plain best fits: least squares of mu, alpha and a contact point for every spot to all samples of the other conditions, way down, hold and way back, the contact points of the left-out runs at their best. \
+         The log score is of the verdict's own fits; it knows how spots scatter and how well the others told the parameters, and decides.",
         held_out.conditions.join(", ")
     ));
     if found.verdict != Verdict::Unknown && error_n.1 >= error_n.0 {
-        page.warning("The error in newton did not fall: what the extension gains lies below the scatter between spots, or the contact points, which are those of the base fit, hide it.");
+        page.warning("The error in newton did not fall: what the extension gains lies below the scatter between spots, or another contact point, modulus and exponent do as well.");
     }
     if found.verdict == Verdict::Unknown && weighed.1 >= weighed.0 {
         page.warning("The explanation predicted left-out conditions no better than the base: its name was withdrawn.");
@@ -78,7 +84,7 @@ fn with_interval((value, (low, high)): Estimate) -> String {
 }
 
 fn base(page: &mut Page, evidence: &Evidence) {
-    let (was, is) = (evidence.base.base(), evidence.extended());
+    let (was, is) = (evidence.before.parameters, evidence.extended());
     let rows: Vec<Vec<String>> = ["mu (MPa)", "alpha"]
         .iter()
         .enumerate()

@@ -16,7 +16,8 @@ use crate::diagnose::held_out::HeldOut;
 use crate::diagnose::jitter::Posterior;
 use crate::diagnose::margin::{Margin, Variable};
 use crate::diagnose::noise::{Curve, Jitter, Noise, SensorNoise, Source};
-use crate::diagnose::{Evidence, Finding};
+use crate::diagnose::plain::Plain;
+use crate::diagnose::{Evidence, Finding, Stand};
 use crate::experiment::{Base, BaseLaw, Indenter, Length, Sensor, Specimen};
 
 fn experiment() -> Experiment {
@@ -152,6 +153,12 @@ fn explanation(code: &str, square: f64) -> Explanation {
     }
 }
 
+fn stand(curves: Vec<Curve>) -> Stand {
+    let parameters = [(0.22, (0.21, 0.23)), (10.5, (10.0, 11.0))];
+    let plain = Plain { model: Model::base(0.22, 10.5), contacts_mm: vec![0.0; 2], rmse_n: 0.1 };
+    Stand { plain, parameters, of_noise: parameters, unseen: None, curves }
+}
+
 fn evidence(held: Vec<Explanation>) -> Evidence {
     let curve = |s: &Series| Curve {
         force_n: s.nodes.iter().map(|n| n.depth_mm.powf(1.5)).collect(),
@@ -192,8 +199,8 @@ fn evidence(held: Vec<Explanation>) -> Evidence {
         base: fit(Vec::new(), 1018.0),
         compared_square: 1018.0,
         contacts_mm: vec![0.01, -0.01],
-        extended_curves: (!held.is_empty()).then(|| curves.clone()),
-        base_curves: curves,
+        after: (!held.is_empty()).then(|| stand(curves.clone())),
+        before: stand(curves),
         adequacy,
         margins: vec![margin(Variable::HoldTime, "hold, 0 to 25 %"), margin(Variable::Radius, "ball 1, 0 to 33 %")],
         ripple: None,
@@ -203,6 +210,7 @@ fn evidence(held: Vec<Explanation>) -> Evidence {
         held_out: (!held.is_empty()).then_some(HeldOut {
             rmse_before_n: 0.1,
             rmse_after_n: 0.02,
+            peak_n: 2.0,
             deviance_before: 500.0,
             deviance_after: 20.0,
             conditions,
