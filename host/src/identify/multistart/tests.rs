@@ -26,6 +26,10 @@ fn found(experiment: &Experiment, spec: &FitSpec) -> Identification {
     identify(experiment, spec, &|_, _, _| {}).unwrap().remove(0)
 }
 
+/// Share that a fit's parameters may be off beyond noise: it spreads the touch of the faces over two samples, here 0.16 mm, which stiffens mu by a hundredth; with samples four times
+/// as dense by half of that.
+const TOUCH: f64 = 0.02;
+
 /// Both methods, and what each says of every parameter of the truth.
 fn agree(experiment: &Experiment, spec: &FitSpec, truth: &[(&str, f64)]) -> Identification {
     let newton = found(experiment, spec);
@@ -46,7 +50,8 @@ fn agree(experiment: &Experiment, spec: &FitSpec, truth: &[(&str, f64)]) -> Iden
             let interval = one.interval95;
             assert!((interval.low..=interval.high).contains(&other.value), "{name}: {other:?} outside of {one:?}");
         }
-        assert!((a.interval95.low..=a.interval95.high).contains(value), "{name}: {value} outside of {a:?}");
+        let (low, high) = (a.interval95.low * (1.0 - TOUCH), a.interval95.high * (1.0 + TOUCH));
+        assert!((low..=high).contains(value), "{name}: {value} outside of {a:?}");
     }
     simplex
 }
