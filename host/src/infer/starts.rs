@@ -6,7 +6,7 @@ use super::descent::{Descent, Objective, Region, Rule, minimise};
 
 /// Points of a box that fill it evenly: Sobol's sequence with the direction numbers of Joe and Kuo 2008 (doi:10.1137/070709359), the corner 0 left out.
 ///
-/// A larger design continues a smaller one. Past [`SOBOL`]'s dimensions a coordinate goes by multiples of a surd.
+/// A larger design continues a smaller one. Past its table's ten dimensions a coordinate goes by multiples of a surd.
 #[must_use]
 pub fn filling(region: &Region, count: usize) -> Vec<Vec<f64>> {
     let axes: Vec<Vec<f64>> = (0..region.low.len()).map(|axis| along(axis, count)).collect();
