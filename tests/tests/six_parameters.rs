@@ -20,8 +20,15 @@ fn six_parameters_of_one_recording() {
     }
     println!("{} solves, {:.1} s", found.fe_solves, found.seconds);
     assert_eq!(parameters.len(), 6);
+    // Of five true 95 % intervals one misses in every fourth recording; it then lies near.
+    let missed: Vec<_> = parameters.iter().filter(|p| !p.holds() && p.name != "k").collect();
+    assert!(missed.len() <= 1, "{missed:?}");
+    for p in missed {
+        let (low, high) = p.interval;
+        let off = (low - p.truth).max(p.truth - high);
+        assert!(off < 0.2 * (high - low), "{p:?}");
+    }
     for p in &parameters {
-        assert!(p.holds() || p.name == "k", "{p:?}");
         let identified = ["mu_MPa", "alpha", "g", "tau_s"].contains(&p.name);
         // An interval that held anything would prove nothing.
         assert!(!identified || p.interval.1 / p.interval.0 < 2.0, "{p:?}");
