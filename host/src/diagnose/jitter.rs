@@ -174,7 +174,7 @@ impl Amounts {
         let factor = sensor.factor(nodes, &curve.force_n)?;
         let residual = DVector::from_fn(nodes.len(), |k, _| nodes[k].force_n - curve.force_n[k]);
         let y = factor.whitened(residual);
-        let x = factor.whitened(curve.shapes());
+        let x = factor.whitened(curve.shapes(&design.smooth_n(series)));
         let normal: Matrix3<f64> = x.tr_mul(&x).fixed_view::<3, 3>(0, 0).into_owned();
         let variance = normal.try_inverse()?;
         let right: Vector3<f64> = x.tr_mul(&y).fixed_rows::<3>(0).into_owned();

@@ -96,11 +96,12 @@ impl Whitening {
             let mut row = 0;
             for (at, &s) in members.iter().enumerate() {
                 let curve = &curves[s];
+                let smooth_n = design.smooth_n(s);
                 for (k, node) in design.series[s].nodes.iter().enumerate() {
                     // what is not compared says nothing of the spot
                     if !node.lifted {
                         jitter[(row, 0)] = -noise.jitter.contact_mm * curve.slope_n_per_mm[k];
-                        jitter[(row, 1)] = noise.jitter.gain * curve.force_n[k];
+                        jitter[(row, 1)] = noise.jitter.gain * smooth_n[k];
                         jitter[(row, 2 + at)] = noise.jitter.zero_n;
                     }
                     row += 1;

@@ -51,7 +51,7 @@ impl Widening {
         // one amount's part of the variance, correlations with the others shared evenly
         let part = |i: usize, k: usize| spread[(i, k)] * moved[(i, k)];
         let added: Vec<f64> = (0..count).map(|i| (0..unseen.len()).map(|k| part(i, k)).sum::<f64>().max(0.0)).collect();
-        let by = (0..count).map(|i| shares(unseen, |k| part(i, k), added[i] + noise[(i, i)])).collect();
+        let by = (0..count).map(|i| shares(unseen, |k| part(i, k), added[i] / (added[i] + noise[(i, i)]))).collect();
         let finite = added.iter().chain(shift.iter()).all(|v| v.is_finite());
         finite.then(|| Self {
             added,
@@ -101,16 +101,19 @@ pub fn sentence(parameter: &str, times: f64, by: &[(&'static str, f64)]) -> Opti
     ))
 }
 
-/// Parts of a variance by meaning, those that add to it, the largest first.
-fn shares(unseen: &LowRank, part: impl Fn(usize) -> f64, whole: f64) -> Vec<(&'static str, f64)> {
+/// Parts of a variance by meaning, those that add to it, the largest first. Two amounts that pull against each other have parts beyond the whole: all are scaled to
+/// `share`, what unseen amounts have of it.
+fn shares(unseen: &LowRank, part: impl Fn(usize) -> f64, share: f64) -> Vec<(&'static str, f64)> {
     let mut sums: Vec<(&'static str, f64)> = Vec::new();
     for (k, meaning) in unseen.meanings().iter().enumerate() {
         match sums.iter_mut().find(|(known, _)| known == meaning) {
-            Some((_, sum)) => *sum += part(k) / whole,
-            None => sums.push((meaning, part(k) / whole)),
+            Some((_, sum)) => *sum += part(k),
+            None => sums.push((meaning, part(k))),
         }
     }
-    sums.retain(|(_, share)| *share > 0.0);
+    sums.retain(|(_, part)| *part > 0.0);
+    let whole: f64 = sums.iter().map(|(_, part)| part).sum();
+    sums.iter_mut().for_each(|(_, part)| *part *= share / whole);
     sums.sort_by(|a, b| b.1.total_cmp(&a.1));
     sums
 }
@@ -147,7 +150,8 @@ mod tests {
             assert!((schur[(i, i)] - exact[(i, i)]).abs() < 1e-12);
             assert!((found.shift[i] - shift[i]).abs() < 1e-12, "{} {}", found.shift[i], shift[i]);
             let told: f64 = found.by[i].iter().map(|(_, share)| share).sum();
-            assert!(told <= 1.0 + 1e-12 && found.times(i) >= 1.0);
+            let share = found.added[i] / (found.added[i] + found.noise[i]);
+            assert!((told - share).abs() < 1e-12 && found.times(i) >= 1.0);
         }
     }
 

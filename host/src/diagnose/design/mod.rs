@@ -99,6 +99,18 @@ impl Design {
         self.series.iter().flat_map(|s| &s.nodes).map(|n| n.force_n).fold(0.0, f64::max)
     }
 
+    /// A smooth curve through the force of a run at its nodes, N: the mean of all repeats of its condition, 0 where they pull.
+    ///
+    /// Gains scale with it. Where they scale with a fit instead, a softer fit has the smaller errors, and so the better likelihood (Peelle's puzzle).
+    #[must_use]
+    pub fn smooth_n(&self, series: usize) -> Vec<f64> {
+        let own = &self.series[series];
+        let alike = |other: &&Series| other.condition == own.condition && other.nodes.len() == own.nodes.len();
+        let repeats: Vec<&Series> = self.series.iter().filter(alike).collect();
+        let mean = |k: usize| repeats.iter().map(|run| run.nodes[k].force_n).sum::<f64>() / repeats.len() as f64;
+        (0..own.nodes.len()).map(|k| mean(k).max(0.0)).collect()
+    }
+
     /// Sizes that the amounts of an effect are in proportion to, of the ball or specimen that it belongs to; without one, of the largest.
     #[must_use]
     pub fn sizes(&self, effect: &Effect, owner: Option<usize>) -> Sizes {

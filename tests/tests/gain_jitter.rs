@@ -1,0 +1,55 @@
+//! How much the gain is thought to scatter from spot to spot is a prior, and no evidence of the modulus (Peelle's puzzle).
+#![allow(clippy::unwrap_used)]
+use std::path::Path;
+
+use lut_gen::chain::Chain;
+use lut_gen::effect::relaxation;
+use lut_gen::law::PronyTerm;
+use palpate::diagnose::coordinate::Candidate;
+use palpate::diagnose::design::Design;
+use palpate::diagnose::fit::{Fit, Problem};
+use palpate::diagnose::search::Search;
+use palpate::diagnose::whiten::Whitening;
+use palpate::diagnose::{Models, Prepared};
+use palpate::infer::covariance::covariance;
+use palpate::simulate::{EXAMPLE, Effect, Solver, parse, simulate};
+
+/// Largest move of the logarithm of the modulus, in the smaller of two standard errors.
+const MOST: f64 = 0.2;
+
+/// Logarithm of the modulus with its standard error.
+fn modulus(fit: &Fit) -> (f64, f64) {
+    (fit.x[0], covariance(&fit.information).unwrap()[(0, 0)].sqrt())
+}
+
+fn moved((one, its): (f64, f64), (other, error): (f64, f64)) -> f64 {
+    (one - other).abs() / its.min(error)
+}
+
+/// Data without an effect, fitted with the base, and data with relaxation of three sizes, fitted with relaxation.
+#[test]
+fn twice_the_jitter_of_the_gain_moves_no_modulus() {
+    let models = Models::kept();
+    for g in [0.0, 0.02, 0.1, 0.3] {
+        let mut spec = parse(Path::new("example.toml"), EXAMPLE).unwrap();
+        spec.effects = if g > 0.0 { vec![Effect::Relaxation(vec![PronyTerm::alike(g, 1.0)])] } else { Vec::new() };
+        let experiment = simulate(&spec, &Solver::default(), &|_, _, _| {}).unwrap().experiment();
+        let design = Design::of(&experiment, &experiment.specimens[0].material).unwrap();
+        let library = models.of(&design.geometries, &|_, _| {}).unwrap();
+        let chain = Chain { library, passages: design.passages() };
+        let prepared = Prepared::new(&design, &chain, experiment.sensor.noise_n).unwrap();
+        let search = Search::new(prepared, vec![Candidate { effect: &relaxation::ONE, owner: 0 }]);
+        let fit = if g > 0.0 { search.singles().remove(0).fit } else { search.base.clone() };
+        let jittered = |times: f64| {
+            let mut noise = search.noise.clone();
+            noise.jitter.gain *= times;
+            let whitening = Whitening::new(&design, &search.curves, &noise).unwrap();
+            let whitening = whitening.for_rows(&search.problem.used).unwrap();
+            let problem = Problem { whitening, ..search.problem.clone() };
+            modulus(&problem.fit(&fit.candidates, &fit.x))
+        };
+        let by = moved(jittered(1.0), jittered(2.0));
+        println!("relaxation {g}: twice the jitter of {} moves the modulus by {by:.3}", search.noise.jitter.gain);
+        assert!(by < MOST, "relaxation {g}: {by}");
+    }
+}
