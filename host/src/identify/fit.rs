@@ -186,8 +186,8 @@ fn simplex_parameters(
                 name: unknown.name.clone(),
                 range: high - low,
                 interval: ends[axis].1 - ends[axis].0,
-                // what stands on a bound may lie anywhere beyond it
-                open: !errors.noise[axis].is_finite(),
+                open_low: !errors.noise[axis].is_finite(),
+                open_high: !errors.noise[axis].is_finite(),
                 at_bound: on_bound(axis),
                 logarithmic: unknown.is_logarithmic(),
             }

@@ -48,7 +48,7 @@ pub enum Outcome {
     TooFewPoints,
     /// Force never rises above its noise.
     NoContact,
-    /// The best alpha lies at the edge of what the model covers.
+    /// The best alpha lies at the edge of what the model covers, or no alpha that the engine is tested at explains the data.
     OutsideGrid,
     /// All samples lie deeper than the model reaches.
     DeeperThanTable,
@@ -222,7 +222,9 @@ impl Identification {
         let search = multistart::search(&mut problem, Effort::of(spec.most_solves), &told);
         let search = search.map_err(|cause| ModelError::Solve { what: self.material.clone(), cause })?;
         let solves = problem.solves();
-        let outside = search.starts.first().is_some_and(|best| is_outside(&problem.unknowns, &best.descent.point));
+        let end = search.starts.first().map(|best| best.descent.point.clone()).unwrap_or_default();
+        let spans: Vec<(f64, f64)> = end.iter().map(|x| (*x, *x)).collect();
+        let outside = Tested::all(&problem.unknowns, &end, &spans).iter().any(|one| one.outside);
         let fit = fit::by_multistart(&mut problem, search, &groups, experiment.sensor.noise_n);
         self.fe_solves = solves;
         let Some(fit) = fit else {
@@ -257,7 +259,10 @@ impl Identification {
         };
         let outcome = newton::fit::fit(&mut problem, &demand);
         let found = outcome.map_err(|cause| ModelError::Solve { what: self.material.clone(), cause })?;
-        let outside = is_outside(&problem.unknowns, &found.minimum.x);
+        let spans: Vec<(f64, f64)> = found.spans.iter().map(|span| (span.low, span.high)).collect();
+        let tested = Tested::all(&problem.unknowns, &found.minimum.x, &spans);
+        let outside = tested.iter().any(|one| one.outside);
+        let reaching = tested.into_iter().filter_map(|one| one.told).collect::<Vec<_>>();
         let solves = problem.solves();
         let expected = found.expected_within;
         let fit = fit::by_newton(&problem, found);
@@ -265,6 +270,7 @@ impl Identification {
         self.outcome = if outside { Outcome::OutsideGrid } else { Outcome::Fitted };
         self.fe_solves = solves;
         self.direct_check = expected.is_finite().then_some(expected);
+        self.messages.extend(reaching);
         self.messages.extend(messages);
         self.fit = Some(fit);
         Ok(())
@@ -310,15 +316,37 @@ fn outcome_without_fit(selection: &Selection) -> Outcome {
     }
 }
 
-/// Exponents the engine is tested at; a fit that ends elsewhere is outside.
+/// Exponents the engine is tested at.
 const TESTED_ALPHA: (f64, f64) = (1.0, 24.0);
 
-/// True where an exponent was found that the engine is not tested at.
-fn is_outside(unknowns: &[Unknown], point: &[f64]) -> bool {
-    let outside = |(unknown, x): (&Unknown, &f64)| {
-        matches!(unknown.kind, Kind::Alpha(_)) && !(TESTED_ALPHA.0..=TESTED_ALPHA.1).contains(&unknown.value(*x))
-    };
-    unknowns.iter().zip(point).any(outside)
+/// Where an exponent lies beside those the engine is tested at.
+struct Tested {
+    /// It stands on a bound of its search, or no tested exponent explains the data.
+    outside: bool,
+    /// What the reader should know where only part of it is outside.
+    told: Option<String>,
+}
+
+impl Tested {
+    /// Of every exponent among the unknowns.
+    fn all(unknowns: &[Unknown], point: &[f64], spans: &[(f64, f64)]) -> Vec<Self> {
+        let each = unknowns.iter().zip(point.iter().zip(spans));
+        let exponents = each.filter(|(unknown, _)| matches!(unknown.kind, Kind::Alpha(_)));
+        exponents.map(|(unknown, (x, span))| Self::of(unknown, *x, *span)).collect()
+    }
+
+    fn of(unknown: &Unknown, x: f64, (low, high): (f64, f64)) -> Self {
+        let (low, high) = (unknown.value(low), unknown.value(high));
+        let outside = high < TESTED_ALPHA.0 || low > TESTED_ALPHA.1 || unknown.stands_on_bound(x);
+        let reaches = low < TESTED_ALPHA.0 || high > TESTED_ALPHA.1;
+        let told = (reaches && !outside).then(|| {
+            format!(
+                "the interval of {} reaches beyond the exponents that the engine is tested at, {} to {}",
+                unknown.name, TESTED_ALPHA.0, TESTED_ALPHA.1
+            )
+        });
+        Self { outside, told }
+    }
 }
 
 fn assumptions(experiment: &Experiment, selection: &Selection, material: &str, spec: &FitSpec) -> Vec<String> {

@@ -1,6 +1,8 @@
 //! One condition: a specimen under a ball or between faces at a rate, with a hold or without, shared by the runs that
 //! repeat it.
 
+use std::sync::Arc;
+
 use lut_gen::contact::Ball;
 use lut_gen::law::Parameter;
 use lut_gen::model::{ForceModel, Press, RAMP_NODES, Resolution, Simulation, Specimen};
@@ -8,8 +10,11 @@ use lut_gen::solve::{Motion, SolveError};
 
 use crate::identify::grip::Grip;
 
+use super::bulk::Bulk;
 use super::coordinate::{Kind, Scope, Unknown, Values};
+use super::reference::Reference;
 use super::surrogate::{Node, Surrogate};
+use super::table::Table;
 use super::track::Track;
 
 /// Where the forces of a condition come from.
@@ -19,6 +24,8 @@ pub enum Source {
     Solves(Resolution),
     /// A continuous force model made before; for a one-term Hyperfoam at one height.
     Model(Box<ForceModel>),
+    /// Solves of this very condition made before, joined.
+    Table(Arc<Table>),
 }
 
 /// A forward problem.
@@ -81,7 +88,18 @@ impl Condition {
             let (low, high) = u.bounds();
             (high - low).max(f64::MIN_POSITIVE)
         };
-        self.surrogate = Surrogate::new(locals.iter().map(width).collect());
+        let surrogate = Surrogate::new(locals.iter().map(width).collect());
+        let kinds: Vec<Kind> = locals.iter().map(|(_, u)| u.kind).collect();
+        self.surrogate = surrogate.knowing(self.reference(&kinds), bulk(&kinds));
+    }
+
+    /// What is known of relaxation under a ball beforehand.
+    fn reference(&self, kinds: &[Kind]) -> Option<Reference> {
+        let place = |kind: Kind| kinds.iter().position(|own| *own == kind);
+        let terms: Vec<_> = (0..).map_while(|i| Some((place(Kind::G(i))?, place(Kind::Tau(i))?))).collect();
+        let known = self.grip.indenter().is_some() && !terms.is_empty();
+        let Self { depth_mm, rate_mm_s, hold_s, .. } = *self;
+        known.then_some(Reference { terms, depth_mm, rate_mm_s, hold_s })
     }
 
     /// Forgets what was solved.
@@ -141,6 +159,7 @@ impl Condition {
         let values = self.values(base, unknowns, point);
         match &self.source {
             Source::Model(model) => Ok((self.modelled(model, &values, x), 0.0)),
+            Source::Table(table) => Ok((table.node(&x)?, 0.0)),
             Source::Solves(resolution) => {
                 let chains: Vec<Vec<(Parameter, f64)>> =
                     self.locals.iter().map(|&at| values.chain(&unknowns[at], unknowns[at].value(point[at]))).collect();
@@ -191,6 +210,14 @@ impl Condition {
         let by = x.iter().map(|_| gradients.iter().map(|(_, g)| values.alpha[0] * g.d_alpha / g.force_n).collect());
         Node { by: by.collect(), value, x }
     }
+}
+
+/// The places of what decides the bulk, if it is free.
+fn bulk(kinds: &[Kind]) -> Option<Bulk> {
+    let place = |kind: Kind| kinds.iter().position(|own| *own == kind);
+    let compressibility = place(Kind::Compressibility)?;
+    let relaxing = place(Kind::G(0)).zip(place(Kind::K(0))).filter(|_| place(Kind::G(1)).is_none());
+    Some(Bulk { compressibility, relaxing })
 }
 
 fn node(press: &Press, wanted: &[Parameter], chains: &[Vec<(Parameter, f64)>], x: Vec<f64>) -> Node {

@@ -254,16 +254,16 @@ fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
 fn judged(unknowns: &[Unknown], spans: &[Span], x: &[f64]) -> Vec<Judged> {
     unknowns
         .iter()
-        .zip(spans)
-        .zip(x)
-        .map(|((unknown, span), x)| {
+        .zip(spans.iter().zip(x))
+        .map(|(unknown, (span, &x))| {
             let (low, high) = unknown.bounds();
             Judged {
                 name: unknown.name.clone(),
                 range: high - low,
                 interval: span.high - span.low,
-                open: span.open_low && span.open_high,
-                at_bound: unknown.stands_on_bound(*x),
+                open_low: span.open_low,
+                open_high: span.open_high,
+                at_bound: unknown.stands_on_bound(x),
                 logarithmic: unknown.is_logarithmic(),
             }
         })
@@ -317,6 +317,7 @@ impl super::condition::Condition {
             Source::Solves(_) if self.is_homogeneous() => 0.0,
             Source::Solves(_) => MESH_ERROR.max(self.scatter),
             Source::Model(model) => model.error().total(),
+            Source::Table(table) => table.error,
         }
     }
 }
@@ -388,7 +389,8 @@ impl Problem<'_> {
         let tracks = self.tracks(point);
         let mut moved = false;
         for (at, track) in tracks.iter().enumerate() {
-            if self.conditions[at].hold_s <= 0.0 {
+            // A table is that of its own depth.
+            if self.conditions[at].hold_s <= 0.0 || matches!(self.conditions[at].source, Source::Table(_)) {
                 continue;
             }
             let of_condition: Vec<usize> = self.fitted().filter(|curve| self.condition_of[*curve] == at).collect();

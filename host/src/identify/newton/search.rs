@@ -142,6 +142,7 @@ impl Problem<'_> {
                 Err(cause) => first = first.and(Err(cause)),
             }
         }
+        self.conditions.iter_mut().for_each(|condition| condition.surrogate.settle());
         first
     }
 

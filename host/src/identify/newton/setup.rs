@@ -59,6 +59,10 @@ pub fn problem<'a>(
     for condition in &mut conditions {
         condition.attach(&unknowns);
         condition.source = source(condition);
+        if let Source::Table(table) = &condition.source {
+            (condition.depth_mm, condition.hold_s) = (table.depth_mm, table.hold_s);
+            condition.attach(&unknowns);
+        }
     }
     let base = Values {
         law,

@@ -3,6 +3,12 @@
 //! Every function here has the values and slopes of the finite elements at every solved point. A Gauss-Newton step on it
 //! is therefore one on the finite elements, only better informed the more has been solved nearby.
 
+use std::sync::OnceLock;
+
+use super::bulk::Bulk;
+use super::kriging::{Known, Kriging};
+use super::reference::Reference;
+
 /// A solved point: coordinates, values, and the values' derivatives by each coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
@@ -15,12 +21,22 @@ pub struct Node {
 }
 
 /// Solved points of one condition.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Surrogate {
     /// Length of each coordinate's range: the unit of distances.
     pub widths: Vec<f64>,
+    /// What is taken out of the values before they are joined, and added again.
+    reference: Option<Reference>,
+    /// Coordinates in which they are joined.
+    bulk: Option<Bulk>,
     nodes: Vec<Node>,
+    joined: OnceLock<Option<Kriging>>,
+    /// Correlation lengths, and the number of points they were found from.
+    lengths: Option<(Vec<f64>, usize)>,
 }
+
+/// Correlation lengths are sought again when there are this many times more points.
+const MORE: f64 = 1.3;
 
 /// Two points nearer than this share of the range are one: the solves would differ by less than their own error.
 const SAME: f64 = 1e-7;
@@ -29,7 +45,19 @@ impl Surrogate {
     /// Nothing solved yet.
     #[must_use]
     pub fn new(widths: Vec<f64>) -> Self {
-        Self { widths, nodes: Vec::new() }
+        Self { widths, ..Self::default() }
+    }
+
+    /// The same with what is known of the values beforehand.
+    #[must_use]
+    pub fn knowing(self, reference: Option<Reference>, bulk: Option<Bulk>) -> Self {
+        Self { reference, bulk, ..self }
+    }
+
+    /// The same coordinates, with nothing solved.
+    #[must_use]
+    pub fn forgotten(&self) -> Self {
+        Self::new(self.widths.clone()).knowing(self.reference.clone(), self.bulk)
     }
 
     /// True when there is a solve at this point.
@@ -54,6 +82,10 @@ impl Surrogate {
     pub fn learn(&mut self, node: Node) {
         if !self.knows(&node.x) {
             self.nodes.push(node);
+            if let Some(Some(kriging)) = self.joined.take() {
+                let from = self.lengths.as_ref().map_or(0, |(_, from)| *from);
+                self.lengths = Some((kriging.lengths, from));
+            }
             if self.widths.len() == 1 {
                 self.nodes.sort_by(|a, b| a.x[0].total_cmp(&b.x[0]));
             }
@@ -64,34 +96,72 @@ impl Surrogate {
         a.iter().zip(b).zip(&self.widths).map(|((a, b), width)| ((a - b) / width).powi(2)).sum()
     }
 
-    /// Values at a point; empty before the first solve.
-    #[must_use]
-    pub fn at(&self, x: &[f64]) -> Vec<f64> {
-        match (self.nodes.as_slice(), x) {
-            ([], _) => Vec::new(),
-            ([one], _) => taylor(one, x),
-            (nodes, [along]) => hermite(nodes, *along),
-            (nodes, _) => self.blended(nodes, x),
+    /// To be called when solves were added: the correlation lengths are sought again where there are many more than before.
+    pub fn settle(&mut self) {
+        let count = self.nodes.len();
+        let due = self.lengths.as_ref().is_none_or(|(_, from)| count as f64 >= MORE * *from as f64);
+        if self.widths.len() > 1 && count > 1 && due {
+            let found = self.join(true);
+            self.lengths = found.as_ref().map(|kriging| (kriging.lengths.clone(), count));
+            self.joined = OnceLock::from(found);
         }
     }
 
-    /// Taylor expansions of all points, weighted by distance to the power of -4: with even powers the weights' own slopes vanish at
-    /// every point (Shepard 1968, doi:10.1145/800186.810616).
-    fn blended(&self, nodes: &[Node], x: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; nodes[0].value.len()];
-        let mut weights = 0.0;
-        for node in nodes {
-            let distance2 = self.distance2(&node.x, x);
-            if distance2 < SAME * SAME {
-                return taylor(node, x);
+    /// Values at a point; empty before the first solve.
+    #[must_use]
+    pub fn at(&self, x: &[f64]) -> Vec<f64> {
+        let mut value = match (self.nodes.as_slice(), x) {
+            ([], _) => return Vec::new(),
+            (nodes, [along]) if nodes.len() > 1 => return hermite(nodes, *along),
+            ([one], _) => {
+                let one = self.known(one);
+                taylor(&Node { x: one.x, value: one.value, by: one.by }, &self.place(x))
             }
-            let weight = distance2.powi(-2);
-            weights += weight;
-            sum.iter_mut().zip(taylor(node, x)).for_each(|(s, t)| *s += weight * t);
+            (nodes, _) => match self.joined.get_or_init(|| self.join(false)) {
+                Some(kriging) => kriging.at(&self.place(x)),
+                None => return nearest(nodes, |node| self.distance2(&node.x, x)).map_or(Vec::new(), |n| taylor(n, x)),
+            },
+        };
+        if let Some(reference) = &self.reference {
+            value.iter_mut().zip(reference.at(x).0).for_each(|(v, r)| *v += r);
         }
-        sum.iter_mut().for_each(|s| *s /= weights);
-        sum
+        value
     }
+
+    fn join(&self, seek: bool) -> Option<Kriging> {
+        let known: Vec<Known> = self.nodes.iter().map(|node| self.known(node)).collect();
+        let mut widths = self.widths.clone();
+        if let Some(bulk) = &self.bulk {
+            bulk.stretch(&mut widths);
+        }
+        Kriging::through(&known, &widths, self.lengths.as_ref().map(|(lengths, _)| lengths.as_slice()), seek)
+    }
+
+    fn place(&self, x: &[f64]) -> Vec<f64> {
+        self.bulk.as_ref().map_or_else(|| x.to_vec(), |bulk| bulk.place(x))
+    }
+
+    /// A solve without the reference, in the coordinates in which solves are joined.
+    fn known(&self, node: &Node) -> Known {
+        let (mut value, mut by) = (node.value.clone(), node.by.clone());
+        if let Some(reference) = &self.reference {
+            let (known, slopes) = reference.at(&node.x);
+            let less = |from: &mut Vec<f64>, what: &[f64]| from.iter_mut().zip(what).for_each(|(f, w)| *f -= w);
+            less(&mut value, &known);
+            for ((g, tau), (by_g, by_tau)) in reference.terms.iter().zip(&slopes) {
+                less(&mut by[*g], by_g);
+                less(&mut by[*tau], by_tau);
+            }
+        }
+        if let Some(bulk) = &self.bulk {
+            bulk.turn(&node.x, &mut by);
+        }
+        Known { x: self.place(&node.x), value, by }
+    }
+}
+
+fn nearest(nodes: &[Node], distance2: impl Fn(&Node) -> f64) -> Option<&Node> {
+    nodes.iter().min_by(|a, b| distance2(a).total_cmp(&distance2(b)))
 }
 
 fn taylor(node: &Node, x: &[f64]) -> Vec<f64> {
@@ -148,7 +218,8 @@ mod tests {
                     };
                     let (low, high) = (moved(-h), moved(h));
                     for i in 0..2 {
-                        assert!((surrogate.at(x)[i] - exact.value[i]).abs() < 1e-12);
+                        // The nugget is 1e-10 of the scatter.
+                        assert!((surrogate.at(x)[i] - exact.value[i]).abs() < 1e-8);
                         assert!(((high[i] - low[i]) / (2.0 * h) - by[i]).abs() < 1e-5, "{x:?} {axis} {i}");
                     }
                 }

@@ -7,7 +7,7 @@ use crate::infer::covariance::covariance;
 /// What can be said of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// Its interval is closed and narrow against what it could be.
+    /// Its interval is closed by the data on both sides, and narrow against what it could be.
     Identified,
     /// Known only together with others.
     InCombination,
@@ -47,9 +47,11 @@ pub struct Judged {
     pub range: f64,
     /// Length of the 95 % interval.
     pub interval: f64,
-    /// The interval ends at a bound.
-    pub open: bool,
-    /// The best value stands on a bound of the search.
+    /// The interval goes on beyond the lower bound of the search.
+    pub open_low: bool,
+    /// The same above.
+    pub open_high: bool,
+    /// The estimate itself stands on a bound of its search.
     pub at_bound: bool,
     /// A logarithmic coordinate.
     pub logarithmic: bool,
@@ -73,17 +75,16 @@ pub fn judge(hessian: &DMatrix<f64>, parameters: &[Judged]) -> Vec<Verdict> {
 
 fn one(hessian: &DMatrix<f64>, covariance: Option<&DMatrix<f64>>, parameters: &[Judged], at: usize) -> Verdict {
     let own = &parameters[at];
-    let wide = own.open
-        || if own.logarithmic { own.interval > WIDE_FACTOR.ln() } else { own.interval > WIDE_SHARE * own.range };
+    let wide = if own.logarithmic { own.interval > WIDE_FACTOR.ln() } else { own.interval > WIDE_SHARE * own.range };
+    let open = own.open_low || own.open_high || own.at_bound;
     // Were all others known, the standard error would be this.
     let alone = 1.0 / hessian[(at, at)].max(f64::MIN_POSITIVE).sqrt();
     let alone_wide =
         if own.logarithmic { 3.92 * alone > WIDE_FACTOR.ln() } else { 3.92 * alone > WIDE_SHARE * own.range };
     let tied_to = partners(hessian, covariance, parameters, at);
     let names: Vec<&str> = tied_to.iter().map(|at| parameters[*at].name.as_str()).collect();
-    let (standing, sentence) = if own.at_bound && !wide {
-        let sentence = format!("{} stands on a bound of its search: the data ask for what lies beyond", own.name);
-        (Standing::NotIdentifiable, sentence)
+    let (standing, sentence) = if !wide && open {
+        (Standing::NotIdentifiable, one_sided(own))
     } else if !wide {
         let together =
             if tied_to.is_empty() { String::new() } else { format!("; its error moves with {}", names.join(" and ")) };
@@ -100,6 +101,16 @@ fn one(hessian: &DMatrix<f64>, covariance: Option<&DMatrix<f64>>, parameters: &[
         (Standing::InCombination, sentence)
     };
     Verdict { standing, sentence, tied_to }
+}
+
+/// What is said of a narrow interval that a bound of the search ends, not the data.
+fn one_sided(own: &Judged) -> String {
+    let says = match (own.open_low, own.open_high) {
+        (true, false) => "these runs only say that it is no larger than its interval",
+        (false, true) => "these runs only say that it is no smaller than its interval",
+        _ => "a bound of its search decides, not these runs",
+    };
+    format!("{} is not identified: {says}", own.name)
 }
 
 /// The parameters that move with this one when it moves by its own standard error, if it is known much worse than it were alone.
@@ -129,7 +140,15 @@ mod tests {
     use super::*;
 
     fn judged(name: &str, interval: f64) -> Judged {
-        Judged { name: name.to_owned(), range: 1.0, interval, open: false, at_bound: false, logarithmic: false }
+        Judged {
+            name: name.to_owned(),
+            range: 1.0,
+            interval,
+            open_low: false,
+            open_high: false,
+            at_bound: false,
+            logarithmic: false,
+        }
     }
 
     #[test]
@@ -146,8 +165,12 @@ mod tests {
         assert_eq!(verdicts[1].sentence, "b is known only in combination with c: one makes up for the other");
         assert_eq!(verdicts[1].tied_to, [2]);
         assert_eq!(verdicts[2].standing, Standing::InCombination);
-        let bound = [Judged { at_bound: true, ..all[0].clone() }, all[1].clone(), all[2].clone(), all[3].clone()];
-        assert_eq!(judge(&h, &bound)[0].standing, Standing::NotIdentifiable);
+        // A bound that ends a narrow interval identifies nothing.
+        let on_bound = [Judged { at_bound: true, ..judged("a", 0.04) }, Judged { open_low: true, ..judged("a", 0.04) }];
+        for one in on_bound {
+            let verdict = judge(&DMatrix::from_element(1, 1, 1e4), &[one]).remove(0);
+            assert_eq!(verdict.standing, Standing::NotIdentifiable, "{verdict:?}");
+        }
         assert_eq!(verdicts[3].sentence, "d is not identifiable from these runs: they hardly change with it");
     }
 }
