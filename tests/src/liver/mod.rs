@@ -50,6 +50,7 @@ pub fn experiment(seed: u64, solver: &Solver) -> Result<Experiment, SimulateErro
         alpha: TRUTH.alpha,
         nu,
         second: None,
+        thermal_strain: 0.0,
         height_mm: HEIGHT_MM,
         radius_mm: 25.0,
         base: Base::Bonded,

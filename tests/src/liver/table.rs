@@ -23,8 +23,10 @@ use super::{DEPTH_MM, TRUTH};
 use crate::tissue::six;
 
 /// Solves over the whole box of a fit, and around the truth.
-const WIDE: usize = 80;
-const CLOSE: usize = 160;
+const WIDE: usize = 64;
+const CLOSE: usize = 96;
+/// A bulk softer than this is far outside of what the data leave open.
+const MOST_D_MU: f64 = 0.1;
 /// Of the latter so many are kept out of the table, to tell how exact it is.
 const CHECKS: usize = 16;
 
@@ -52,9 +54,10 @@ fn design(unknowns: &[Unknown]) -> Vec<Vec<f64>> {
     let local = || unknowns.iter().filter(|u| u.kind != Kind::Modulus);
     let wide = Region::of(local().map(Unknown::bounds));
     let near = |u: &Unknown| match u.kind {
-        Kind::Alpha(_) => ((0.7 * TRUTH.alpha).ln(), u.bounds().1),
-        Kind::G(_) => (TRUTH.g - 0.1, TRUTH.g + 0.08),
-        Kind::Tau(_) => ((0.7 * TRUTH.tau_s).ln(), (1.4 * TRUTH.tau_s).ln()),
+        Kind::Alpha(_) => ((0.9 * TRUTH.alpha).ln(), (1.1 * TRUTH.alpha).ln()),
+        Kind::G(_) => (TRUTH.g - 0.03, TRUTH.g + 0.03),
+        Kind::Tau(_) => ((0.9 * TRUTH.tau_s).ln(), (1.1 * TRUTH.tau_s).ln()),
+        Kind::Compressibility => (u.bounds().0, MOST_D_MU.ln()),
         _ => u.bounds(),
     };
     let near = Region::of(local().map(near));

@@ -10,7 +10,6 @@ use lut_gen::solve::{Motion, SolveError};
 
 use crate::identify::grip::Grip;
 
-use super::bulk::Bulk;
 use super::coordinate::{Kind, Scope, Unknown, Values};
 use super::reference::Reference;
 use super::surrogate::{Node, Surrogate};
@@ -90,7 +89,7 @@ impl Condition {
         };
         let surrogate = Surrogate::new(locals.iter().map(width).collect());
         let kinds: Vec<Kind> = locals.iter().map(|(_, u)| u.kind).collect();
-        self.surrogate = surrogate.knowing(self.reference(&kinds), bulk(&kinds));
+        self.surrogate = surrogate.knowing(self.reference(&kinds));
     }
 
     /// What is known of relaxation under a ball beforehand.
@@ -210,14 +209,6 @@ impl Condition {
         let by = x.iter().map(|_| gradients.iter().map(|(_, g)| values.alpha[0] * g.d_alpha / g.force_n).collect());
         Node { by: by.collect(), value, x }
     }
-}
-
-/// The places of what decides the bulk, if it is free.
-fn bulk(kinds: &[Kind]) -> Option<Bulk> {
-    let place = |kind: Kind| kinds.iter().position(|own| *own == kind);
-    let compressibility = place(Kind::Compressibility)?;
-    let relaxing = place(Kind::G(0)).zip(place(Kind::K(0))).filter(|_| place(Kind::G(1)).is_none());
-    Some(Bulk { compressibility, relaxing })
 }
 
 fn node(press: &Press, wanted: &[Parameter], chains: &[Vec<(Parameter, f64)>], x: Vec<f64>) -> Node {

@@ -3,15 +3,14 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Added to the diagonal of the correlation, so that nearly equal points can stand beside each other: a hundred-thousandth of the scatter about the trend.
-const NUGGET: f64 = 1e-10;
-/// And where rounding asks for more.
-const NUGGETS: [f64; 4] = [NUGGET, 1e-9, 1e-8, 1e-6];
+/// Added to the diagonal of the correlation, so that nearly equal points can stand beside each other: the first a ten-thousandth of the
+/// scatter about the trend, the others where rounding asks for more.
+const NUGGETS: [f64; 3] = [1e-8, 1e-7, 1e-6];
 /// Correlation lengths, in ranges, between which the likeliest is sought, its first guess and the factor of a step.
 const LENGTHS: (f64, f64) = (0.08, 8.0);
 const FIRST_LENGTH: f64 = 1.0;
 const STEP: f64 = 1.6;
-const ROUNDS: usize = 2;
+const ROUNDS: usize = 1;
 
 /// A point with values and slopes, in any coordinates.
 #[derive(Debug, Clone, PartialEq)]
