@@ -10,6 +10,7 @@ use lut_gen::solve::{Motion, SolveError};
 
 use crate::identify::grip::Grip;
 
+use super::bulk::Bulk;
 use super::coordinate::{Kind, Scope, Unknown, Values};
 use super::reference::Reference;
 use super::surrogate::{Node, Surrogate};
@@ -89,7 +90,7 @@ impl Condition {
         };
         let surrogate = Surrogate::new(locals.iter().map(width).collect());
         let kinds: Vec<Kind> = locals.iter().map(|(_, u)| u.kind).collect();
-        self.surrogate = surrogate.knowing(self.reference(&kinds));
+        self.surrogate = surrogate.knowing(self.reference(&kinds), bulk(&kinds));
     }
 
     /// What is known of relaxation under a ball beforehand.
@@ -103,7 +104,7 @@ impl Condition {
 
     /// Forgets what was solved.
     pub(super) fn forget(&mut self) {
-        self.surrogate = Surrogate::new(self.surrogate.widths.clone());
+        self.surrogate = self.surrogate.forgotten();
     }
 
     /// Its own coordinates out of all.
@@ -209,6 +210,14 @@ impl Condition {
         let by = x.iter().map(|_| gradients.iter().map(|(_, g)| values.alpha[0] * g.d_alpha / g.force_n).collect());
         Node { by: by.collect(), value, x }
     }
+}
+
+/// The places of what decides a bulk that relaxes, if all of it is free.
+fn bulk(kinds: &[Kind]) -> Option<Bulk> {
+    let place = |kind: Kind| kinds.iter().position(|own| *own == kind);
+    let one = place(Kind::G(1)).is_none();
+    let (g, k) = place(Kind::G(0)).zip(place(Kind::K(0))).filter(|_| one)?;
+    Some(Bulk { compressibility: place(Kind::Compressibility)?, g, k })
 }
 
 fn node(press: &Press, wanted: &[Parameter], chains: &[Vec<(Parameter, f64)>], x: Vec<f64>) -> Node {

@@ -3,9 +3,11 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Added to the diagonal of the correlation, so that nearly equal points can stand beside each other: the first a ten-thousandth of the
+/// Added to the diagonal of the correlation of values, so that nearly equal points can stand beside each other: the first a ten-thousandth of the
 /// scatter about the trend, the others where rounding asks for more.
 const NUGGETS: [f64; 3] = [1e-8, 1e-7, 1e-6];
+/// The same of slopes, the likeliest of which is taken: where elements come into contact one by one a slope is off by up to a hundredth of its scatter.
+const SLOPES: [f64; 4] = [1e-8, 1e-6, 1e-5, 1e-4];
 /// Correlation lengths, in ranges, between which the likeliest is sought, its first guess and the factor of a step.
 const LENGTHS: (f64, f64) = (0.08, 8.0);
 const FIRST_LENGTH: f64 = 1.0;
@@ -23,11 +25,20 @@ pub struct Known {
     pub by: Vec<Vec<f64>>,
 }
 
+/// How far one point tells of another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reach {
+    /// Correlation length of every coordinate.
+    pub lengths: Vec<f64>,
+    /// Variance of a slope's error, as a part of its scatter's.
+    pub slope: f64,
+}
+
 /// The interpolating function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kriging {
-    /// Correlation length of every coordinate.
-    pub lengths: Vec<f64>,
+    /// How far one point tells of another.
+    pub reach: Reach,
     /// Scaled points.
     points: Vec<Vec<f64>>,
     /// Of value and slopes of every point, a row each, a column a value.
@@ -37,45 +48,27 @@ pub struct Kriging {
 }
 
 impl Kriging {
-    /// Through all points; correlation lengths as given, or the likeliest, sought from `lengths` (in the coordinates' units).
+    /// Through all points; correlations as given, or the likeliest, sought from `reach` (in the coordinates' units).
     ///
     /// `None` where the points are not finite.
     #[must_use]
-    pub fn through(known: &[Known], widths: &[f64], lengths: Option<&[f64]>, seek: bool) -> Option<Self> {
-        let mut lengths = match lengths {
-            Some(own) if own.len() == widths.len() => own.to_vec(),
-            _ => widths.iter().map(|w| FIRST_LENGTH * w).collect(),
+    pub fn through(known: &[Known], widths: &[f64], reach: Option<&Reach>, seek: bool) -> Option<Self> {
+        let mut reach = match reach {
+            Some(own) if own.lengths.len() == widths.len() => own.clone(),
+            _ => Reach { lengths: widths.iter().map(|w| FIRST_LENGTH * w).collect(), slope: SLOPES[2] },
         };
         if seek {
-            let mut best = Solved::of(known, &lengths).map_or(f64::INFINITY, |solved| solved.unlikely);
-            for _ in 0..ROUNDS {
-                for axis in 0..lengths.len() {
-                    for factor in [STEP, 1.0 / STEP] {
-                        loop {
-                            let mut next = lengths.clone();
-                            next[axis] *= factor;
-                            if !(LENGTHS.0 * widths[axis]..=LENGTHS.1 * widths[axis]).contains(&next[axis]) {
-                                break;
-                            }
-                            let there = Solved::of(known, &next).map_or(f64::INFINITY, |solved| solved.unlikely);
-                            if there >= best {
-                                break;
-                            }
-                            (lengths, best) = (next, there);
-                        }
-                    }
-                }
-            }
+            reach = sought(known, widths, reach);
         }
-        let solved = Solved::of(known, &lengths)?;
-        Some(Self { points: scaled(known, &lengths), lengths, weights: solved.weights, trend: solved.trend })
+        let solved = Solved::of(known, &reach)?;
+        Some(Self { points: scaled(known, &reach.lengths), reach, weights: solved.weights, trend: solved.trend })
     }
 
     /// Values at a point.
     #[must_use]
     pub fn at(&self, x: &[f64]) -> Vec<f64> {
         let count = x.len();
-        let at: Vec<f64> = x.iter().zip(&self.lengths).map(|(x, length)| ROOT * x / length).collect();
+        let at: Vec<f64> = x.iter().zip(&self.reach.lengths).map(|(x, length)| ROOT * x / length).collect();
         let mut value: Vec<f64> = self.trend.row(0).iter().copied().collect();
         for (axis, at) in at.iter().enumerate() {
             value.iter_mut().zip(self.trend.row(1 + axis).iter()).for_each(|(v, t)| *v += at * t);
@@ -93,6 +86,38 @@ impl Kriging {
         value.iter_mut().zip(sum.iter()).for_each(|(v, s)| *v += s);
         value
     }
+}
+
+/// The likeliest correlations near given ones, one coordinate after the other.
+fn sought(known: &[Known], widths: &[f64], mut reach: Reach) -> Reach {
+    let unlikely = |reach: &Reach| Solved::of(known, reach).map_or(f64::INFINITY, |solved| solved.unlikely);
+    let mut best = unlikely(&reach);
+    for slope in SLOPES {
+        let next = Reach { slope, ..reach.clone() };
+        let there = unlikely(&next);
+        if there < best {
+            (reach, best) = (next, there);
+        }
+    }
+    for _ in 0..ROUNDS {
+        for axis in 0..widths.len() {
+            for factor in [STEP, 1.0 / STEP] {
+                loop {
+                    let mut next = reach.clone();
+                    next.lengths[axis] *= factor;
+                    if !(LENGTHS.0 * widths[axis]..=LENGTHS.1 * widths[axis]).contains(&next.lengths[axis]) {
+                        break;
+                    }
+                    let there = unlikely(&next);
+                    if there >= best {
+                        break;
+                    }
+                    (reach, best) = (next, there);
+                }
+            }
+        }
+    }
+    reach
 }
 
 /// `sqrt(2 nu)` of the Matern correlation of smoothness `nu = 7/2`.
@@ -121,9 +146,10 @@ struct Solved {
 }
 
 impl Solved {
-    fn of(known: &[Known], lengths: &[f64]) -> Option<Self> {
+    fn of(known: &[Known], reach: &Reach) -> Option<Self> {
+        let lengths = &reach.lengths;
         let points = scaled(known, lengths);
-        let (factor, rows) = (factor(&points)?, points.len() * (lengths.len() + 1));
+        let (factor, rows) = (factor(&points, reach.slope)?, points.len() * (lengths.len() + 1));
         let count = lengths.len();
         let values = known.first()?.value.len();
         let mut data = DMatrix::zeros(rows, values);
@@ -156,7 +182,7 @@ impl Solved {
 }
 
 /// Factor of the correlation between values and slopes of all points.
-fn factor(points: &[Vec<f64>]) -> Option<Cholesky<f64, Dyn>> {
+fn factor(points: &[Vec<f64>], slope_nugget: f64) -> Option<Cholesky<f64, Dyn>> {
     let count = points.first()?.len();
     let size = count + 1;
     let mut matrix = DMatrix::zeros(points.len() * size, points.len() * size);
@@ -178,7 +204,8 @@ fn factor(points: &[Vec<f64>]) -> Option<Cholesky<f64, Dyn>> {
     }
     NUGGETS.iter().find_map(|nugget| {
         let mut raised = matrix.clone();
-        (0..raised.nrows()).for_each(|i| raised[(i, i)] *= 1.0 + nugget);
+        let of = |i: usize| if i.is_multiple_of(size) { *nugget } else { slope_nugget.max(*nugget) };
+        (0..raised.nrows()).for_each(|i| raised[(i, i)] *= 1.0 + of(i));
         raised.cholesky()
     })
 }

@@ -4,6 +4,7 @@
 //! coordinate  what is free, its range, the chain rule to the simulation's parameters
 //! condition   one forward problem, shared by runs that repeat it; one solve gives force and all slopes
 //! coupon      the forward problems without a ball: homogeneous, or barrelling between platens
+//! bulk        coordinates in which a bulk that gives way acts smoothly
 //! reference   what Hertz's contact says of relaxation
 //! kriging     the smoothest function with given values and slopes
 //! surrogate   what the solves so far say about the points between them
@@ -22,6 +23,7 @@
 //! ```
 
 pub mod absolute;
+pub mod bulk;
 pub mod condition;
 pub mod coordinate;
 mod coupon;

@@ -5,7 +5,8 @@
 
 use std::sync::OnceLock;
 
-use super::kriging::{Known, Kriging};
+use super::bulk::Bulk;
+use super::kriging::{Known, Kriging, Reach};
 use super::reference::Reference;
 
 /// A solved point: coordinates, values, and the values' derivatives by each coordinate.
@@ -26,10 +27,12 @@ pub struct Surrogate {
     pub widths: Vec<f64>,
     /// What is taken out of the values before they are joined, and added again.
     reference: Option<Reference>,
+    /// Coordinates in which they are joined.
+    bulk: Option<Bulk>,
     nodes: Vec<Node>,
     joined: OnceLock<Option<Kriging>>,
-    /// Correlation lengths, and the number of points they were found from.
-    lengths: Option<(Vec<f64>, usize)>,
+    /// Correlations, and the number of points they were found from.
+    reach: Option<(Reach, usize)>,
 }
 
 /// Correlation lengths are sought again when there are this many times more points, up to so many: they hardly change any more, and cost the cube of the number.
@@ -46,16 +49,16 @@ impl Surrogate {
         Self { widths, ..Self::default() }
     }
 
-    /// The same with what is known of the values beforehand.
+    /// The same with what is known of the values beforehand, and of the coordinates in which they are smooth.
     #[must_use]
-    pub fn knowing(self, reference: Option<Reference>) -> Self {
-        Self { reference, ..self }
+    pub fn knowing(self, reference: Option<Reference>, bulk: Option<Bulk>) -> Self {
+        Self { reference, bulk, ..self }
     }
 
     /// The same coordinates, with nothing solved.
     #[must_use]
     pub fn forgotten(&self) -> Self {
-        Self::new(self.widths.clone()).knowing(self.reference.clone())
+        Self::new(self.widths.clone()).knowing(self.reference.clone(), self.bulk)
     }
 
     /// True when there is a solve at this point.
@@ -81,8 +84,8 @@ impl Surrogate {
         if !self.knows(&node.x) {
             self.nodes.push(node);
             if let Some(Some(kriging)) = self.joined.take() {
-                let from = self.lengths.as_ref().map_or(0, |(_, from)| *from);
-                self.lengths = Some((kriging.lengths, from));
+                let from = self.reach.as_ref().map_or(0, |(_, from)| *from);
+                self.reach = Some((kriging.reach, from));
             }
             if self.widths.len() == 1 {
                 self.nodes.sort_by(|a, b| a.x[0].total_cmp(&b.x[0]));
@@ -94,13 +97,16 @@ impl Surrogate {
         a.iter().zip(b).zip(&self.widths).map(|((a, b), width)| ((a - b) / width).powi(2)).sum()
     }
 
-    /// To be called when solves were added: the correlation lengths are sought again where there are many more than before.
+    /// To be called when solves were added: correlations are sought again where there are many more than before.
     pub fn settle(&mut self) {
         let count = self.nodes.len();
-        let due = self.lengths.as_ref().is_none_or(|(_, from)| count as f64 >= MORE * *from as f64);
-        if self.widths.len() > 1 && count > 1 && due && (count <= SOUGHT || self.lengths.is_none()) {
+        let due = match self.reach {
+            Some((_, from)) => count as f64 >= MORE * from as f64 && count <= SOUGHT,
+            None => true,
+        };
+        if self.widths.len() > 1 && count > 1 && due {
             let found = self.join(true);
-            self.lengths = found.as_ref().map(|kriging| (kriging.lengths.clone(), count));
+            self.reach = found.as_ref().map(|kriging| (kriging.reach.clone(), count));
             self.joined = OnceLock::from(found);
         }
     }
@@ -113,10 +119,10 @@ impl Surrogate {
             (nodes, [along]) if nodes.len() > 1 => return hermite(nodes, *along),
             ([one], _) => {
                 let one = self.known(one);
-                taylor(&Node { x: one.x, value: one.value, by: one.by }, x)
+                taylor(&Node { x: one.x, value: one.value, by: one.by }, &self.place(x))
             }
             (nodes, _) => match self.joined.get_or_init(|| self.join(false)) {
-                Some(kriging) => kriging.at(x),
+                Some(kriging) => kriging.at(&self.place(x)),
                 None => return nearest(nodes, |node| self.distance2(&node.x, x)).map_or(Vec::new(), |n| taylor(n, x)),
             },
         };
@@ -128,10 +134,18 @@ impl Surrogate {
 
     fn join(&self, seek: bool) -> Option<Kriging> {
         let known: Vec<Known> = self.nodes.iter().map(|node| self.known(node)).collect();
-        Kriging::through(&known, &self.widths, self.lengths.as_ref().map(|(lengths, _)| lengths.as_slice()), seek)
+        let mut widths = self.widths.clone();
+        if let Some(bulk) = &self.bulk {
+            bulk.stretch(&mut widths);
+        }
+        Kriging::through(&known, &widths, self.reach.as_ref().map(|(reach, _)| reach), seek)
     }
 
-    /// A solve without the reference.
+    fn place(&self, x: &[f64]) -> Vec<f64> {
+        self.bulk.as_ref().map_or_else(|| x.to_vec(), |bulk| bulk.place(x))
+    }
+
+    /// A solve without the reference, in the coordinates in which solves are joined.
     fn known(&self, node: &Node) -> Known {
         let (mut value, mut by) = (node.value.clone(), node.by.clone());
         if let Some(reference) = &self.reference {
@@ -143,7 +157,10 @@ impl Surrogate {
                 less(&mut by[*tau], by_tau);
             }
         }
-        Known { x: node.x.clone(), value, by }
+        if let Some(bulk) = &self.bulk {
+            bulk.turn(&node.x, &mut by);
+        }
+        Known { x: self.place(&node.x), value, by }
     }
 }
 
