@@ -12,7 +12,7 @@ use super::noise::{Curve, Jitter, SensorNoise};
 
 /// What jitter is expected before anything is measured, with the weight of one degree of freedom: a contact is found to a
 /// hundredth of a millimetre, a foam is uniform to a percent from spot to spot.
-const EXPECTED: Jitter = Jitter { contact_mm: 0.01, gain: 0.007, zero_n: 0.0 };
+pub const EXPECTED: Jitter = Jitter { contact_mm: 0.01, gain: 0.007, zero_n: 0.0 };
 const EXPECTED_FREEDOM: f64 = 1.0;
 /// Standard deviations that are tried: of a contact (mm) and of a gain, each 1.45 times the one before; of a zero, in parts of the sensor noise.
 const CONTACTS_MM: (f64, usize) = (0.001, 17);
@@ -57,6 +57,12 @@ impl Posterior {
     /// From replicates; none without any.
     #[must_use]
     pub fn of(design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Option<Self> {
+        Self::expecting(&EXPECTED, design, curves, sensor)
+    }
+
+    /// The same where another jitter of contact and gain is expected beforehand.
+    #[must_use]
+    pub fn expecting(before: &Jitter, design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Option<Self> {
         let groups = groups(design, curves, sensor);
         if groups.is_empty() {
             return None;
@@ -68,7 +74,7 @@ impl Posterior {
             for gain in ladder(GAINS) {
                 for part in ZEROS {
                     let jitter = Jitter { contact_mm, gain, zero_n: part * sensor.sigma_n };
-                    let expected = expectation(contact_mm, EXPECTED.contact_mm) + expectation(gain, EXPECTED.gain);
+                    let expected = expectation(contact_mm, before.contact_mm) + expectation(gain, before.gain);
                     let seen: Option<Vec<Seen>> = groups.iter().map(|group| group.seen(&jitter)).collect();
                     let Some(seen) = seen else { continue };
                     let log = expected + seen.iter().map(|one| one.log_likelihood).sum::<f64>();
@@ -174,7 +180,7 @@ impl Amounts {
         let factor = sensor.factor(nodes, &curve.force_n)?;
         let residual = DVector::from_fn(nodes.len(), |k, _| nodes[k].force_n - curve.force_n[k]);
         let y = factor.whitened(residual);
-        let x = factor.whitened(curve.shapes(&design.smooth_n(series)));
+        let x = factor.whitened(curve.shapes(&design.smooth_n(series, &curve.force_n)));
         let normal: Matrix3<f64> = x.tr_mul(&x).fixed_view::<3, 3>(0, 0).into_owned();
         let variance = normal.try_inverse()?;
         let right: Vector3<f64> = x.tr_mul(&y).fixed_rows::<3>(0).into_owned();

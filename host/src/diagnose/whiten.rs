@@ -96,7 +96,7 @@ impl Whitening {
             let mut row = 0;
             for (at, &s) in members.iter().enumerate() {
                 let curve = &curves[s];
-                let smooth_n = design.smooth_n(s);
+                let smooth_n = design.smooth_n(s, &curve.force_n);
                 for (k, node) in design.series[s].nodes.iter().enumerate() {
                     // what is not compared says nothing of the spot
                     if !node.lifted {

@@ -7,6 +7,7 @@ use lut_gen::chain::{Geometry, Passage, RUBBER_NU, Window};
 use lut_gen::effect::{Effect, Owner, Sizes};
 use lut_gen::model::Specimen as Block;
 use lut_gen::solve;
+use nalgebra::{DMatrix, DVector};
 
 use super::Refusal;
 use super::check::{self, Check};
@@ -23,6 +24,10 @@ const SAME_RATE: f64 = 0.05;
 const DEEPEST: f64 = 1.2;
 /// The same where the specimen hardly changes its volume.
 const DEEPEST_RUBBER: f64 = 1.0;
+/// Powers of depth or time that a smooth curve has on a branch.
+const SHAPES: usize = 3;
+/// Shapes that differ by less than this are one.
+const SAME_SHAPE: f64 = 1e-6;
 /// How far past the contact the recorded zero may lie, mm: depths that the force models must cover.
 const LATE_MM: f64 = 0.25;
 /// Recorded zeros within this distance (mm) of the contact were meant to be the contact.
@@ -99,16 +104,31 @@ impl Design {
         self.series.iter().flat_map(|s| &s.nodes).map(|n| n.force_n).fold(0.0, f64::max)
     }
 
-    /// A smooth curve through the force of a run at its nodes, N: the mean of all repeats of its condition, 0 where they pull.
+    /// A smooth curve through the force of a run at its nodes, N: a prediction of it times what the mean of all repeats of its condition is of that, smooth over the depth on
+    /// either way and over the time of a hold.
     ///
-    /// Gains scale with it. Where they scale with a fit instead, a softer fit has the smaller errors, and so the better likelihood (Peelle's puzzle).
+    /// Gains scale with it. Where they scale with a fit instead, a softer fit has the smaller errors and so the better likelihood; where they scale with the samples, their own noise
+    /// is in the errors and pulls the same way (Peelle's puzzle).
     #[must_use]
-    pub fn smooth_n(&self, series: usize) -> Vec<f64> {
+    pub fn smooth_n(&self, series: usize, predicted_n: &[f64]) -> Vec<f64> {
         let own = &self.series[series];
         let alike = |other: &&Series| other.condition == own.condition && other.nodes.len() == own.nodes.len();
         let repeats: Vec<&Series> = self.series.iter().filter(alike).collect();
         let mean = |k: usize| repeats.iter().map(|run| run.nodes[k].force_n).sum::<f64>() / repeats.len() as f64;
-        (0..own.nodes.len()).map(|k| mean(k).max(0.0)).collect()
+        let deepest_mm = own.nodes.iter().map(|n| n.depth_mm).fold(f64::MIN_POSITIVE, f64::max);
+        let shapes = DMatrix::from_fn(own.nodes.len(), 3 * SHAPES, |k, j| {
+            let node = &own.nodes[k];
+            let (branch, power) = (j / SHAPES, (j % SHAPES) as i32);
+            let along = match node.branch {
+                Branch::Hold => node.held_s.max(0.0).ln_1p(),
+                Branch::Loading | Branch::Unloading => node.depth_mm.max(0.0) / deepest_mm,
+            };
+            let counts = !node.lifted && node.branch as usize == branch;
+            if counts { predicted_n[k] * along.powi(power) } else { 0.0 }
+        });
+        let measured = DVector::from_fn(own.nodes.len(), |k, _| mean(k));
+        let shares = shapes.clone().svd(true, true).solve(&measured, SAME_SHAPE * shapes.norm());
+        shares.map_or_else(|_| predicted_n.to_vec(), |shares| (&shapes * shares).iter().map(|f| f.max(0.0)).collect())
     }
 
     /// Sizes that the amounts of an effect are in proportion to, of the ball or specimen that it belongs to; without one, of the largest.
