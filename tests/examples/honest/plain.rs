@@ -98,12 +98,15 @@ impl Data<'_> {
     fn best(&self, counts: &dyn Fn(usize) -> bool) -> Vec<f64> {
         let largest = self.design.largest_n();
         let free: Vec<usize> = (0..2 + self.design.spots).collect();
-        let ends = [2.2_f64, 4.0, 8.0, 14.0, 22.0].map(|alpha| {
-            let mut start = vec![0.0; 2 + self.design.spots];
-            (start[0], start[1]) = ((0.05 * largest).ln(), alpha.ln());
-            self.fitted(&start, &free, counts)
-        });
-        ends.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map(|e| e.0).unwrap_or_default()
+        let starts = [1.9_f64, 2.5, 4.0, 6.0, 8.0, 11.0, 14.0, 18.0, 22.0, 25.0];
+        let ends = starts.into_iter().flat_map(|alpha| [0.015, 0.05, 0.15].map(|mu| (alpha, mu * largest))).map(
+            |(alpha, mu)| {
+                let mut start = vec![0.0; 2 + self.design.spots];
+                (start[0], start[1]) = (mu.ln(), alpha.ln());
+                self.fitted(&start, &free, counts)
+            },
+        );
+        ends.min_by(|a, b| a.1.total_cmp(&b.1)).map(|e| e.0).unwrap_or_default()
     }
 }
 
