@@ -90,12 +90,12 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// What repeats of a run differ by besides sensor noise, a column each: a shifted contact (a millimetre), a gain, a zero (a newton). A gain scales the
-    /// [curve through the data](Design::smooth_n).
-    pub(super) fn shapes(&self, smooth_n: &[f64]) -> DMatrix<f64> {
+    /// What repeats of a run differ by besides sensor noise, a column each: a shifted contact (a millimetre), a gain of some force (N) at the nodes, a zero (a newton). Where the
+    /// size of a gain matters, that force is [`Design::smooth_n`].
+    pub(super) fn shapes(&self, gain_n: &[f64]) -> DMatrix<f64> {
         DMatrix::from_fn(self.force_n.len(), 3, |k, j| match j {
             0 => -self.slope_n_per_mm[k],
-            1 => smooth_n[k],
+            1 => gain_n[k],
             _ => 1.0,
         })
     }
@@ -158,7 +158,7 @@ pub(super) fn contrasts<'a>(design: &'a Design, curves: &[Curve]) -> Vec<Contras
             nodes: &design.series[first].nodes,
             force_n: curves[first].force_n.clone(),
             values,
-            shapes: curves[first].shapes(&design.smooth_n(first, &curves[first].force_n)),
+            shapes: curves[first].shapes(&curves[first].force_n),
         };
         list.extend(helmert(each).into_iter().map(like));
     }
@@ -205,7 +205,7 @@ pub(super) fn means<'a>(design: &'a Design, curves: &[Curve]) -> Vec<Contrast<'a
         let series = runs[0];
         let (own, curve) = (&design.series[series], &curves[series]);
         let deepest_mm = own.nodes.iter().map(|n| n.depth_mm).fold(f64::MIN_POSITIVE, f64::max);
-        let jitter = curve.shapes(&design.smooth_n(series, &curve.force_n));
+        let jitter = curve.shapes(&curve.force_n);
         let smooth = |k: usize, power: i32| curve.force_n[k] * (own.nodes[k].depth_mm / deepest_mm).powi(power);
         let lifted: Vec<usize> = (0..own.nodes.len()).filter(|k| own.nodes[*k].lifted).collect();
         let shapes = DMatrix::from_fn(own.nodes.len(), jitter.ncols() + 2 + lifted.len(), |k, j| {
