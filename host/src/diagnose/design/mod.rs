@@ -114,7 +114,11 @@ impl Design {
         let own = &self.series[series];
         let alike = |other: &&Series| other.condition == own.condition && other.nodes.len() == own.nodes.len();
         let repeats: Vec<&Series> = self.series.iter().filter(alike).collect();
-        let mean = |k: usize| repeats.iter().map(|run| run.nodes[k].force_n).sum::<f64>() / repeats.len() as f64;
+        let mean = |k: usize| {
+            let there: Vec<f64> =
+                repeats.iter().map(|run| &run.nodes[k]).filter(|n| !n.lifted).map(|n| n.force_n).collect();
+            there.iter().sum::<f64>() / there.len().max(1) as f64
+        };
         let deepest_mm = own.nodes.iter().map(|n| n.depth_mm).fold(f64::MIN_POSITIVE, f64::max);
         let shapes = DMatrix::from_fn(own.nodes.len(), 3 * SHAPES, |k, j| {
             let node = &own.nodes[k];

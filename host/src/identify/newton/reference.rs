@@ -72,8 +72,8 @@ mod tests {
         let reference = Reference { terms: vec![(0, 1)], depth_mm: 4.0, rate_mm_s: 1.0, hold_s: 1000.0 };
         let x = [0.8, 0.3];
         let (value, by) = reference.at(&x);
-        // At the start of the ramp nothing has relaxed; at the end of the hold 1 - g is left of what was there without any.
-        let peak = value[RAMP_NODES - 1].exp();
+        // At the end of the hold 1 - g is left of what was there without any relaxation.
+        let peak = reference.left(&x, reference.depth_mm, 0.0).part;
         assert!((value[value.len() - 1].exp() * peak / 0.2 - 1.0).abs() < 1e-6);
         for (axis, by) in [&by[0].0, &by[0].1].into_iter().enumerate() {
             let moved = |h: f64| {

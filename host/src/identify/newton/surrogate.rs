@@ -1,6 +1,6 @@
 //! What is known of a condition between its solves: values and slopes at the points that were solved, joined smoothly.
 //!
-//! Every function here has the values and slopes of the finite elements at every solved point. A Gauss-Newton step on it
+//! Every function here has the values of the finite elements at every solved point, and their slopes to within the noise of the mesh. A Gauss-Newton step on it
 //! is therefore one on the finite elements, only better informed the more has been solved nearby.
 
 use std::sync::OnceLock;
