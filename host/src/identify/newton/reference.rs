@@ -15,11 +15,14 @@ pub struct Reference {
     pub hold_s: f64,
 }
 
+/// Derivatives of all values by the `g` and the `ln tau` of a term.
+pub type Slopes = (Vec<f64>, Vec<f64>);
+
 impl Reference {
     /// Logarithm of the part of the elastic force that is left at the nodes of the ramp, then of what is left of the peak's force at the
     /// times of the hold; and their derivatives by every `g` and `ln tau`, in the order of the terms.
     #[must_use]
-    pub fn at(&self, x: &[f64]) -> (Vec<f64>, Vec<(Vec<f64>, Vec<f64>)>) {
+    pub fn at(&self, x: &[f64]) -> (Vec<f64>, Vec<Slopes>) {
         let axis = Press::ramp_axis();
         let depths = (0..RAMP_NODES).map(|k| self.depth_mm * axis.node(k).powi(2));
         let ramp: Vec<Left> = depths.map(|depth_mm| self.left(x, depth_mm, 0.0)).collect();
