@@ -90,7 +90,8 @@ fn two_terms_end_where_they_are_one() {
         assert!((0.0..0.96).contains(&end.above_best), "{end:?}");
     }
     let degenerate = ends.iter().filter(|end| end.optimum != Optimum::Mixture).count();
-    assert!(degenerate >= 6, "most ends lie where two terms are one: {ends:?}");
+    // The valley between them is flat: a mixture of exponents that differ by a tenth rises by less than a tenth of the above.
+    assert!(2 * degenerate > ends.len(), "most ends lie where two terms are one: {ends:?}");
 }
 
 #[test]
