@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use palpate::diagnose::{Diagnosis, Models, diagnose};
+use palpate::diagnose::{Diagnosis, Models, Verdict, diagnose};
 use palpate::experiment::{self, Experiment, motion};
 use palpate::identify::spec::FitSpec;
 use palpate::identify::{self, Identification, Outcome, identify};
@@ -79,9 +79,9 @@ fn the_base_of_beef_is_a_fit_of_it() {
     let Some(experiment) = of_recordings("beef_diagnosed", "beef_ball") else { return };
     let found = diagnose(&experiment, &Models::default(), &|_, _, _| {}).unwrap();
     assert_eq!(found.len(), 2);
-    for Diagnosis { material, evidence, .. } in &found {
+    for Diagnosis { material, evidence, verdict, .. } in &found {
         let evidence = evidence.as_ref().unwrap();
-        assert!(evidence.held.is_empty(), "{material} has no explanation that holds");
+        assert_eq!(*verdict, Verdict::Unknown, "{material}");
         let (mut left, mut whole) = (0.0, 0.0);
         for (series, base) in evidence.design.series.iter().zip(&evidence.before.curves) {
             for (node, force) in series.nodes.iter().zip(&base.force_n) {
