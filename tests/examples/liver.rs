@@ -15,8 +15,8 @@ use palpate::simulate::Solver;
 use rayon::prelude::*;
 use tests::liver::judge::profiles;
 use tests::liver::table::table;
-use tests::liver::{TRUTH, experiment, said};
-use tests::tissue::six;
+use tests::liver::{TRUTH, experiment};
+use tests::tissue::{recovered, six};
 
 const KEPT: &str = "target/liver";
 
@@ -65,7 +65,7 @@ fn answer(seed: u64, experiment: &Experiment, table: &Arc<Table>, direct: bool) 
         Err(cause) => return format!("{seed} failed {cause}\n"),
     };
     let judged = profiles(experiment, table);
-    let lines = said(&found).into_iter().zip(&judged).map(|(p, profile)| {
+    let lines = recovered(&found, &TRUTH).into_iter().zip(&judged).map(|(p, profile)| {
         let standing = p.standing.map_or("none", |standing| standing.word());
         format!(
             "{seed} {} {} {:.6e} {:.6e} {:.6e} {standing} {:.6e} {:.6e} {} {} {:.1}\n",

@@ -170,12 +170,9 @@ impl Recovered {
     }
 }
 
-/// Fits the recording and holds every parameter against the truth.
-///
-/// # Errors
-/// When the fit cannot begin.
-pub fn recover(experiment: &Experiment, tissue: &Tissue) -> Result<(Identification, Vec<Recovered>), ModelError> {
-    let found = identify(experiment, &six(), &|_, _, _| {})?.swap_remove(0);
+/// What a fit says of every parameter, beside the truth.
+#[must_use]
+pub fn recovered(found: &Identification, tissue: &Tissue) -> Vec<Recovered> {
     let parameters = found.fit.as_ref().map_or(&[][..], |fit| &fit.parameters);
     let of = |(name, truth): (&'static str, f64)| {
         let p = parameters.iter().find(|p| p.name == name)?;
@@ -187,6 +184,15 @@ pub fn recover(experiment: &Experiment, tissue: &Tissue) -> Result<(Identificati
             standing: p.verdict.as_ref().map(|v| v.standing),
         })
     };
-    let recovered = tissue.named().into_iter().filter_map(of).collect();
+    tissue.named().into_iter().filter_map(of).collect()
+}
+
+/// Fits the recording and holds every parameter against the truth.
+///
+/// # Errors
+/// When the fit cannot begin.
+pub fn recover(experiment: &Experiment, tissue: &Tissue) -> Result<(Identification, Vec<Recovered>), ModelError> {
+    let found = identify(experiment, &six(), &|_, _, _| {})?.swap_remove(0);
+    let recovered = recovered(&found, tissue);
     Ok((found, recovered))
 }

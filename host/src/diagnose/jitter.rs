@@ -167,9 +167,7 @@ fn groups(design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Vec<Group>
 fn amounts(design: &Design, curves: &[Curve], sensor: &SensorNoise) -> Vec<Amounts> {
     let repeated = |s: usize| {
         let own = &design.series[s];
-        let alike =
-            |other: &&super::design::Series| other.condition == own.condition && other.nodes.len() == own.nodes.len();
-        design.series.iter().filter(alike).any(|other| other.spot != own.spot)
+        design.series.iter().any(|other| own.is_like(other) && other.spot != own.spot)
     };
     (0..design.series.len()).filter(|s| repeated(*s)).filter_map(|s| Amounts::of(design, curves, sensor, s)).collect()
 }

@@ -249,16 +249,6 @@ fn what_has_lifted_says_nothing_of_the_windows_beside() {
     for s in &repeats {
         without.series[*s].nodes.remove(GONE);
     }
-    let firsts: Vec<usize> = whole
-        .series
-        .iter()
-        .scan(0, |at, s| {
-            let first = *at;
-            *at += s.nodes.len();
-            Some(first)
-        })
-        .collect();
-    let gone: Vec<usize> = repeats.iter().map(|s| firsts[*s] + GONE).collect();
     let sensor = SensorNoise { sigma_n: SIGMA_N, white: 0.1, correlation_s: TAU_S, relative: 0.0 };
     let jitter = Jitter { contact_mm: CONTACT_MM, gain: GAIN, zero_n: SIGMA_N };
     let noise = Noise {
@@ -274,6 +264,8 @@ fn what_has_lifted_says_nothing_of_the_windows_beside() {
         whitening.apply(&mut values);
         values
     };
+    let whitening = Whitening::new(&whole, &curves(&whole), &noise).unwrap();
+    let gone: Vec<usize> = repeats.iter().map(|s| whitening.first(*s) + GONE).collect();
     // a zero that is off by two standard deviations
     let there = white(&lifted, &|k| if gone.contains(&k) { 0.0 } else { 2.0 * SIGMA_N });
     let rest = white(&without, &|_| 2.0 * SIGMA_N);

@@ -10,9 +10,6 @@ use std::path::Path;
 
 use lut_gen::law::PronyTerm;
 use palpate::experiment::{Base, Experiment};
-use palpate::identify::Identification;
-use palpate::identify::fit::Parameter;
-use palpate::identify::newton::verdict::Standing;
 use palpate::simulate::{Effect, Noise, RunTemplate, SimulateError, Solver, Spec, TrueLaw, TrueSpecimen, simulate};
 
 use crate::tissue::{LIVER, Tissue};
@@ -62,39 +59,4 @@ pub fn experiment(seed: u64, solver: &Solver) -> Result<Experiment, SimulateErro
     let peak_n = clean.runs.iter().flat_map(|run| &run.force_n).copied().fold(0.0, f64::max);
     spec.noise = Noise { sensor_n: NOISE * peak_n, ..Noise::default() };
     Ok(simulate(&spec, solver, &|_, _, _| {})?.experiment_in(Path::new("liver")))
-}
-
-/// What a fit says of one parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Said {
-    /// Name.
-    pub name: &'static str,
-    /// Truth.
-    pub truth: f64,
-    /// Estimate.
-    pub value: f64,
-    /// 95 % interval.
-    pub interval: (f64, f64),
-    /// Standing.
-    pub standing: Option<Standing>,
-}
-
-impl Said {
-    /// True if the interval holds the truth.
-    #[must_use]
-    pub fn holds(&self) -> bool {
-        (self.interval.0..=self.interval.1).contains(&self.truth)
-    }
-}
-
-/// What a fit says of all six.
-#[must_use]
-pub fn said(found: &Identification) -> Vec<Said> {
-    let parameters = found.fit.as_ref().map_or(&[][..], |fit| &fit.parameters);
-    let of = |(name, truth): (&'static str, f64)| {
-        let p: &Parameter = parameters.iter().find(|p| p.name == name)?;
-        let interval = (p.interval95.low, p.interval95.high);
-        Some(Said { name, truth, value: p.value, interval, standing: p.verdict.as_ref().map(|v| v.standing) })
-    };
-    TRUTH.named().into_iter().filter_map(of).collect()
 }

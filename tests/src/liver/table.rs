@@ -95,13 +95,12 @@ pub fn table(
     }
     let is_check = |node: &Node| points.iter().take(CHECKS).any(|point| same(point, &node.x));
     let (checks, used): (Vec<Node>, Vec<Node>) = nodes.into_iter().partition(is_check);
-    let mut table = Table::of(condition, used, MESH_ERROR);
+    let table = Table::of(condition, used, MESH_ERROR);
     let worst = checks.iter().map(|node| {
         let values = table.at(&node.x).unwrap_or_default();
         values.iter().zip(&node.value).map(|(a, b)| (a - b).exp_m1().abs()).fold(0.0, f64::max)
     });
     let worst = worst.fold(0.0, f64::max);
-    table.error = MESH_ERROR;
     Ok((Arc::new(table), worst))
 }
 

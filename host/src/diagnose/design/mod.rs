@@ -97,6 +97,13 @@ pub struct Design {
     pub messages: Vec<String>,
 }
 
+impl Series {
+    /// True where another run, or this one, is of the same condition with as many nodes: they are compared one by one.
+    pub(super) fn is_like(&self, other: &Series) -> bool {
+        self.condition == other.condition && self.nodes.len() == other.nodes.len()
+    }
+}
+
 impl Design {
     /// Largest force of all runs, N.
     #[must_use]
@@ -112,8 +119,7 @@ impl Design {
     #[must_use]
     pub fn smooth_n(&self, series: usize, predicted_n: &[f64]) -> Vec<f64> {
         let own = &self.series[series];
-        let alike = |other: &&Series| other.condition == own.condition && other.nodes.len() == own.nodes.len();
-        let repeats: Vec<&Series> = self.series.iter().filter(alike).collect();
+        let repeats: Vec<&Series> = self.series.iter().filter(|other| own.is_like(other)).collect();
         let mean = |k: usize| {
             let there: Vec<f64> =
                 repeats.iter().map(|run| &run.nodes[k]).filter(|n| !n.lifted).map(|n| n.force_n).collect();

@@ -14,9 +14,9 @@ const FIRST_LENGTH: f64 = 1.0;
 const STEP: f64 = 1.6;
 const ROUNDS: usize = 1;
 
-/// A point with values and slopes, in any coordinates.
+/// A solved point: coordinates, values, and the values' derivatives by each coordinate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Known {
+pub struct Node {
     /// Where.
     pub x: Vec<f64>,
     /// Values.
@@ -52,7 +52,7 @@ impl Kriging {
     ///
     /// `None` where the points are not finite.
     #[must_use]
-    pub fn through(known: &[Known], widths: &[f64], reach: Option<&Reach>, seek: bool) -> Option<Self> {
+    pub fn through(known: &[Node], widths: &[f64], reach: Option<&Reach>, seek: bool) -> Option<Self> {
         let mut reach = match reach {
             Some(own) if own.lengths.len() == widths.len() => own.clone(),
             _ => Reach { lengths: widths.iter().map(|w| FIRST_LENGTH * w).collect(), slope: SLOPES[0] },
@@ -89,7 +89,7 @@ impl Kriging {
 }
 
 /// The likeliest correlations near given ones, one coordinate after the other; the error of slopes before and after.
-fn sought(known: &[Known], widths: &[f64], reach: Reach) -> Reach {
+fn sought(known: &[Node], widths: &[f64], reach: Reach) -> Reach {
     let unlikely = |reach: &Reach| Solved::of(known, reach).map_or(f64::INFINITY, |solved| solved.unlikely);
     let mut best = (unlikely(&reach), reach);
     let better = |best: &mut (f64, Reach), next: Reach| {
@@ -139,7 +139,7 @@ fn correlation(a: f64) -> (f64, f64, f64) {
     )
 }
 
-fn scaled(known: &[Known], lengths: &[f64]) -> Vec<Vec<f64>> {
+fn scaled(known: &[Node], lengths: &[f64]) -> Vec<Vec<f64>> {
     known.iter().map(|one| one.x.iter().zip(lengths).map(|(x, length)| ROOT * x / length).collect()).collect()
 }
 
@@ -151,7 +151,7 @@ struct Solved {
 }
 
 impl Solved {
-    fn of(known: &[Known], reach: &Reach) -> Option<Self> {
+    fn of(known: &[Node], reach: &Reach) -> Option<Self> {
         let lengths = &reach.lengths;
         let points = scaled(known, lengths);
         let (factor, rows) = (factor(&points, reach.slope)?, points.len() * (lengths.len() + 1));
@@ -220,9 +220,9 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    fn bent(x: &[f64]) -> Known {
+    fn bent(x: &[f64]) -> Node {
         let (a, b) = (x[0], x[1]);
-        Known {
+        Node {
             x: x.to_vec(),
             value: vec![(a * b).sin() + a, a.exp()],
             by: vec![vec![b * (a * b).cos() + 1.0, a.exp()], vec![a * (a * b).cos(), 0.0]],
@@ -233,7 +233,7 @@ mod tests {
     #[test]
     fn a_smooth_function_is_found_between_its_points() {
         let places = (0..12).map(|i| [f64::from(i % 4) / 3.0, f64::from(i / 4) / 2.0]);
-        let known: Vec<Known> = places.map(|x| bent(&x)).collect();
+        let known: Vec<Node> = places.map(|x| bent(&x)).collect();
         let found = Kriging::through(&known, &[1.0, 1.0], None, true).unwrap();
         for i in 0..50 {
             let x = [(f64::from(i) * 0.618_034).fract(), (f64::from(i) * 0.754_878).fract()];

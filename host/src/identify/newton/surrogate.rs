@@ -6,19 +6,10 @@
 use std::sync::OnceLock;
 
 use super::bulk::Bulk;
-use super::kriging::{Known, Kriging, Reach};
+use super::kriging::{Kriging, Reach};
 use super::reference::Reference;
 
-/// A solved point: coordinates, values, and the values' derivatives by each coordinate.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Node {
-    /// Where.
-    pub x: Vec<f64>,
-    /// Values.
-    pub value: Vec<f64>,
-    /// Derivatives, `by[coordinate][value]`.
-    pub by: Vec<Vec<f64>>,
-}
+pub use super::kriging::Node;
 
 /// Solved points of one condition.
 #[derive(Debug, Clone, Default)]
@@ -117,10 +108,7 @@ impl Surrogate {
         let mut value = match (self.nodes.as_slice(), x) {
             ([], _) => return Vec::new(),
             (nodes, [along]) if nodes.len() > 1 => return hermite(nodes, *along),
-            ([one], _) => {
-                let one = self.known(one);
-                taylor(&Node { x: one.x, value: one.value, by: one.by }, &self.place(x))
-            }
+            ([one], _) => taylor(&self.known(one), &self.place(x)),
             (nodes, _) => match self.joined.get_or_init(|| self.join(false)) {
                 Some(kriging) => kriging.at(&self.place(x)),
                 None => return nearest(nodes, |node| self.distance2(&node.x, x)).map_or(Vec::new(), |n| taylor(n, x)),
@@ -133,7 +121,7 @@ impl Surrogate {
     }
 
     fn join(&self, seek: bool) -> Option<Kriging> {
-        let known: Vec<Known> = self.nodes.iter().map(|node| self.known(node)).collect();
+        let known: Vec<Node> = self.nodes.iter().map(|node| self.known(node)).collect();
         let mut widths = self.widths.clone();
         if let Some(bulk) = &self.bulk {
             bulk.stretch(&mut widths);
@@ -146,7 +134,7 @@ impl Surrogate {
     }
 
     /// A solve without the reference, in the coordinates in which solves are joined.
-    fn known(&self, node: &Node) -> Known {
+    fn known(&self, node: &Node) -> Node {
         let (mut value, mut by) = (node.value.clone(), node.by.clone());
         if let Some(reference) = &self.reference {
             let (known, slopes) = reference.at(&node.x);
@@ -160,7 +148,7 @@ impl Surrogate {
         if let Some(bulk) = &self.bulk {
             bulk.turn(&node.x, &mut by);
         }
-        Known { x: self.place(&node.x), value, by }
+        Node { x: self.place(&node.x), value, by }
     }
 }
 
