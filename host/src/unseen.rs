@@ -20,7 +20,6 @@ use crate::identify::newton::coordinate::{Kind, Values};
 use crate::identify::newton::likelihood::Z95;
 use crate::identify::newton::linear::{Linear, LinearRun};
 use crate::identify::spec::FittedLaw;
-use crate::infer::lowrank::LowRank;
 use crate::infer::unseen::Widening;
 
 /// Widens the intervals of an identification by the effects of the catalogue that its runs do not show. Where that is not possible a message says why.
@@ -103,10 +102,9 @@ impl<'a> Setup<'a> {
             DMatrix::from_columns(&each.into_iter().map(column).collect::<Vec<_>>())
         };
         let open = unseen::candidates(&self.design).into_iter().filter(|c| !self.is_fitted(c.effect));
-        let unseen = open
-            .filter_map(|candidate| unseen::columns(&self.design, &candidate, |each| changes(&candidate, each)))
-            .fold(LowRank::none(self.linear.len()), |all, one| all.and(&one));
-        self.linear.widening(&unseen)
+        let unseen =
+            open.filter_map(|candidate| unseen::columns(&self.design, &candidate, |each| changes(&candidate, each)));
+        self.linear.widening(&unseen.collect::<Vec<_>>())
     }
 
     /// True for what the fit has free itself, contact points always; and for what the model has already.

@@ -1,7 +1,7 @@
 //! Effects of the catalogue that these runs would not show: with the priors of their amounts they widen the intervals of every answer.
 //!
-//! Point estimates stay those of the plain fit. The interval is that of the parameter given the data, with every amount that is not fitted free within
-//! its prior ([`crate::infer::unseen`]).
+//! An effect is there with the odds that the verdict gives it before it sees data ([`presence`]), else it is nothing. Point estimates stay those of the plain fit. The interval is that of the parameter given the data, over
+//! every set of effects, with their amounts free within their priors ([`crate::infer::unseen`]).
 //!
 //! An amount of one sign (a compliance, a loss) is taken as normal about its null all the same: as noise has no sign, an interval that is even about the fit holds
 //! the truth as often for `|a|` as for `a`. Of several such amounts that pull one way the interval knows the size, not the common sign.
@@ -18,6 +18,7 @@ use super::design::Design;
 use super::fit::{Fit, Problem};
 use super::search::{allowed, changes};
 use crate::infer::lowrank::LowRank;
+use crate::infer::presence;
 use crate::infer::unseen::Widening;
 
 /// Every effect that may be there, with what it belongs to.
@@ -102,16 +103,14 @@ fn is_fitted(candidate: &Candidate, fit: &Fit) -> bool {
 #[must_use]
 pub fn widening(problem: &Problem<'_>, fit: &Fit) -> Option<Widening> {
     let design = problem.design;
-    let rows = problem.whitening.residuals();
     let list = candidates(design);
     let open: Vec<&Candidate> = list.iter().filter(|candidate| !is_fitted(candidate, fit)).collect();
     let of = |candidate: &&Candidate| columns(design, candidate, |values| changes(problem, fit, candidate, values));
     let each: Vec<LowRank> = open.par_iter().filter_map(of).collect();
-    let unseen = each.iter().fold(LowRank::none(rows), |all, one| all.and(one));
     // what the effects of the fit may themselves be wrong by is no information
     let forms = allowed(problem, fit);
     let jacobian = forms.all_taken_off(fit.jacobian.clone());
     let residual = forms.taken_off(&fit.residual);
-    let unseen = unseen.mapped(|columns| forms.all_taken_off(columns));
-    Widening::of(&jacobian, &residual, &unseen)
+    let unseen = each.into_iter().map(|one| one.mapped(|columns| forms.all_taken_off(columns)));
+    Widening::of(&jacobian, &residual, &unseen.collect::<Vec<_>>(), presence::probability())
 }

@@ -8,6 +8,7 @@
 //! lowrank     Gaussian errors along a few columns: the one low-rank step
 //! descent     Levenberg-Marquardt in a box: the one local optimiser of sums of squares
 //! unseen      what amounts that nobody saw add to the errors of parameters
+//! presence    effects that are there or not: intervals over their sets
 //! starts      where searches begin: a space-filling design, and a search from many starts
 //! ```
 //!
@@ -17,6 +18,7 @@ pub mod covariance;
 pub mod descent;
 pub mod eigen;
 pub mod lowrank;
+pub mod presence;
 pub mod product;
 pub mod rows;
 pub mod starts;

@@ -1,7 +1,7 @@
 //! What effects that nobody saw add to the error of parameters.
 //!
 //! A fit finds parameters `x` from whitened rows `r = J (x - x0) + F a + e`, `e ~ N(0, I)`, with the amounts `a` at their null. Each amount has a
-//! normal prior of unit deviation (the columns are scaled). Then, given the data,
+//! normal prior of unit deviation (the columns are scaled) where its effect is there at all. Then, given the data and that all are there,
 //!
 //! ```text
 //! N = (J'J)^-1                              covariance from noise alone
@@ -11,54 +11,63 @@
 //! m = -G V F'(r - J N J'r)                  where the parameters lie, from the fit
 //! ```
 //!
-//! An effect that the data would show has a small `V` and adds nothing; one that lies within the span of `J` keeps `V = 1`.
+//! An effect that the data would show has a small `V` and adds nothing; one that lies within the span of `J` keeps `V = 1`. Which are there is not known:
+//! the interval is that of the mixture over their sets ([`super::presence`]).
 
 use nalgebra::{DMatrix, DVector};
 
 use super::covariance::Factor;
 use super::lowrank::LowRank;
+use super::presence::{Amounts, together};
 use super::product::inner;
 
-/// What unseen amounts do to the error of parameters.
+/// Two-sided 95 % of a normal distribution.
+const Z95: f64 = 1.959_963_984_540_054;
+
+/// What unseen effects do to the error of parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Widening {
-    /// Variance that unseen amounts add to each parameter.
+    /// Variance beside that of noise with which a normal distribution has the parameter's 95 % interval.
     pub added: Vec<f64>,
     /// Variance of each parameter from noise alone.
     pub noise: Vec<f64>,
-    /// Where each parameter lies from the fit, given what the data say of the amounts.
+    /// Middle of that interval, from the fit: where the data put the parameter with unseen effects free.
     pub shift: Vec<f64>,
     /// For each parameter: meanings with the share of its variance that each adds, the largest first. The rest is noise.
     pub by: Vec<Vec<(&'static str, f64)>>,
 }
 
 impl Widening {
-    /// Of a whitened Jacobian and residual, with whitened columns of what may be there; `None` where the rows do not determine the parameters, or
-    /// hold what is no number.
+    /// Of a whitened Jacobian and residual, with whitened columns of the effects that may be there, each with a probability; `None` where the rows do not determine the
+    /// parameters, or hold what is no number.
     #[must_use]
-    pub fn of(jacobian: &DMatrix<f64>, residual: &DVector<f64>, unseen: &LowRank) -> Option<Self> {
+    pub fn of(jacobian: &DMatrix<f64>, residual: &DVector<f64>, effects: &[LowRank], probability: f64) -> Option<Self> {
+        let (unseen, counts) = together(effects, jacobian.nrows());
         let noise = Factor::of(&inner(jacobian, jacobian))?.inverse();
         let columns = unseen.scaled();
         let coupling = inner(jacobian, &columns);
         let moved = &noise * &coupling;
-        let mut seen = inner(&columns, &columns) - coupling.tr_mul(&moved);
-        (0..seen.nrows()).for_each(|k| seen[(k, k)] += 1.0);
-        let left = if unseen.is_empty() { seen } else { Factor::of(&seen)?.inverse() };
-        let told = columns.tr_mul(residual) - moved.tr_mul(&jacobian.tr_mul(residual));
-        let shift = -(&moved * (&left * told));
-        let spread = &moved * &left;
-        let count = jacobian.ncols();
-        // one amount's part of the variance, correlations with the others shared evenly
-        let part = |i: usize, k: usize| spread[(i, k)] * moved[(i, k)];
-        let added: Vec<f64> = (0..count).map(|i| (0..unseen.len()).map(|k| part(i, k)).sum::<f64>().max(0.0)).collect();
-        let by = (0..count).map(|i| shares(unseen, |k| part(i, k), added[i] / (added[i] + noise[(i, i)]))).collect();
-        let finite = added.iter().chain(shift.iter()).all(|v| v.is_finite());
-        finite.then(|| Self {
-            added,
-            noise: noise.diagonal().iter().copied().collect(),
-            shift: shift.iter().copied().collect(),
-            by,
-        })
+        let amounts = Amounts {
+            information: inner(&columns, &columns) - coupling.tr_mul(&moved),
+            told: columns.tr_mul(residual) - moved.tr_mul(&jacobian.tr_mul(residual)),
+            moved,
+            effects: counts,
+        };
+        let noise: Vec<f64> = noise.diagonal().iter().copied().collect();
+        let mut found = Self { added: Vec::new(), shift: Vec::new(), by: Vec::new(), noise };
+        let average = amounts.on_average(probability);
+        let left = left(&average)?;
+        for (i, noise) in found.noise.iter().enumerate() {
+            let span = amounts.interval(i, *noise, probability)?;
+            let deviation = 0.5 * (span.high - span.low) / Z95;
+            found.added.push((deviation * deviation - noise).max(0.0));
+            found.shift.push(0.5 * (span.low + span.high));
+            // one amount's part of the variance, correlations with the others shared evenly
+            let spread = average.moved.row(i) * &left;
+            let part = |k: usize| spread[k] * average.moved[(i, k)];
+            found.by.push(shares(&unseen, part, found.added[i] / (found.added[i] + noise)));
+        }
+        found.added.iter().chain(&found.shift).all(|v| v.is_finite()).then_some(found)
     }
 
     /// How many times as wide as noise alone makes it a parameter's error is.
@@ -66,6 +75,13 @@ impl Widening {
     pub fn times(&self, parameter: usize) -> f64 {
         (1.0 + self.added[parameter] / self.noise[parameter]).sqrt()
     }
+}
+
+/// What the data leave of amounts.
+fn left(amounts: &Amounts) -> Option<DMatrix<f64>> {
+    let count = amounts.told.len();
+    let posterior = DMatrix::identity(count, count) + &amounts.information;
+    if count == 0 { Some(posterior) } else { Some(Factor::of(&posterior)?.inverse()) }
 }
 
 /// Shares below this are not told.
@@ -128,17 +144,17 @@ mod tests {
         DMatrix::from_fn(12, 2, |i, j| ((i + 3 * j) as f64).sin() + 0.2)
     }
 
-    fn unseen() -> LowRank {
+    fn unseen() -> [LowRank; 2] {
         let column = |of: usize| DMatrix::from_fn(12, 1, |i, _| 2.0 * ((of * i + of) as f64).cos());
-        LowRank::new(column(2), vec![0.7], "one").and(&LowRank::new(column(5), vec![1.3], "other"))
+        [LowRank::new(column(2), vec![0.7], "one"), LowRank::new(column(5), vec![1.3], "other")]
     }
 
-    /// Against the inverse of the dense covariance of the rows, to rounding; and against the one Schur complement.
+    /// Effects that are there for certain: against the inverse of the dense covariance of the rows, and against the one Schur complement.
     #[test]
     fn the_widened_error_is_that_of_the_dense_covariance() {
-        let (j, f) = (jacobian(), unseen().scaled());
+        let (j, f) = (jacobian(), together(&unseen(), 12).0.scaled());
         let r = DVector::from_fn(12, |i, _| (0.3 * i as f64).cos());
-        let found = Widening::of(&j, &r, &unseen()).unwrap();
+        let found = Widening::of(&j, &r, &unseen(), 1.0).unwrap();
         let dense = (DMatrix::identity(12, 12) + &f * f.transpose()).try_inverse().unwrap();
         let exact = (j.tr_mul(&(&dense * &j))).try_inverse().unwrap();
         let schur = covariance(&marginal_information(&j, &f)).unwrap();
@@ -146,9 +162,10 @@ mod tests {
         // the widened estimate less the plain one
         let shift = &exact * j.tr_mul(&(&dense * &r)) - &plain * j.tr_mul(&r);
         for i in 0..2 {
-            assert!((found.added[i] + found.noise[i] - exact[(i, i)]).abs() < 1e-12);
+            // a quantile is found by halving, to the rounding of the error function
+            assert!((found.added[i] + found.noise[i] - exact[(i, i)]).abs() < 1e-9 * exact[(i, i)]);
             assert!((schur[(i, i)] - exact[(i, i)]).abs() < 1e-12);
-            assert!((found.shift[i] - shift[i]).abs() < 1e-12, "{} {}", found.shift[i], shift[i]);
+            assert!((found.shift[i] - shift[i]).abs() < 1e-9, "{} {}", found.shift[i], shift[i]);
             let told: f64 = found.by[i].iter().map(|(_, share)| share).sum();
             let share = found.added[i] / (found.added[i] + found.noise[i]);
             assert!((told - share).abs() < 1e-12 && found.times(i) >= 1.0);
@@ -161,8 +178,8 @@ mod tests {
         let j = jacobian();
         let twin = LowRank::new(j.columns(0, 1).into_owned(), vec![0.5], "twin");
         let loud = LowRank::new(DMatrix::from_fn(12, 1, |i, _| f64::from(u8::from(i == 3))), vec![1e6], "loud");
-        let found = Widening::of(&j, &DVector::zeros(12), &twin.and(&loud)).unwrap();
-        let without = Widening::of(&j, &DVector::zeros(12), &loud).unwrap();
+        let found = Widening::of(&j, &DVector::zeros(12), &[twin, loud.clone()], 1.0).unwrap();
+        let without = Widening::of(&j, &DVector::zeros(12), &[loud], 1.0).unwrap();
         assert!((found.added[0] - without.added[0] - 0.25).abs() < 1e-9, "{found:?}");
         // an amount that is not known at all takes its row away, and no more
         let rest = inner(&j.clone().remove_row(3), &j.remove_row(3)).try_inverse().unwrap();
@@ -182,10 +199,10 @@ mod tests {
     #[test]
     fn without_amounts_nothing_is_widened_and_what_is_no_number_says_nothing() {
         let r = DVector::from_element(12, 1.0);
-        let found = Widening::of(&jacobian(), &r, &LowRank::none(12)).unwrap();
-        assert_eq!((found.added, found.shift), (vec![0.0; 2], vec![0.0; 2]));
+        let found = Widening::of(&jacobian(), &r, &[], 1.0).unwrap();
+        assert!(found.added.iter().zip(&found.noise).all(|(added, noise)| *added < 1e-9 * noise), "{found:?}");
         let bad = LowRank::unit(DMatrix::from_element(12, 1, f64::NAN), "bad");
-        assert!(Widening::of(&jacobian(), &r, &bad).is_none());
-        assert!(Widening::of(&DMatrix::zeros(12, 2), &r, &unseen()).is_none());
+        assert!(Widening::of(&jacobian(), &r, &[bad], 0.5).is_none());
+        assert!(Widening::of(&DMatrix::zeros(12, 2), &r, &unseen(), 0.5).is_none());
     }
 }

@@ -12,9 +12,9 @@ use super::law::{self, Law, Setting};
 use super::margin::placebos;
 use super::noise::Noise;
 use crate::diagnose::evidence::{basis, rest_of};
-use crate::diagnose::search::CHARGE;
 use crate::infer::covariance::Factor;
 use crate::infer::lowrank::Fold;
+use crate::infer::presence::CHARGE;
 use crate::infer::product::inner;
 
 /// Relative error of an effect as the catalogue writes it down, along smooth shapes of time in every command by itself: nature's friction,

@@ -4,8 +4,9 @@ use std::sync::OnceLock;
 
 use super::super::fit::{Fit, Problem};
 use super::super::placebo;
-use super::{CHARGE, allowed, left_out};
+use super::{allowed, left_out};
 use crate::infer::lowrank::Fold;
+use crate::infer::presence::CHARGE;
 
 /// Numbers of parameters that a candidate may have.
 const PARAMETERS: usize = 6;

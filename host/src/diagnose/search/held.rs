@@ -8,7 +8,8 @@ use super::super::coordinate::{Candidate, Coordinate};
 use super::super::fit::{Fit, Problem};
 use super::before::Before;
 use super::rounds::{SAME, SETTLES};
-use super::{Aim, CHARGE, Explanation, RATIO_100, Search, allowed, form_error, score, sorted};
+use super::{Aim, Explanation, RATIO_100, Search, allowed, form_error, score, sorted};
+use crate::infer::presence::CHARGE;
 
 /// By how much two effects must be better than one, as a difference of sums of squares: a likelihood ratio of a thousand. There are twenty times as many pairs as effects. In
 /// three tables none of 540 experiments with one effect that was named had a second one between this and ten thousand that met all else; five with two had a true one there.

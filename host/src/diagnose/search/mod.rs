@@ -24,6 +24,7 @@ use super::fit::{Fit, Problem, freedom};
 use super::margin::{self, Margin};
 use super::noise::{self, Curve, Noise, SensorNoise};
 use super::prepared::Prepared;
+use crate::infer::presence::CHARGE;
 use before::Before;
 use begin::starts;
 pub use form_error::{allowed, form_error_range};
@@ -36,8 +37,6 @@ use solve::Aim;
 
 /// Likelihood ratio of 100 as a difference of sums of squares.
 pub const RATIO_100: f64 = 9.21;
-/// Charge of a parameter, as a sum of squares: it must improve the fit by that to be worth it.
-pub(super) const CHARGE: f64 = 3.0;
 /// Factor on the errors of effects ([`form_error`]) where the question is whether an explanation leaves more than noise: a tenth more than a strong effect's own error is no
 /// reason to call it unknown.
 const TOLERANT: f64 = 1.5;

@@ -11,8 +11,9 @@ use super::super::design::{Branch, Design, Node};
 use super::super::evidence::{basis, rest_of};
 use super::super::fit::{Fit, Problem};
 use super::rounds::BEHIND;
-use super::{CHARGE, Explanation, RATIO_100, Search, changes, score};
+use super::{Explanation, RATIO_100, Search, changes, score};
 use crate::infer::lowrank::Fold;
+use crate::infer::presence::CHARGE;
 
 /// An elastic departure without a name.
 const NAMELESS: Candidate = Candidate { effect: &nameless::EFFECT, owner: 0 };

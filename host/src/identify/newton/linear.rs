@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::infer::lowrank::LowRank;
+use crate::infer::presence;
 use crate::infer::unseen::Widening;
 
 use super::coordinate::{Kind, Values};
@@ -63,11 +64,11 @@ impl Linear {
         DVector::from_vec(each.collect())
     }
 
-    /// What amounts along some columns of [`Linear::rows`], which nobody fitted, do to the errors of the coordinates; `None` where the rows do
+    /// What effects that may be there, each columns of [`Linear::rows`], do to the errors of the coordinates; `None` where the rows do
     /// not determine these.
     #[must_use]
-    pub fn widening(&self, unseen: &LowRank) -> Option<Widening> {
-        Widening::of(&self.jacobian, &self.residual, unseen)
+    pub fn widening(&self, unseen: &[LowRank]) -> Option<Widening> {
+        Widening::of(&self.jacobian, &self.residual, unseen, presence::probability())
     }
 
     /// Number of rows.
