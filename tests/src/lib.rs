@@ -12,6 +12,7 @@ pub mod palpations;
 pub mod processor;
 pub mod recovery;
 pub mod reference;
+pub mod regressions;
 pub mod robustness;
 pub mod samples;
 pub mod score;

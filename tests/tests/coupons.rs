@@ -110,12 +110,6 @@ fn a_small_poisson_ratio_is_decided_by_a_coupon() {
     is_decided_by_a_coupon(&hiding(Design::D18, 60_045, "poisson", 0, NoiseKind::Matched));
 }
 
-/// Friction of 0.2: the coupon knows nothing of it, and nothing of what imitates it.
-#[test]
-fn friction_is_decided_by_a_coupon() {
-    is_decided_by_a_coupon(&hiding(Design::D36, 60_047, "friction", 2, NoiseKind::Mismatched));
-}
-
 /// A second term of 0.6.
 #[test]
 fn a_second_term_is_decided_by_a_coupon() {
