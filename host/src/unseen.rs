@@ -17,9 +17,9 @@ use crate::identify::fit::Unseen;
 use crate::identify::grip::Grip;
 use crate::identify::interval::Interval;
 use crate::identify::newton::coordinate::{Kind, Values};
-use crate::identify::newton::likelihood::Z95;
 use crate::identify::newton::linear::{Linear, LinearRun};
 use crate::identify::spec::FittedLaw;
+use crate::infer::covariance::Z95;
 use crate::infer::unseen::Widening;
 
 /// Widens the intervals of an identification by the effects of the catalogue that its runs do not show. Where that is not possible a message says why.

@@ -2,7 +2,7 @@
 
 use crate::experiment::Experiment;
 use crate::experiment::motion::noise_of;
-use crate::infer::covariance::covariance;
+use crate::infer::covariance::{Z95, covariance};
 use crate::infer::descent::{Ending, Minimum};
 use lut_gen::model::{Resolution, Simulation};
 
@@ -12,7 +12,6 @@ use super::multistart::{self, Search, StandardErrors};
 use super::newton::condition::Condition;
 use super::newton::coordinate::{Kind, ON_BOUND, Unknown};
 use super::newton::fit::{Newton, Span};
-use super::newton::likelihood::Z95;
 use super::newton::linear::Linear;
 use super::newton::problem::{Problem, forces};
 use super::newton::verdict::{Judged, Verdict, judge};

@@ -4,6 +4,9 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::product::inner;
 
+/// Two-sided 95 % of a normal distribution.
+pub const Z95: f64 = 1.959_963_984_540_054;
+
 /// Factor of a positive definite matrix whose rows differ in scale: it is scaled to a unit diagonal first.
 #[derive(Debug, Clone)]
 pub struct Factor {

@@ -6,6 +6,8 @@
 //!
 //! The sets of the effects that move a parameter most are enumerated. The others are many and small, and have one normal with the variance of their mixture.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::covariance::Factor;
@@ -86,20 +88,14 @@ impl Amounts {
     pub fn interval(&self, parameter: usize, noise: f64, probability: f64) -> Option<Span> {
         let listed = if probability < 1.0 { self.largest(parameter)? } else { Vec::new() };
         let (mut named, mut rest) = (Vec::new(), Vec::new());
-        let mut first = 0;
-        for (effect, count) in self.effects.iter().enumerate() {
-            let columns = first..first + count;
-            first += count;
-            if listed.contains(&effect) { named.push(columns.collect::<Vec<_>>()) } else { rest.extend(columns) }
+        for (effect, columns) in beside(&self.effects).into_iter().enumerate() {
+            if listed.contains(&effect) { named.push(columns) } else { rest.extend(columns) }
         }
+        let kept: Vec<usize> = named.iter().cloned().flatten().collect();
         let mut by = DVector::from_element(self.told.len(), 1.0);
         rest.iter().for_each(|k| by[*k] = probability.sqrt());
-        let given = self.scaled(&by).without(parameter, noise, &rest, &named.concat())?;
-        let mut starts = Vec::new();
-        named.iter().fold(0, |at, columns| {
-            starts.push(at..at + columns.len());
-            at + columns.len()
-        });
+        let given = self.scaled(&by).without(parameter, noise, &rest, &kept)?;
+        let starts = beside(&named.iter().map(Range::len).collect::<Vec<_>>());
         let parts = (0_usize..1 << named.len()).map(|set| {
             let own = starts.iter().enumerate().filter(|(at, _)| set & (1 << at) != 0);
             let columns: Vec<usize> = own.flat_map(|(_, columns)| columns.clone()).collect();
@@ -111,11 +107,9 @@ impl Amounts {
 
     /// The effects that move a parameter most, each for itself.
     fn largest(&self, parameter: usize) -> Option<Vec<usize>> {
-        let mut first = 0;
         let mut all = Vec::new();
-        for (effect, count) in self.effects.iter().enumerate() {
-            let columns: Vec<usize> = (first..first + count).collect();
-            first += count;
+        for (effect, columns) in beside(&self.effects).into_iter().enumerate() {
+            let columns: Vec<usize> = columns.collect();
             all.push((effect, self.without(parameter, 0.0, &columns, &[])?.variance));
         }
         all.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -167,6 +161,16 @@ impl Given {
             deviation: (self.variance + by.dot(&moved)).sqrt(),
         })
     }
+}
+
+/// Columns of each of some effects that stand beside each other.
+fn beside(counts: &[usize]) -> Vec<Range<usize>> {
+    let place = |first: &mut usize, count: &usize| {
+        let columns = *first..*first + count;
+        *first = columns.end;
+        Some(columns)
+    };
+    counts.iter().scan(0, place).collect()
 }
 
 /// Where a share of a mixture lies below. Weights are logarithms of what is proportional to them.

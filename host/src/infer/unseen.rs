@@ -16,13 +16,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::covariance::Factor;
+use super::covariance::{Factor, Z95};
 use super::lowrank::LowRank;
 use super::presence::{Amounts, together};
 use super::product::inner;
-
-/// Two-sided 95 % of a normal distribution.
-const Z95: f64 = 1.959_963_984_540_054;
 
 /// What unseen effects do to the error of parameters.
 #[derive(Debug, Clone, PartialEq)]

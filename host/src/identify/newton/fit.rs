@@ -8,13 +8,13 @@ use lut_gen::solve::SolveError;
 
 use crate::identify::noise::Noise;
 use crate::identify::spec::Loss;
-use crate::infer::covariance::{covariance, standard_errors};
+use crate::infer::covariance::{Z95, covariance, standard_errors};
 use crate::infer::descent::Minimum;
 
 use super::absolute::ROUNDED;
 use super::condition::Source;
 use super::coordinate::{Kind, Unknown, Values};
-use super::likelihood::{End, Z95};
+use super::likelihood::End;
 use super::problem::{MOST_RELAXING, Problem, Weight};
 use super::search::{Budget, Found, Told, Visit};
 use super::setup::FIRST_ALPHA;

@@ -13,8 +13,6 @@ use crate::infer::descent::{Minimum, Region};
 pub const RISE: f64 = 3.841_458_820_694_124;
 /// The same for two parameters together: chi-squared with two degrees of freedom.
 pub const RISE_OF_TWO: f64 = 5.991_464_547_107_979;
-/// Two-sided 95 % of a normal distribution.
-pub const Z95: f64 = 1.959_963_984_540_054;
 /// Rise of the sum of absolute differences (twice, in standard deviations) over that of squares at the same probability, for normal
 /// noise: the variance of the estimate is pi/2 times larger, the curvature sqrt(2/pi) times (Koenker and Bassett 1978, doi:10.2307/1913643).
 const ABSOLUTE_OVER_SQUARES: f64 = 1.253_314_137_315_500_3;
