@@ -67,6 +67,8 @@ fn clean_data_stay_clean() {
         clean(Design::D18, 31_002, Matched),
         clean(Design::D18, 31_102, Mismatched),
         clean(Design::D36, 31_103, Mismatched),
+        clean(Design::D18, 31_000, Matched),
+        clean(Design::D18, 31_101, Mismatched),
     ];
     all_are(Outcome::CleanRight, &cases);
 }
@@ -77,8 +79,10 @@ fn what_is_strong_is_named() {
     let reached = [
         hiding(Design::D18, 31_010, "relaxation", 4),
         hiding(Design::D18, 31_011, "drift", 4),
+        hiding(Design::D18, 31_019, "radius", 4),
         hiding(Design::D18, 31_014, "compliance", 4),
         hiding(Design::D36, 31_016, "sensor-creep", 3),
+        hiding(Design::D18, 31_012, "lag", 4),
         hiding(Design::D18, 31_020, "adhesion", 4),
     ];
     all_are(Outcome::Exact, &reached);
@@ -96,9 +100,13 @@ fn a_planned_run_decides() {
 /// What is in no catalogue gets no name.
 #[test]
 fn what_is_outside_is_unknown() {
-    let codes = ["outside-stiff-skin", "outside-hum", "outside-power-law"];
-    let cases: Vec<Case> =
-        [31_030, 31_034, 31_032].into_iter().zip(codes).map(|(seed, code)| outside(seed, code)).collect();
+    let cases = [
+        outside(31_030, "outside-stiff-skin"),
+        outside(31_034, "outside-hum"),
+        outside(31_035, "outside-stick-slip"),
+        outside(31_033, "outside-anisotropic"),
+        outside(31_032, "outside-power-law"),
+    ];
     all_are(Outcome::OutsideUnknown, &cases);
 }
 
