@@ -50,9 +50,18 @@ fn best_contact(problem: &Problem<'_>, at: usize, track: &Track) -> (f64, f64) {
     let best = (0..=PLACES).min_by(|a, b| seen[*a].total_cmp(&seen[*b])).unwrap_or(0);
     let (mut a, mut b) = (place(best.saturating_sub(1)), place((best + 1).min(PLACES)));
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut left, mut right) = (b - ratio * (b - a), a + ratio * (b - a));
+    let (mut at_left, mut at_right) = (of(left), of(right));
     for _ in 0..SECTIONS {
-        let (left, right) = (b - ratio * (b - a), a + ratio * (b - a));
-        if of(left) < of(right) { b = right } else { a = left }
+        if at_left < at_right {
+            (b, right, at_right) = (right, left, at_left);
+            left = b - ratio * (b - a);
+            at_left = of(left);
+        } else {
+            (a, left, at_left) = (left, right, at_right);
+            right = a + ratio * (b - a);
+            at_right = of(right);
+        }
     }
     let (middle, on_grid) = (0.5 * (a + b), place(best));
     let contact = if of(middle) <= seen[best] { middle } else { on_grid };
