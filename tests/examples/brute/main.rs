@@ -1,4 +1,4 @@
-//! Is the minimum one? `cargo run --release -p tests --example brute [-- COUNT [SEED]]`.
+//! Is the minimum one? `cargo run --release -p tests --example brute [-- COUNT [SEED [NAME]]]`; only cases whose name holds NAME.
 //!
 //! Every experiment under `tests/experiments` whose recordings are there, and COUNT (200) random ones are identified; an independent search
 //! (random points, simplexes, forces solved at every point) then looks for a lower value of the same objective. A fit passes within 0.1 %. A law
@@ -54,9 +54,11 @@ fn main() -> Outcome<()> {
     let mut arguments = std::env::args().skip(1);
     let count: usize = arguments.next().map_or(Ok(200), |text| text.parse())?;
     let seed: u64 = arguments.next().map_or(Ok(1), |text| text.parse())?;
+    let only = arguments.next().unwrap_or_default();
     let models = if count > 0 { tests::recovery::models()? } else { Vec::new() };
     let mut all = real::cases()?;
     all.extend(draw::draw(seed, count, &models)?);
+    all.retain(|case| case.name.contains(&only));
     let judged: Outcome<Vec<Vec<Judged>>> = all.par_iter().map(judge).collect();
     let judged: Vec<Judged> = judged?.into_iter().flatten().collect();
     let number = |of: &dyn Fn(&&Judged) -> bool| judged.iter().filter(of).count();

@@ -84,7 +84,7 @@ pub(super) fn descents(
             continue;
         }
         let unsolved = |end: &Descent| {
-            let count = |c: &&_| -> bool { !knows(problem, c, &end.point) };
+            let count = |c: &&_| -> bool { !knows(c, &end.point) };
             problem.conditions.iter().filter(count).count()
         };
         let mut left = budget.saturating_sub(problem.solves());
@@ -104,7 +104,7 @@ pub(super) fn descents(
         failures.extend(problem.solve_at(&points).err().map(|cause| format!("a solve on the way failed: {cause}")));
         told(problem.solves());
         for (at, end) in affordable {
-            let solved = problem.conditions.iter().all(|c| knows(problem, c, &end.point));
+            let solved = problem.conditions.iter().all(|c| knows(c, &end.point));
             let value = if solved { objective_n(problem, &end.point) } else { f64::INFINITY };
             ways[at].take(end, value);
         }
@@ -114,8 +114,8 @@ pub(super) fn descents(
     (ways.into_iter().map(|way| Start { descent: way.descent, at_rest: way.at_rest }).collect(), failures)
 }
 
-fn knows(problem: &Problem<'_>, condition: &crate::identify::newton::condition::Condition, point: &[f64]) -> bool {
-    condition.is_exact(&problem.base) || condition.knows(point)
+fn knows(condition: &crate::identify::newton::condition::Condition, point: &[f64]) -> bool {
+    condition.is_exact() || condition.knows(point)
 }
 
 impl Way {

@@ -44,7 +44,7 @@ pub(super) fn solved(
     budget: usize,
     told: &Told<'_>,
 ) -> Result<(Bounds, Vec<String>), SolveError> {
-    let costly = problem.conditions.iter().filter(|c| !c.is_exact(&problem.base)).count();
+    let costly = problem.conditions.iter().filter(|c| !c.is_exact()).count();
     let most = ((SHARE * budget as f64) as usize).checked_div(costly).unwrap_or(usize::MAX);
     let points = design(problem, most.max(2));
     let first = problem.solve_at(&points);
@@ -63,7 +63,7 @@ pub(super) fn solved(
 }
 
 fn known(problem: &Problem<'_>, point: &[f64]) -> bool {
-    problem.conditions.iter().all(|c| c.is_exact(&problem.base) || c.knows(point))
+    problem.conditions.iter().all(|c| c.is_exact() || c.knows(point))
 }
 
 /// The points at which the map is solved, moduli at their guess.

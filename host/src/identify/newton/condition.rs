@@ -57,7 +57,7 @@ pub struct Condition {
     pub surrogate: Surrogate,
     /// Largest relative scatter of a solve's stations.
     pub scatter: f64,
-    /// Solves, homogeneous ones included.
+    /// Solves so far.
     pub solves: usize,
 }
 
@@ -107,6 +107,11 @@ impl Condition {
         self.surrogate = self.surrogate.forgotten();
     }
 
+    /// True when its force changes with this coordinate.
+    pub(super) fn rests_on(&self, axis: usize) -> bool {
+        self.modulus == axis || self.locals.contains(&axis)
+    }
+
     /// Its own coordinates out of all.
     pub fn local(&self, point: &[f64]) -> Vec<f64> {
         self.locals.iter().map(|at| point[*at]).collect()
@@ -120,24 +125,36 @@ impl Condition {
     /// The force between what is solved; `None` before the first solve.
     pub fn track(&self, point: &[f64]) -> Option<Track> {
         let values = self.surrogate.at(&self.local(point));
-        (!values.is_empty()).then(|| {
-            let track = Track::new(self.depth_mm, self.hold_s, &values, point[self.modulus]);
-            track.beginning_as(self.grip.exponent(), self.rounding_mm)
-        })
+        (!values.is_empty()).then(|| self.track_of(&values, point[self.modulus]))
     }
 
-    /// True where the force is cheaper to compute than to interpolate: all of the specimen deforms alike, without memory.
+    /// The force from the values of a press and the logarithm of the modulus (MPa).
+    fn track_of(&self, values: &[f64], ln_mu: f64) -> Track {
+        let track = Track::new(self.depth_mm, self.hold_s, values, ln_mu);
+        track.beginning_as(self.grip.exponent(), self.rounding_mm)
+    }
+
+    /// The force near a solve by its slopes, where only the coordinate `axis` has moved, to `point`.
+    pub(super) fn track_beside(&self, solve: &Node, axis: usize, point: &[f64]) -> Track {
+        let mut values = solve.value.clone();
+        if let Some(local) = self.locals.iter().position(|at| *at == axis) {
+            let step = point[axis] - solve.x[local];
+            values.iter_mut().zip(&solve.by[local]).for_each(|(v, by)| *v += by * step);
+        }
+        self.track_of(&values, point[self.modulus])
+    }
+
+    /// True where the force is cheaper to compute than to interpolate: all of the specimen deforms alike.
     #[must_use]
-    pub fn is_exact(&self, base: &Values) -> bool {
-        self.is_homogeneous() && base.prony.is_empty()
+    pub fn is_exact(&self) -> bool {
+        self.is_homogeneous()
     }
 
     /// The force at a point where it [is exact](Condition::is_exact); `None` where the material does not exist.
     #[must_use]
     pub fn exact_track(&self, base: &Values, unknowns: &[Unknown], point: &[f64]) -> Option<Track> {
         let press = self.stretched(&self.values(base, unknowns, point), &[]).ok()?;
-        let track = Track::new(self.depth_mm, 0.0, &press.ramp, point[self.modulus]);
-        Some(track.beginning_as(self.grip.exponent(), self.rounding_mm))
+        Some(self.track_of(&[press.ramp, press.hold].concat(), point[self.modulus]))
     }
 
     /// Parameters for a unit modulus at a point.

@@ -180,7 +180,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     let mut ends = problem.ends(&found.minimum, &errors);
     for stage in [Stage::Ends, Stage::Corners] {
         // Late, nothing more is solved.
-        let left = |problem: &Problem<'_>| if budget.is_late() { problem.evaluations() } else { budget.most_solves };
+        let left = |problem: &Problem<'_>| if budget.is_late() { problem.solves() } else { budget.most_solves };
         let wanted = match stage {
             Stage::Ends => problem.worth_solving(&ends, &errors, left(problem)),
             Stage::Corners => problem.corners(&ends, left(problem)),
@@ -228,7 +228,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         path,
         converged: found.converged,
         came_back: found.came_back,
-        spent: budget.is_spent(problem.evaluations()),
+        spent: budget.is_spent(problem.solves()),
         expected_within: found.expected_within,
         failures,
         walls,
@@ -337,11 +337,11 @@ impl Problem<'_> {
             let locals = &self.conditions[condition].locals;
             locals.iter().all(|&at| (a[at] - b[at]).abs() < NEAR * errors[at])
         };
-        let mut left = budget.saturating_sub(self.evaluations());
+        let mut left = budget.saturating_sub(self.solves());
         for point in ends.iter().flat_map(|(low, high)| [&low.support, &high.support]) {
             let known = (0..self.conditions.len()).all(|c| {
                 self.conditions[c].locals.is_empty()
-                    || self.conditions[c].is_exact(&self.base)
+                    || self.conditions[c].is_exact()
                     || self.conditions[c].knows(point)
                     || wanted.iter().any(|other| near(point, other, c))
             });

@@ -92,7 +92,7 @@ impl Problem<'_> {
         if tracks.len() < self.conditions.len() {
             return None;
         }
-        let moved: Vec<_> = (0..self.unknowns.len()).map(|axis| self.moved(point, axis, &tracks)).collect();
+        let moved = self.moved(point, &tracks);
         let mut runs = Vec::new();
         let (mut residuals, mut columns) = (Vec::new(), vec![Vec::new(); moved.len()]);
         for curve in self.fitted() {

@@ -9,6 +9,7 @@ use crate::infer::descent::{Minimum, Quadratic, Region, Rule, Together, minimise
 
 use super::condition::Condition;
 use super::coordinate::{Kind, Unknown, Values};
+use super::surrogate::Node;
 use super::track::Track;
 
 /// How much a run's samples count.
@@ -114,7 +115,7 @@ impl Problem<'_> {
     /// Tracks of all conditions; fewer than these while one is not solved anywhere, or has no force at the point.
     #[must_use]
     pub fn tracks(&self, point: &[f64]) -> Vec<Track> {
-        let one = |condition: &Condition| match condition.is_exact(&self.base) {
+        let one = |condition: &Condition| match condition.is_exact() {
             // Where the material does not exist there is no force; what was solved elsewhere says nothing of it.
             true => condition.exact_track(&self.base, &self.unknowns, point),
             false => condition.track(point),
@@ -314,8 +315,7 @@ impl Problem<'_> {
             sum.value = f64::INFINITY;
             return sum;
         };
-        let moved: Vec<(Vec<Track>, Vec<Track>, f64)> =
-            (0..count).map(|axis| self.moved(point, axis, &tracks)).collect();
+        let moved = self.moved(point, &tracks);
         let of = |at: usize| {
             let condition = self.condition_of[at];
             let contact = self.contact(at, &tracks[condition]);
@@ -358,20 +358,30 @@ impl Problem<'_> {
         }
     }
 
-    /// Tracks a little below and above along one coordinate, and the distance between.
-    pub(super) fn moved(&self, point: &[f64], axis: usize, here: &[Track]) -> (Vec<Track>, Vec<Track>, f64) {
-        let (low, high) = self.unknowns[axis].bounds();
-        let step = QUOTIENT * (high - low);
-        // At a wall, and where there is no material, one-sided.
-        let own = point[axis];
-        let shifted = |to: f64| {
-            let mut point = point.to_vec();
-            point[axis] = to;
-            let tracks = self.tracks(&point);
-            if tracks.len() == here.len() { (tracks, to) } else { (here.to_vec(), own) }
+    /// Tracks a little below and above along each coordinate, and the distance between; one-sided at a wall.
+    pub(super) fn moved(&self, point: &[f64], here: &[Track]) -> Vec<(Vec<Track>, Vec<Track>, f64)> {
+        let solve = |c: &Condition| c.solve(&self.base, &self.unknowns, point).ok().map(|(solve, _)| solve);
+        // What costs nothing has slopes of its own.
+        let solves: Vec<Option<Node>> =
+            self.conditions.iter().map(|c| c.is_exact().then(|| solve(c)).flatten()).collect();
+        let along = |axis: usize| {
+            let (low, high) = self.unknowns[axis].bounds();
+            let step = QUOTIENT * (high - low);
+            let shifted = |to: f64| -> Vec<Track> {
+                let mut point = point.to_vec();
+                point[axis] = to;
+                let track = |(at, condition): (usize, &Condition)| match &solves[at] {
+                    _ if !condition.rests_on(axis) => None,
+                    Some(solve) => Some(condition.track_beside(solve, axis, &point)),
+                    None => condition.track(&point),
+                };
+                let all = self.conditions.iter().enumerate().zip(here);
+                all.map(|(condition, here)| track(condition).unwrap_or_else(|| here.clone())).collect()
+            };
+            let (from, to) = ((point[axis] - step).max(low), (point[axis] + step).min(high));
+            (shifted(from), shifted(to), (to - from).max(f64::MIN_POSITIVE))
         };
-        let (from, to) = (shifted((own - step).max(low)), shifted((own + step).min(high)));
-        (from.0, to.0, (to.1 - from.1).max(f64::MIN_POSITIVE))
+        (0..self.unknowns.len()).map(along).collect()
     }
 
     /// Adds a run; `ends` where its contact point stands at an end of its range and absorbs nothing.

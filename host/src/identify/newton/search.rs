@@ -115,7 +115,7 @@ impl Problem<'_> {
     /// True where nothing has to be solved at a point: it is, or the force costs nothing.
     fn is_known(&self, condition: usize, point: &[f64]) -> bool {
         let condition = &self.conditions[condition];
-        condition.is_exact(&self.base) || condition.knows(point)
+        condition.is_exact() || condition.knows(point)
     }
 
     /// Solves at a point wherever that is not yet done, in parallel.
@@ -149,19 +149,13 @@ impl Problem<'_> {
     /// Finite-element solves so far.
     #[must_use]
     pub fn solves(&self) -> usize {
-        self.conditions.iter().filter(|c| !c.is_homogeneous()).map(|c| c.solves).sum()
-    }
-
-    /// Solves so far, homogeneous ones that have a memory included.
-    #[must_use]
-    pub fn evaluations(&self) -> usize {
         self.conditions.iter().map(|c| c.solves).sum()
     }
 
     /// True where no condition needs finite elements or interpolation.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        self.conditions.iter().all(|c| c.is_exact(&self.base))
+        self.conditions.iter().all(|c| c.is_exact())
     }
 
     /// The best moduli at fixed other coordinates.
@@ -261,7 +255,7 @@ impl Problem<'_> {
             }
             let around = self.around(region, &minimum, &refused, budget);
             let lower = around.lower.first().cloned();
-            let spent = budget.is_spent(self.evaluations()) || refused.len() >= TRIES;
+            let spent = budget.is_spent(self.solves()) || refused.len() >= TRIES;
             let Some(aim) = lower.filter(|_| rested && !spent) else {
                 let converged = rested && self.is_minimum(&minimum, &around) && !budget.is_late();
                 let State { path, expected_within, failures, .. } = state;
@@ -299,7 +293,7 @@ impl Problem<'_> {
                 // The minimum between solves, so near to one that the solve there would add nothing.
                 return (aim, true);
             }
-            if budget.is_spent(self.evaluations()) || trust < LEAST_TRUST {
+            if budget.is_spent(self.solves()) || trust < LEAST_TRUST {
                 return (self.with_best_moduli(&state.best.point), false);
             }
             let expected = self.tracks(&aim.x);

@@ -11,7 +11,7 @@ pub struct Track {
     /// Length over which faces come to touch, mm.
     rounding_mm: f64,
     /// Of `ln(F / (mu d^p))` over `s`.
-    coefficients: Vec<f64>,
+    coefficients: [f64; RAMP_NODES],
     /// ln(mu / MPa).
     ln_mu: f64,
     hold_s: f64,
@@ -27,18 +27,11 @@ impl Track {
     #[must_use]
     pub fn new(depth_max_mm: f64, hold_s: f64, values: &[f64], ln_mu: f64) -> Self {
         let (ramp, held) = values.split_at(RAMP_NODES.min(values.len()));
+        let mut coefficients = [0.0; RAMP_NODES];
+        coefficients.iter_mut().zip(Press::ramp_axis().coefficients(ramp)).for_each(|(to, from)| *to = from);
         let hold =
             if held.is_empty() { Vec::new() } else { std::iter::once(0.0).chain(held.iter().copied()).collect() };
-        Self {
-            depth_max_mm,
-            exponent: 1.5,
-            rounding_mm: 0.0,
-            coefficients: Press::ramp_axis().coefficients(ramp),
-            ln_mu,
-            hold_s,
-            hold,
-            error: (0.0, 0.0),
-        }
+        Self { depth_max_mm, exponent: 1.5, rounding_mm: 0.0, coefficients, ln_mu, hold_s, hold, error: (0.0, 0.0) }
     }
 
     /// The same for values of `ln(F / d^p)` with another exponent, the touch spread over a length: depths count as
@@ -125,13 +118,13 @@ impl Track {
 }
 
 /// A Chebyshev sum and its derivative at `x` in [-1, 1], by Clenshaw's recurrence.
-fn chebyshev(coefficients: &[f64], x: f64) -> (f64, f64) {
+fn chebyshev(coefficients: &[f64; RAMP_NODES], x: f64) -> (f64, f64) {
     let (mut b1, mut b2, mut d1, mut d2) = (0.0, 0.0, 0.0, 0.0);
-    for c in coefficients.iter().skip(1).rev() {
+    for at in (1..RAMP_NODES).rev() {
+        let c = coefficients[at];
         (b1, b2, d1, d2) = (2.0 * x * b1 - b2 + c, b1, 2.0 * b1 + 2.0 * x * d1 - d2, d1);
     }
-    let first = coefficients.first().copied().unwrap_or(0.0);
-    (x * b1 - b2 + first, b1 + x * d1 - d2)
+    (x * b1 - b2 + coefficients[0], b1 + x * d1 - d2)
 }
 
 #[cfg(test)]
