@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use lut_gen::solve::SolveError;
 
@@ -325,9 +326,11 @@ impl super::condition::Condition {
 impl Problem<'_> {
     /// Both ends of every coordinate's interval.
     fn ends(&self, minimum: &Minimum, errors: &[f64]) -> Vec<(End, End)> {
-        let both =
-            |axis: usize| (self.end(minimum, axis, errors[axis], -1.0), self.end(minimum, axis, errors[axis], 1.0));
-        (0..self.unknowns.len()).map(both).collect()
+        let end = |axis: usize, sign: f64| self.end(minimum, axis, errors[axis], sign);
+        (0..self.unknowns.len())
+            .into_par_iter()
+            .map(|axis| rayon::join(|| end(axis, -1.0), || end(axis, 1.0)))
+            .collect()
     }
 
     /// Support points that lie far from every solve, as many as the budget allows.
@@ -341,8 +344,7 @@ impl Problem<'_> {
         for point in ends.iter().flat_map(|(low, high)| [&low.support, &high.support]) {
             let known = (0..self.conditions.len()).all(|c| {
                 self.conditions[c].locals.is_empty()
-                    || self.conditions[c].is_exact()
-                    || self.conditions[c].knows(point)
+                    || self.is_known(c, point)
                     || wanted.iter().any(|other| near(point, other, c))
             });
             if !known && left >= self.conditions.len() {
@@ -373,7 +375,7 @@ impl Problem<'_> {
                         continue;
                     }
                     point[to] = bound;
-                    let known = self.conditions.iter().all(|c| c.knows(&point));
+                    let known = (0..self.conditions.len()).all(|c| self.is_known(c, &point));
                     if !known && wanted.len() < left.min(MOST_CORNERS) {
                         wanted.push(point);
                     }

@@ -113,7 +113,7 @@ struct State {
 
 impl Problem<'_> {
     /// True where nothing has to be solved at a point: it is, or the force costs nothing.
-    fn is_known(&self, condition: usize, point: &[f64]) -> bool {
+    pub(super) fn is_known(&self, condition: usize, point: &[f64]) -> bool {
         let condition = &self.conditions[condition];
         condition.is_exact() || condition.knows(point)
     }
