@@ -7,6 +7,7 @@ pub mod display;
 pub mod document;
 pub mod golden;
 pub mod hidden;
+pub mod laboratory;
 pub mod liver;
 pub mod palpations;
 pub mod processor;

@@ -94,6 +94,22 @@ fn layers_import_what_is_below_them_only() {
     assert_eq!(physics.map(|(file, _)| file).collect::<Vec<_>>(), [""; 0]);
 }
 
+/// Worlds that judge a diagnosis are drawn without a look at it; only their score sees its answers.
+#[test]
+fn laboratory_worlds_know_nothing_of_the_diagnosis() {
+    let mut files = Vec::new();
+    collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/laboratory"), &mut files);
+    let looks = |file: &PathBuf| fs::read_to_string(file).unwrap().contains("diagnose");
+    let mut found: Vec<String> = files
+        .iter()
+        .filter(|file| looks(file))
+        .map(|f| f.file_name().unwrap().to_string_lossy().into_owned())
+        .collect();
+    found.sort();
+    // tests make the force models that misfits are measured with
+    assert_eq!(found, ["score.rs", "tests.rs"]);
+}
+
 /// Marks of a step that is damped on the diagonal of normal equations, of the root of `I + Z Z'`, and of eigenvalues without an end.
 #[test]
 fn there_is_one_optimiser_of_sums_of_squares_and_one_low_rank_step() {

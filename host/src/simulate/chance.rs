@@ -19,6 +19,8 @@ pub(super) enum Purpose {
     Phase = 15,
     /// Shape of a placebo.
     Placebo = 16,
+    /// Waves of a rest.
+    Rest = 17,
 }
 
 /// The stream of a purpose; the same three numbers give the same stream whatever the threads do.

@@ -86,6 +86,7 @@ fn noise(spec: &Spec) -> Result<(), SimulateError> {
             ("correlation_s", n.correlation_s, 0.0, 1e4, "a time of 0 to 10000 s"),
             ("contact_jitter_mm", n.contact_jitter_mm, 0.0, 1.0, "a standard deviation of 0 to 1 mm"),
             ("gain_jitter", n.gain_jitter, 0.0, 0.5, "a relative standard deviation of 0 to 0.5"),
+            ("memory_jitter", n.memory_jitter, 0.0, 0.5, "a standard deviation of 0 to 0.5 of a logarithm"),
             ("quantum_N", n.quantum_n, 0.0, 1e6, "a step of 0 N or more"),
             ("drift_N_per_h", n.drift_n_per_h, 0.0, 1e6, "a standard deviation of 0 N or more after an hour"),
             ("proportional", n.proportional, 0.0, 1.0, "a part of 0 to 1"),

@@ -247,7 +247,18 @@ impl Condition {
             Phase::Back { start_s }
         };
         let rate_mm_s = self.programme.rate_mm_s;
-        Moment { time_s, depth_mm, nominal_mm: depth_mm, rate_mm_s, phase, peak_mm, before_mm: 0.0, back: false, cycle }
+        Moment {
+            time_s,
+            depth_mm,
+            nominal_mm: depth_mm,
+            rate_mm_s,
+            phase,
+            peak_mm,
+            before_mm: 0.0,
+            back: false,
+            cycle,
+            memory: 1.0,
+        }
     }
 
     /// True depth (mm) and force (N) where the machine drives the ball to `at.depth_mm`: `y + c F(y) = z` by Newton's method.

@@ -233,10 +233,10 @@ impl SimulatedExperiment {
         }
         let n = &spec.noise;
         text.push_str(&format!(
-            "\n[noise]\nsensor_N = {:?}\ncorrelation_s = {:?}\ncontact_jitter_mm = {:?}\ngain_jitter = {:?}\nquantum_N = {:?}\n\
-             drift_N_per_h = {:?}\nheavy_tails = {}\nproportional = {:?}\n",
-            n.sensor_n, n.correlation_s, n.contact_jitter_mm, n.gain_jitter, n.quantum_n, n.drift_n_per_h, n.heavy_tails,
-            n.proportional,
+            "\n[noise]\nsensor_N = {:?}\ncorrelation_s = {:?}\ncontact_jitter_mm = {:?}\ngain_jitter = {:?}\nmemory_jitter = {:?}\n\
+             quantum_N = {:?}\ndrift_N_per_h = {:?}\nheavy_tails = {}\nproportional = {:?}\n",
+            n.sensor_n, n.correlation_s, n.contact_jitter_mm, n.gain_jitter, n.memory_jitter, n.quantum_n, n.drift_n_per_h,
+            n.heavy_tails, n.proportional,
         ));
         for effect in spec.effects.iter().map(Effect::to_toml) {
             text.push_str(&format!("\n{effect}"));

@@ -41,7 +41,7 @@ mod spec;
 mod tests;
 
 pub use description::{EXAMPLE, parse, read};
-pub use effect::{Effect, Variable};
+pub use effect::{Along, Effect, Kernel, Rest, ShareOf, Variable};
 pub use error::SimulateError;
 pub use folder::{SimulatedExperiment, SimulatedRun};
 pub use solver::Solver;

@@ -9,6 +9,7 @@ use super::chance::{Purpose, stream};
 use super::condition::{Condition, FINE};
 use super::coupon;
 use super::effect::placebo::{self, Place};
+use super::effect::rest::{Instant, Press, Rests, Span};
 use super::effect::scales::Scales;
 use super::effect::sensor::Sensor;
 use super::effect::{Effect, outside};
@@ -100,6 +101,7 @@ fn pressed(spec: &Spec, condition: &Condition, visit: &Visit, step_s: f64) -> Re
             let depth_mm = driven_mm - set_mm - (after_mm - set_mm) * way;
             let mut moment = condition.moment(step_s * k as f64, depth_mm, peak_mm, cycle);
             moment.back = back;
+            moment.memory = visit.memory;
             moment.before_mm = before_mm;
             moment.nominal_mm = condition.nominal_mm.get(k).copied().unwrap_or(depth_mm);
             let (depth_mm, force_n) = condition.pressed(&condition.history, &elastic, moment);
@@ -160,6 +162,7 @@ fn sampled(spec: &Spec, condition: &Condition, ranges: &Ranges, raw: &Raw, readi
     let scales = Scales::of(&spec.effects);
     let phase: f64 = stream(spec.seed, Purpose::Phase, run.order as u64).random();
     let peak_n = raw.force_n.iter().copied().fold(0.0, f64::max);
+    let rests = condition.coupon.is_none().then(|| ranges.rests(spec, condition, run, peak_n)).flatten();
     let placebos = spec.effects.iter().any(|effect| matches!(effect, Effect::Placebo { .. }));
     for (i, k) in (0..reading.len()).step_by(FINE).enumerate() {
         let time_s = step_s * i as f64;
@@ -167,6 +170,12 @@ fn sampled(spec: &Spec, condition: &Condition, ranges: &Ranges, raw: &Raw, readi
         let moves = depth_mm.is_some() && condition.programme.moves(time_s);
         let mut force_n = reading[k];
         force_n += outside::added_n(&spec.effects, time_s, depth_mm.unwrap_or(0.0), moves, phase);
+        // a rest is of the press of a ball, and so is what it varies with
+        if let (Some(rests), Some(depth_mm)) = (&rests, depth_mm) {
+            let programme = &condition.programme;
+            let back = programme.unload && time_s > programme.down_s() + programme.hold_s;
+            force_n += rests.added_n(&Instant { time_s, depth_mm, back, force_n: raw.force_n[k] });
+        }
         // a placebo stands for something under a ball
         if placebos
             && condition.coupon.is_none()
@@ -195,7 +204,7 @@ fn noisy(spec: &Spec, wander: &Wander, order: usize, run: &mut SimulatedRun) {
     }
 }
 
-/// Ranges of the variables within the experiment, for placebos.
+/// Ranges of the variables within the experiment, for placebos and rests.
 struct Ranges {
     session_s: f64,
     rate: (f64, f64),
@@ -203,6 +212,8 @@ struct Ranges {
     cycles: usize,
     /// Declared radius of each ball, mm.
     radii: Vec<f64>,
+    /// Of rests, where there are any.
+    span: Option<Span>,
 }
 
 impl Ranges {
@@ -211,13 +222,38 @@ impl Ranges {
         let range = |values: &mut dyn Iterator<Item = f64>| {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (x.min(low), x.max(high)))
         };
+        let press = |c: &Condition| {
+            let radius_mm = spec.indenters.get(c.indenter?)?.radius_mm;
+            Some((c.programme.depth_mm, radius_mm, c.duration_s))
+        };
+        let rests = spec.effects.iter().any(|effect| matches!(effect, Effect::Rest(_)));
+        let presses = || conditions.iter().filter_map(press).collect::<Vec<_>>();
         Self {
+            span: rests.then(|| Span::of(spec, &presses(), visits.iter().map(|v| v.starts_s.len()).sum())),
             session_s: visits.iter().map(ends).fold(0.0, f64::max),
             rate: range(&mut spec.runs.iter().map(|run| run.rate_mm_s)),
             radius: range(&mut spec.indenters.iter().map(|one| one.radius_mm)),
             cycles: spec.runs.iter().map(|run| run.cycles).max().unwrap_or(1),
             radii: spec.indenters.iter().map(|one| one.radius_mm).collect(),
         }
+    }
+
+    /// The rests of a run under a ball.
+    fn rests(&self, spec: &Spec, condition: &Condition, run: &SimulatedRun, peak_n: f64) -> Option<Rests<'_>> {
+        let (specimen, ball) = (condition.specimen?, condition.indenter?);
+        let spot = run.spot.unwrap_or(0).unsigned_abs();
+        let press = Press {
+            rate_mm_s: condition.programme.rate_mm_s,
+            radius_mm: spec.indenters.get(ball)?.radius_mm,
+            height_mm: spec.specimens.get(specimen)?.height_mm,
+            cycle: run.cycle.unwrap_or(1).unsigned_abs() as usize,
+            order: run.order.unsigned_abs() as usize,
+            // spots are numbered on their specimens, fewer than a million on each
+            spot: 1_000_000 * specimen as u64 + spot,
+            depth_mm: condition.programme.depth_mm,
+            peak_n,
+        };
+        Some(Rests::of(&spec.effects, spec.seed, self.span.as_ref()?, press))
     }
 
     fn place(

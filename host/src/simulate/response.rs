@@ -131,6 +131,8 @@ pub(super) struct Moment {
     pub back: bool,
     /// From 1.
     pub cycle: usize,
+    /// What history does to the force here, of what it does on the nominal spot.
+    pub memory: f64,
 }
 
 impl Moment {
@@ -217,8 +219,14 @@ impl History {
             }
             Self::Timed { cycles, added } => (nth(cycles, at.same_state_s(), f64::from(u8::from(!added))), *added),
         };
+        let value = if at.memory == 1.0 { value } else { scaled(value, at.memory, added) };
         if added { (force + elastic.scale * value, slope) } else { (force * value, slope * value.max(0.0)) }
     }
+}
+
+/// More or less of what history does: of a part added, or of what is missing from the whole force, which it never turns round.
+fn scaled(value: f64, memory: f64, added: bool) -> f64 {
+    if added { memory * value } else { (1.0 + memory * (value - 1.0)).max(value.min(0.0)) }
 }
 
 /// `F / E` or `F - E` at the stations where it means something.

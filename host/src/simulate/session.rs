@@ -27,6 +27,8 @@ pub(super) struct Visit {
     pub jitter_mm: f64,
     /// Gain of this spot.
     pub gain: f64,
+    /// What relaxation, softening, friction and adhesion do at this spot, of what they do on the nominal one.
+    pub memory: f64,
     /// Start of each run on the session clock, s.
     pub starts_s: Vec<f64>,
 }
@@ -39,6 +41,7 @@ pub(super) fn visits(spec: &Spec, durations_s: &[f64]) -> Vec<Visit> {
             let number = visits.len() as u64;
             let mut chance = stream(spec.seed, Purpose::Spot, number);
             let (jitter, gain): (f64, f64) = (chance.sample(StandardNormal), chance.sample(StandardNormal));
+            let memory: f64 = chance.sample(StandardNormal);
             let same = |v: &&Visit| spec.runs[v.template].specimen == run.specimen;
             let spot = visits.iter().filter(same).count() as i64 + 1;
             visits.push(Visit {
@@ -48,6 +51,7 @@ pub(super) fn visits(spec: &Spec, durations_s: &[f64]) -> Vec<Visit> {
                 place_mm: place_mm(spec, template, replicate),
                 jitter_mm: spec.noise.contact_jitter_mm * jitter,
                 gain: 1.0 + spec.noise.gain_jitter * gain,
+                memory: (spec.noise.memory_jitter * memory).exp(),
                 starts_s: Vec::new(),
             });
         }

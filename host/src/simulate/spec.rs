@@ -143,6 +143,9 @@ pub struct Noise {
     pub contact_jitter_mm: f64,
     /// Relative standard deviation of the force's gain, one draw a spot.
     pub gain_jitter: f64,
+    /// Standard deviation of the logarithm of what relaxation, softening, friction and adhesion do to the force, one draw a spot: places
+    /// that differ. Coupons do not.
+    pub memory_jitter: f64,
     /// Step of the reading, N; 0 for none.
     pub quantum_n: f64,
     /// Wandering of the zero over the session: standard deviation of a random walk after an hour, N.

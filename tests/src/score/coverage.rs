@@ -4,7 +4,7 @@ use palpate::diagnose::{Diagnosis, Finding, Verdict};
 use palpate::experiment::Experiment;
 use palpate::simulate::Effect;
 
-use crate::hidden::Truth;
+use crate::hidden::{Foam, Truth};
 
 use super::outcome::Outcome;
 
@@ -28,14 +28,8 @@ const Z95: f64 = 1.96;
 /// wrong answer and a silent one have intervals too, and a user reads them.
 #[must_use]
 pub fn hits(truth: &Truth, outcome: &Outcome, diagnosis: &Diagnosis, experiment: &Experiment) -> Vec<Hit> {
-    let Some(evidence) = diagnosis.evidence.as_deref() else { return Vec::new() };
-    let named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous);
     let exact = matches!(outcome, Outcome::Exact | Outcome::Both) && diagnosis.verdict == Verdict::Named;
-    let told = if named { evidence.extended() } else { Some(evidence.base.base()) };
-    let Some([mu, alpha]) = told else { return Vec::new() };
-    let mut list = Vec::new();
-    list.extend(hit("mu_MPa", truth.foam.mu_mpa.ln(), mu.0.ln(), (mu.1.0.ln(), mu.1.1.ln())));
-    list.extend(hit("alpha", truth.foam.alpha.ln(), alpha.0.ln(), (alpha.1.0.ln(), alpha.1.1.ln())));
+    let mut list = of_foam(&truth.foam, diagnosis);
     for effect in truth.effects.iter().filter(|_| exact) {
         let own = diagnosis.findings.iter().filter(|f| f.code == effect.code() && same_owner(effect, f, experiment));
         for finding in own {
@@ -48,6 +42,19 @@ pub fn hits(truth: &Truth, outcome: &Outcome, diagnosis: &Diagnosis, experiment:
     let right = exact || *outcome == Outcome::CleanRight;
     list.iter_mut().for_each(|hit: &mut Hit| hit.right = right);
     list
+}
+
+/// `mu` and `alpha` of an answer: those of the extended model where one is named, of the base else.
+#[must_use]
+pub fn of_foam(foam: &Foam, diagnosis: &Diagnosis) -> Vec<Hit> {
+    let Some(evidence) = diagnosis.evidence.as_deref() else { return Vec::new() };
+    let named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous);
+    let told = if named { evidence.extended() } else { Some(evidence.base.base()) };
+    let Some([mu, alpha]) = told else { return Vec::new() };
+    let each = [("mu_MPa", foam.mu_mpa, mu), ("alpha", foam.alpha, alpha)];
+    each.into_iter()
+        .filter_map(|(name, truth, it)| hit(name, truth.ln(), it.0.ln(), (it.1.0.ln(), it.1.1.ln())))
+        .collect()
 }
 
 fn hit(name: &'static str, truth: f64, estimate: f64, (low, high): (f64, f64)) -> Option<Hit> {

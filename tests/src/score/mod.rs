@@ -10,6 +10,7 @@ pub mod follow;
 pub mod oracle;
 pub mod outcome;
 pub mod rate;
+pub mod share;
 pub mod strength;
 pub mod suite;
 pub mod table;

@@ -22,6 +22,20 @@ pub fn lower95(hits: usize, cases: usize) -> f64 {
     if hits == 0 { 0.0 } else { 1.0 - upper95(cases.saturating_sub(hits), cases) }
 }
 
+/// Ends of the two-sided 95 % interval of Wilson (1927, doi:10.1080/01621459.1927.10502953): (0, 1) without cases.
+#[must_use]
+pub fn wilson95(hits: usize, cases: usize) -> (f64, f64) {
+    const Z: f64 = 1.959_964;
+    if cases == 0 {
+        return (0.0, 1.0);
+    }
+    let (n, p) = (cases as f64, hits as f64 / cases as f64);
+    let middle = p + Z * Z / (2.0 * n);
+    let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
+    let whole = 1.0 + Z * Z / n;
+    (((middle - half) / whole).max(0.0), ((middle + half) / whole).min(1.0))
+}
+
 /// Probability of at most `hits` in `cases` at a share of `p`, 0 < p < 1.
 fn at_most(hits: usize, cases: usize, p: f64) -> f64 {
     let mut log_term = cases as f64 * (-p).ln_1p();
@@ -67,6 +81,14 @@ mod tests {
         for (hits, cases) in [(3, 100), (12, 40), (39, 40)] {
             assert!((at_most(hits, cases, upper95(hits, cases)) - 0.05).abs() < 1e-9);
         }
+    }
+
+    /// 8 of 10: 0.4902 and 0.9433 (R: prop.test(8, 10, correct = FALSE)).
+    #[test]
+    fn bounds_are_those_of_wilson() {
+        let (low, high) = wilson95(8, 10);
+        assert!((low - 0.4902).abs() < 5e-5 && (high - 0.9433).abs() < 5e-5, "{low} {high}");
+        assert_eq!((wilson95(0, 0), wilson95(0, 9).0, wilson95(9, 9).1), ((0.0, 1.0), 0.0, 1.0));
     }
 
     #[test]

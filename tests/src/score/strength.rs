@@ -7,7 +7,7 @@ use lut_gen::law::PronyTerm;
 use nalgebra::{DMatrix, DVector};
 use palpate::diagnose::design::{Branch, Design, Node, Series};
 use palpate::diagnose::evidence::{basis, rest_of};
-use palpate::diagnose::fit::{Problem, predicted};
+use palpate::diagnose::fit::{Fit, Problem, predicted};
 use palpate::diagnose::jitter::Posterior;
 use palpate::diagnose::noise::{Curve, Jitter, Noise, SensorNoise, Source};
 use palpate::diagnose::whiten::Whitening;
@@ -25,7 +25,7 @@ const POWER: f64 = 1.28;
 pub const SEEN: f64 = LEVEL + POWER;
 
 /// The noise that the data truly have, as a diagnosis would write it down.
-fn true_noise(spec: &Spec, session_s: f64) -> Noise {
+pub(super) fn true_noise(spec: &Spec, session_s: f64) -> Noise {
     let n = &spec.noise;
     // rounding to steps of q is an error of variance q^2 / 12
     let rounding = n.quantum_n.powi(2) / 12.0;
@@ -72,10 +72,25 @@ pub fn strength(
     models: &Models,
     solver: &Solver,
 ) -> Result<Vec<Strength>, SimulateError> {
+    let every: Vec<usize> = (0..made.truth.effects.len()).collect();
+    of_effects(made, &evidence.design, (&every, Some(evidence.base.x.rows(0, 2).into_owned())), (models, solver))
+}
+
+/// The same of some of the effects of an experiment, by their places among them, in a design of its data: the others are there, and take up nothing. `start` is
+/// a point (logarithms of `mu` and `alpha`) where the base may be fitted from, beside the truth.
+///
+/// # Errors
+/// As [`strength`].
+pub fn of_effects(
+    made: &SimulatedExperiment,
+    design: &Design,
+    (wanted, start): (&[usize], Option<DVector<f64>>),
+    (models, solver): (&Models, &Solver),
+) -> Result<Vec<Strength>, SimulateError> {
     // what runs without the specimen show is not counted: the strength is that of the effect on the specimen's runs
-    let design = &Design { checks: Vec::new(), ..evidence.design.clone() };
+    let design = &Design { checks: Vec::new(), ..design.clone() };
     let mut shifts = Vec::new();
-    for at in 0..made.truth.effects.len() {
+    for &at in wanted {
         let mut spec = made.truth.clone();
         spec.effects.remove(at);
         let without = simulate(&spec, solver, &|_, _, _| {})?;
@@ -83,17 +98,16 @@ pub fn strength(
     }
     // what an effect is in time, energy or strain is as little known as how large it is
     let mut turned = Vec::new();
-    if made.truth.effects.len() > 1 {
-        for (at, effect) in made.truth.effects.iter().enumerate() {
-            let Some(other) = reshaped(effect) else { continue };
+    if wanted.len() > 1 {
+        for (at, &place) in wanted.iter().enumerate() {
+            let Some(other) = reshaped(&made.truth.effects[place]) else { continue };
             let mut spec = made.truth.clone();
-            spec.effects[at] = other;
+            spec.effects[place] = other;
             turned.push((at, shift(design, made, &simulate(&spec, solver, &|_, _, _| {})?)));
         }
     }
     let session_s = made.runs.iter().map(|run| run.start_s).fold(0.0, f64::max);
     let noise = true_noise(&made.truth, session_s);
-    let base = &evidence.base;
     let Ok(library) = models.of(&design.geometries, &|_, _| {}) else {
         return Ok(vec![Strength { known: 0.0, told: 0.0 }; shifts.len()]);
     };
@@ -103,7 +117,7 @@ pub fn strength(
     let Some(whitening) = Whitening::new(design, &curves, &noise) else {
         return Ok(vec![Strength { known: 0.0, told: 0.0 }; shifts.len()]);
     };
-    let truth = made.truth.specimens.first().map_or((base.model.mu_mpa, base.model.alpha), |s| (s.mu_mpa, s.alpha));
+    let truth = made.truth.specimens.first().map_or((0.1, 8.0), |s| (s.mu_mpa, s.alpha));
     let clean = predicted(design, &chain, &Model::base(truth.0, truth.1), &contacts);
     let used = compared(design);
     let whitened = |values: DVector<f64>| whitened(values, &used, &whitening);
@@ -121,9 +135,11 @@ pub fn strength(
             used: used.clone(),
             whole: None,
         };
-        let starts = [DVector::from_vec(vec![truth.0.ln(), truth.1.ln()]), base.x.rows(0, 2).into_owned()];
-        let fits = starts.map(|x| problem.fit(&[], &x));
-        let fit = if fits[0].square <= fits[1].square { &fits[0] } else { &fits[1] };
+        let starts = std::iter::once(DVector::from_vec(vec![truth.0.ln(), truth.1.ln()])).chain(start.clone());
+        let fits: Vec<Fit> = starts.map(|x| problem.fit(&[], &x)).collect();
+        let Some(fit) = fits.iter().min_by(|a, b| a.square.total_cmp(&b.square)) else {
+            return Strength { known: 0.0, told: 0.0 };
+        };
         let others = own.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, s)| s.clone());
         let shapes = turned.iter().filter(|(i, _)| *i != at).map(|(_, s)| s.clone());
         let taken: Vec<DVector<f64>> =
@@ -133,7 +149,7 @@ pub fn strength(
         let taken: Vec<DVector<f64>> = taken.into_iter().chain(spots.iter().cloned()).collect();
         let beside = rest_of(&residual, &basis(&DMatrix::from_columns(&taken))).norm();
         let along = (known * known - beside * beside).max(0.0).sqrt();
-        match made.truth.effects[at] {
+        match made.truth.effects[wanted[at]] {
             Effect::Hum { .. } | Effect::StickSlip { .. } => {
                 let waved = with_unknown_phases(known, design.series.len());
                 Strength { known: waved, told: waved }
@@ -165,7 +181,7 @@ fn true_curves(design: &Design, made: &SimulatedExperiment, solver: &Solver) -> 
 }
 
 /// True for windows that are compared at all: not where the contact has lifted.
-fn compared(design: &Design) -> Vec<bool> {
+pub(super) fn compared(design: &Design) -> Vec<bool> {
     design.series.iter().flat_map(|s| s.nodes.iter().map(|node| !node.lifted)).collect()
 }
 
@@ -258,7 +274,7 @@ fn reshaped(effect: &Effect) -> Option<Effect> {
 }
 
 /// The design with the forces of a clean specimen and a shift, both in N.
-fn with_forces(design: &Design, clean: &[Vec<f64>], shift: &DVector<f64>) -> Design {
+pub(super) fn with_forces(design: &Design, clean: &[Vec<f64>], shift: &DVector<f64>) -> Design {
     let mut data = design.clone();
     data.zero_is_contact = true;
     let mut at = 0;
@@ -272,7 +288,7 @@ fn with_forces(design: &Design, clean: &[Vec<f64>], shift: &DVector<f64>) -> Des
 }
 
 /// Difference of two simulations of the same runs without noise, N, over the windows of a design.
-fn shift(design: &Design, with: &SimulatedExperiment, without: &SimulatedExperiment) -> DVector<f64> {
+pub(super) fn shift(design: &Design, with: &SimulatedExperiment, without: &SimulatedExperiment) -> DVector<f64> {
     let each = design.series.iter().flat_map(|series| {
         let (run, other) = (&with.runs[series.run], &without.runs[series.run]);
         let difference: Vec<f64> = run.exact_n.iter().zip(&other.exact_n).map(|(a, b)| a - b).collect();

@@ -5,7 +5,7 @@ use crate::experiment::{ExperimentError, Problem};
 
 use lut_gen::law::PronyTerm;
 
-use super::{Effect, Variable};
+use super::{Along, Effect, Kernel, Rest, ShareOf, Variable};
 
 /// A parameter: key, lowest, highest, what is expected, and the value when it is left out.
 type Key = (&'static str, f64, f64, &'static str, Option<f64>);
@@ -70,7 +70,7 @@ const STICK_SLIP: [Key; 2] = [
 ];
 
 /// The codes, in physical order.
-const CODES: [&str; 26] = [
+const CODES: [&str; 27] = [
     "thickness",
     "relaxation",
     "poisson",
@@ -96,6 +96,7 @@ const CODES: [&str; 26] = [
     "outside-tilt",
     "outside-hum",
     "outside-stick-slip",
+    "outside-rest",
     "placebo",
 ];
 
@@ -170,6 +171,7 @@ pub(crate) fn effect(section: &Section<'_>) -> Result<Effect, ExperimentError> {
             let v = all(&STICK_SLIP)?;
             Effect::StickSlip { amplitude_n: v[0], period_mm: v[1] }
         }
+        "outside-rest" => rest(section)?,
         _ => placebo(section)?,
     })
 }
@@ -273,4 +275,24 @@ fn placebo(section: &Section<'_>) -> Result<Effect, ExperimentError> {
     let variable = variable.ok_or_else(|| section.missing("variable", "such as \"depth\" or \"rate\""))?;
     let amplitude = one(section, &("amplitude", 0.0, 1.0, "a part of the largest force, 0 to 1", None))?;
     Ok(Effect::Placebo { variable, amplitude })
+}
+
+fn rest(section: &Section<'_>) -> Result<Effect, ExperimentError> {
+    section.only(&["code", "along", "by", "kernel", "length", "amplitude", "of", "draw"])?;
+    let along = section.word("along", &Along::ALL)?;
+    let along = along.ok_or_else(|| section.missing("along", "such as \"depth\" or \"time\""))?;
+    let by = section.word("by", &Along::ALL)?;
+    if let Some(value) = section.value("by").filter(|_| by == Some(along)) {
+        return Err(section.bad("by", value, "another variable than that of `along`"));
+    }
+    let kernel = section.word("kernel", &Kernel::ALL)?.unwrap_or(Kernel::Matern52);
+    let length = one(section, &("length", 0.01, 100.0, "a part of the variable's range, 0.01 to 100", Some(0.5)))?;
+    let amplitude = one(section, &("amplitude", 0.0, 1.0, "a share of the force, 0 to 1", None))?;
+    let of = section.word("of", &ShareOf::ALL)?.unwrap_or(ShareOf::Force);
+    let expected = "a whole number of 0 to 1000000";
+    let draw = one(section, &("draw", 0.0, 1e6, expected, Some(0.0)))?;
+    if let Some(value) = section.value("draw").filter(|_| draw.fract() != 0.0) {
+        return Err(section.bad("draw", value, expected));
+    }
+    Ok(Effect::Rest(Rest { along, by, kernel, length, amplitude, of, draw: draw as u32 }))
 }

@@ -8,11 +8,13 @@ mod description;
 pub(super) mod machine;
 pub(super) mod outside;
 pub(super) mod placebo;
+pub(super) mod rest;
 pub(super) mod scales;
 pub(super) mod sensor;
 mod settings;
 
 pub(crate) use description::effect as parse;
+pub use rest::{Along, Kernel, Rest, ShareOf};
 pub use settings::Setting;
 
 use lut_gen::law::PronyTerm;
@@ -216,6 +218,8 @@ pub enum Effect {
         /// Way from tooth to tooth, mm.
         period_mm: f64,
     },
+    /// `outside-rest`: a smooth random process as a share of the force; what real rigs and materials add to a law.
+    Rest(Rest),
     /// `placebo`: a smooth random function of one variable; no physics.
     Placebo {
         /// What it varies with.
@@ -255,6 +259,7 @@ impl Effect {
             Self::Tilt { .. } => "outside-tilt",
             Self::Hum { .. } => "outside-hum",
             Self::StickSlip { .. } => "outside-stick-slip",
+            Self::Rest(_) => "outside-rest",
             Self::Placebo { .. } => "placebo",
         }
     }

@@ -2,7 +2,7 @@
 
 use lut_gen::law::PronyTerm;
 
-use super::{Effect, Variable};
+use super::{Along, Effect, Kernel, ShareOf, Variable};
 
 /// A parameter as written in a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,9 +72,20 @@ impl Effect {
             Self::StickSlip { amplitude_n, period_mm } => {
                 n(&[("amplitude_N", *amplitude_n), ("period_mm", *period_mm)])
             }
+            Self::Rest(rest) => {
+                let mut all = vec![word("along", word_of(&Along::ALL, rest.along))];
+                all.extend(rest.by.map(|by| word("by", word_of(&Along::ALL, by))));
+                all.push(word("kernel", word_of(&Kernel::ALL, rest.kernel)));
+                all.extend(n(&[("length", rest.length), ("amplitude", rest.amplitude)]));
+                all.push(word("of", word_of(&ShareOf::ALL, rest.of)));
+                all.extend(n(&[("draw", f64::from(rest.draw))]));
+                all
+            }
             Self::Placebo { variable, amplitude } => {
-                let name = Variable::ALL.iter().find(|(_, v)| v == variable).map_or("depth", |(name, _)| *name);
-                vec![word("variable", name), ("amplitude".to_owned(), Setting::Number(*amplitude))]
+                vec![
+                    word("variable", word_of(&Variable::ALL, *variable)),
+                    ("amplitude".to_owned(), Setting::Number(*amplitude)),
+                ]
             }
         }
     }
@@ -91,4 +102,9 @@ impl Effect {
         }
         text
     }
+}
+
+/// The word of a choice.
+fn word_of<T: PartialEq>(all: &[(&'static str, T)], one: T) -> &'static str {
+    all.iter().find(|(_, other)| *other == one).map_or("", |(word, _)| *word)
 }

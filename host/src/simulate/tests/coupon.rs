@@ -50,6 +50,15 @@ fn what_a_ball_meets_a_coupon_does_not() {
         Effect::Anisotropic { depth_power: 0.2, radius_power: 0.1 },
         Effect::Tilt { angle_deg: 5.0, distance_mm: 8.0 },
         Effect::Placebo { variable: Variable::Depth, amplitude: 0.03 },
+        Effect::Rest(Rest {
+            along: Along::Depth,
+            by: None,
+            kernel: Kernel::Matern52,
+            length: 0.3,
+            amplitude: 0.03,
+            of: ShareOf::Force,
+            draw: 0,
+        }),
     ];
     for effect in effects {
         assert_eq!(made(&compressed(Test::Uniaxial).with(effect.clone())).runs, plain, "{effect:?}");

@@ -301,3 +301,29 @@ fn another_spot_is_what_its_own_solve_would_give() {
         assert!(worst < within, "{worst}");
     }
 }
+
+/// A rest of no size changes no bit, and one of 2 % changes each run by about that: over the variable that makes the runs of two spots alike, or not.
+#[test]
+fn a_rest_is_a_share_of_the_force() {
+    let rest = Rest {
+        along: Along::Depth,
+        by: None,
+        kernel: Kernel::Matern52,
+        length: 0.3,
+        amplitude: 0.02,
+        of: ShareOf::Force,
+        draw: 0,
+    };
+    let mut spec = press();
+    spec.runs[0].replicates = 2;
+    let clean = made(&spec).runs;
+    assert_eq!(made(&spec.clone().with(Effect::Rest(Rest { amplitude: 0.0, ..rest }))).runs, clean);
+    let with = |rest: Rest| made(&spec.clone().with(Effect::Rest(rest))).runs;
+    let common = with(rest);
+    let shares: Vec<f64> = common[0].exact_n.iter().zip(&clean[0].exact_n).map(|(a, b)| a / b - 1.0).collect();
+    // standard deviation 0.02: four of them
+    assert!(shares.iter().all(|s| !s.is_finite() || s.abs() < 0.08) && shares[PEAK] != 0.0, "{shares:?}");
+    assert_eq!(common[0].exact_n, common[1].exact_n);
+    let apart = with(Rest { by: Some(Along::Spot), ..rest });
+    assert_ne!(apart[0].exact_n, apart[1].exact_n);
+}

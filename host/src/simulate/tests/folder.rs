@@ -15,6 +15,7 @@ fn noisy() -> Spec {
         correlation_s: 0.1,
         contact_jitter_mm: 0.02,
         gain_jitter: 0.01,
+        memory_jitter: 0.1,
         quantum_n: 0.001,
         drift_n_per_h: 0.02,
         heavy_tails: true,

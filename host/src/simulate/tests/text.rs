@@ -26,7 +26,7 @@ fn the_documentation_shows_a_specification_and_names_every_effect() {
     let error = self::spec(&format!("{WHOLE}[[effect]]\ncode = \"?\"\n")).unwrap_err();
     let codes: Vec<&str> =
         error.split("one of ").nth(1).unwrap().split(", ").map(|code| code.trim_matches('"')).collect();
-    assert_eq!(codes.len(), 26);
+    assert_eq!(codes.len(), 27);
     assert!(codes.iter().all(|code| text.contains(&format!("| `{code}` |"))), "{codes:?}");
 }
 
@@ -72,6 +72,24 @@ fn effects_survive_a_file() {
         Effect::Tilt { angle_deg: 5.0, distance_mm: 8.0 },
         Effect::Hum { amplitude_n: 0.01, frequency_hz: 49.7 },
         Effect::StickSlip { amplitude_n: 0.02, period_mm: 0.3 },
+        Effect::Rest(Rest {
+            along: Along::Depth,
+            by: Some(Along::Spot),
+            kernel: Kernel::Matern32,
+            length: 0.3,
+            amplitude: 0.01,
+            of: ShareOf::Peak,
+            draw: 3,
+        }),
+        Effect::Rest(Rest {
+            along: Along::Time,
+            by: None,
+            kernel: Kernel::SquaredExponential,
+            length: 2.0,
+            amplitude: 0.0,
+            of: ShareOf::Force,
+            draw: 0,
+        }),
         Effect::Placebo { variable: Variable::Cycle, amplitude: 0.03 },
     ];
     for effect in effects {
@@ -124,6 +142,24 @@ fn mistakes_are_named_with_key_value_and_expectation() {
         (
             &format!("{WHOLE}[[effect]]\ncode = \"radius\"\nindenter = \"r9\"\nerror_mm = 0.1\n"),
             "spec.toml, line 14, column 12: `indenter` names \"r9\", which is not described; known: r4",
+        ),
+        (
+            &format!("{WHOLE}[[effect]]\ncode = \"outside-rest\"\namplitude = 0.01\n"),
+            "spec.toml, line 12, column 1: [[effect]] lacks the key `along` (such as \"depth\" or \"time\")",
+        ),
+        (
+            &format!(
+                "{WHOLE}[[effect]]\ncode = \"outside-rest\"\nalong = \"depth\"\nby = \"depth\"\namplitude = 0.01\n"
+            ),
+            "spec.toml, line 15, column 6: `by` is \"depth\"; expected another variable than that of `along`",
+        ),
+        (
+            &format!("{WHOLE}[[effect]]\ncode = \"outside-rest\"\nalong = \"time\"\namplitude = 2\n"),
+            "spec.toml, line 15, column 13: `amplitude` is 2; expected a share of the force, 0 to 1",
+        ),
+        (
+            &format!("{WHOLE}[[effect]]\ncode = \"outside-rest\"\nalong = \"time\"\namplitude = 0.1\ndraw = 1.5\n"),
+            "spec.toml, line 16, column 8: `draw` is 1.5; expected a whole number of 0 to 1000000",
         ),
         (
             &WHOLE.replace("specimen = \"eva\"", "test = \"confined\"\nspecimen = \"eva\""),
