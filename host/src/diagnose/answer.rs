@@ -55,6 +55,7 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "extended": { "parameters": evidence.zip(extended).and_then(|(e, all)| {
             Some(parameters(all, e.extended_of_noise()?, e.held.first()?.fit.unseen.as_ref()))
         }) },
+        "second_edition": evidence.and_then(|e| e.second.as_ref()).map(super::second::json),
         "messages": diagnosis.messages,
         "report": report,
         "seconds": diagnosis.seconds,

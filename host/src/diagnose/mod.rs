@@ -26,6 +26,7 @@ mod prepared;
 
 pub mod ripple;
 pub mod search;
+pub mod second;
 mod spike;
 #[cfg(test)]
 mod tests;
@@ -51,6 +52,7 @@ use plain::{Plain, Plainly};
 use plan::Proposal;
 use ripple::Ripple;
 use search::{Explanation, Found, Search};
+use second::Second;
 
 pub use models::{FOLDER_VARIABLE, Models};
 pub use prepared::Prepared;
@@ -147,6 +149,8 @@ pub struct Evidence {
     /// By how much (sum of squares, parameters charged) the likeliest of these is likelier than it must be against a departure without a name, elastic or in more times of
     /// relaxation than two; none where neither is a question.
     pub beyond_nameless: Option<f64>,
+    /// The second edition's verdict, in shadow.
+    pub second: Option<Second>,
     /// Error on conditions that were left out.
     pub held_out: Option<HeldOut>,
     /// Finite-element solves behind the force models.
@@ -387,6 +391,8 @@ impl Diagnosis {
             Found::nothing(first.clone())
         };
         let Found { search, singles, pairs, mut held, beyond_nameless } = found;
+        let tried: Vec<&Explanation> = singles.iter().chain(&pairs).collect();
+        let second = second::judged(&search, &tried);
         for explanation in &mut held {
             explanation.fit.unseen = unseen::widening(&search.problem, &explanation.fit);
         }
@@ -440,6 +446,7 @@ impl Diagnosis {
             pairs,
             held,
             beyond_nameless,
+            second,
             held_out,
             solves,
         }));

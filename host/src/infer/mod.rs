@@ -9,16 +9,22 @@
 //! descent     Levenberg-Marquardt in a box: the one local optimiser of sums of squares
 //! unseen      what amounts that nobody saw add to the errors of parameters
 //! presence    effects that are there or not: intervals over their sets
+//! process     shapes of a smooth random function
+//! evidence    marginal likelihood of a model, its discrepancy of unknown size integrated
+//! compare     from evidence of sets of effects to the probability of each
 //! starts      where searches begin: a space-filling design, and a search from many starts
 //! ```
 //!
 //! Users are [`crate::identify`], [`crate::extended`] and [`crate::diagnose`]. Nothing here imports any of them.
 
+pub mod compare;
 pub mod covariance;
 pub mod descent;
 pub mod eigen;
+pub mod evidence;
 pub mod lowrank;
 pub mod presence;
+pub mod process;
 pub mod product;
 pub mod rows;
 pub mod starts;

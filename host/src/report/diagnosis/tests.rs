@@ -207,6 +207,7 @@ fn evidence(held: Vec<Explanation>) -> Evidence {
         pairs: Vec::new(),
         singles: vec![explanation("relaxation", 18.0), explanation("friction", 518.0)],
         beyond_nameless: None,
+        second: None,
         held_out: (!held.is_empty()).then_some(HeldOut {
             rmse_before_n: 0.1,
             rmse_after_n: 0.02,

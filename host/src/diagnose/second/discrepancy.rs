@@ -1,0 +1,95 @@
+//! What a model may be wrong by without a name: smooth functions of what was varied, as a share of the force.
+//!
+//! | group | over | for |
+//! |---|---|---|
+//! | depth, size | depth, and the root of depth times radius | every run alike |
+//! | way back, hold | depth on the way back; the logarithm of time in a hold | every run alike |
+//! | rate, ball, specimen, cycle, spot | depth, anew for each | runs that share it |
+//! | session | the start of a run on the clock | every run, as a gain |
+
+use nalgebra::DMatrix;
+
+use crate::diagnose::design::{Branch, Design, Node, Series};
+use crate::diagnose::fit::Problem;
+use crate::diagnose::noise::Curve;
+use crate::infer::process::Shapes;
+
+/// Correlation length of what all runs share: a quarter of the depth.
+const COMMON: f64 = 0.25;
+/// Of what is anew for each ball, rate, specimen, cycle or spot: half of the depth.
+const EACH: f64 = 0.5;
+/// Of a gain over the session.
+const SESSION: f64 = 0.3;
+
+/// One group of discrepancies with a size of its own.
+#[derive(Debug, Clone)]
+pub(super) struct Group {
+    /// What it varies with, for reports.
+    pub over: &'static str,
+    /// Whitened columns for a size of one force.
+    pub columns: DMatrix<f64>,
+}
+
+/// Place of a node in [0, 1], and the level that has shapes of its own; none where the group is nothing.
+type Place<'a> = Box<dyn Fn(&Series, &Node) -> Option<(f64, usize)> + 'a>;
+
+/// Groups that a design has, at forces that a base predicts.
+pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Group> {
+    let design = problem.design;
+    let smooth: Vec<Vec<f64>> = (0..design.series.len()).map(|s| design.smooth_n(s, &curves[s].force_n)).collect();
+    let made = places(design).into_iter().map(|(over, length, levels, place)| {
+        let shapes = Shapes::new(length);
+        let mut columns = DMatrix::zeros(problem.whitening.residuals(), levels * shapes.len());
+        for (s, series) in design.series.iter().enumerate() {
+            for (k, node) in series.nodes.iter().enumerate() {
+                let row = problem.whitening.first(s) + k;
+                let Some((u, level)) = place(series, node).filter(|_| problem.used[row]) else { continue };
+                for shape in 0..shapes.len() {
+                    columns[(row, level * shapes.len() + shape)] = smooth[s][k] * shapes.at(shape, u);
+                }
+            }
+        }
+        problem.whitening.apply_to(&mut columns);
+        Group { over, columns }
+    });
+    made.filter(|group| group.columns.amax() > 0.0).collect()
+}
+
+fn places(design: &Design) -> Vec<(&'static str, f64, usize, Place<'_>)> {
+    let nodes = || design.series.iter().flat_map(|s| s.nodes.iter().map(move |n| (s, n)));
+    let most = |of: &dyn Fn(&Series, &Node) -> f64| nodes().map(|(s, n)| of(s, n)).fold(f64::MIN_POSITIVE, f64::max);
+    let size = |s: &Series, n: &Node| (design.geometries[s.geometry].ball_mm * n.depth_mm.max(0.0)).sqrt();
+    let deepest = most(&|_, n| n.depth_mm);
+    let largest = most(&size);
+    let first_s = nodes().map(|(_, n)| n.held_s).filter(|t| *t > 0.0).fold(f64::INFINITY, f64::min);
+    let late = move |held_s: f64| (held_s / first_s).ln_1p();
+    let latest = most(&|_, n| late(n.held_s));
+    let started = |s: &Series| s.start_s.unwrap_or(0.0);
+    let session = most(&|s, _| started(s));
+    let depth = move |n: &Node| n.depth_mm / deepest;
+    let mut all: Vec<(&'static str, f64, usize, Place<'_>)> = vec![
+        ("depth", COMMON, 1, Box::new(move |_, n| Some((depth(n), 0)))),
+        ("contact size", COMMON, 1, Box::new(move |s, n| Some((size(s, n) / largest, 0)))),
+        ("way back", COMMON, 1, Box::new(move |_, n| (n.branch == Branch::Unloading).then(|| (depth(n), 0)))),
+        ("hold", COMMON, 1, Box::new(move |_, n| (n.branch == Branch::Hold).then(|| (late(n.held_s) / latest, 0)))),
+        ("session", SESSION, 1, Box::new(move |s, _| Some((started(s) / session, 0)))),
+    ];
+    let each: [(&'static str, fn(&Series) -> i64); 5] = [
+        ("rate", |s| s.rate as i64),
+        ("ball", |s| s.indenter as i64),
+        ("specimen", |s| s.specimen as i64),
+        ("cycle", |s| s.cycle),
+        ("spot", |s| s.spot as i64),
+    ];
+    for (over, of) in each {
+        let mut levels: Vec<i64> = design.series.iter().map(of).collect();
+        levels.sort_unstable();
+        levels.dedup();
+        if levels.len() > 1 {
+            let count = levels.len();
+            let level = move |s: &Series| levels.binary_search(&of(s)).unwrap_or(0);
+            all.push((over, EACH, count, Box::new(move |s, n| Some((depth(n), level(s))))));
+        }
+    }
+    all
+}

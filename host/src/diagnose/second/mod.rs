@@ -1,0 +1,275 @@
+//! The second edition of the verdict, in shadow beside the first: every explanation that was tried, compared by its evidence, a discrepancy of unknown size in each
+//! of them, the base included (`docs/decisions/0005-one-model.md`).
+
+mod discrepancy;
+
+use lut_gen::effect::Spread;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::coordinate::{Candidate, Coordinate};
+use super::fit::{Fit, Problem};
+use super::search::{Explanation, Search, allowed};
+use super::verdict::Verdict;
+use crate::infer::compare::{Beliefs, Set};
+use crate::infer::evidence::{Discrepancy, Evidence, Linearised, Parameter, Prior, Sizes, evidence};
+use crate::infer::lowrank::Fold;
+use crate::infer::presence;
+
+/// Size of a discrepancy, as a share of the force: as often above as below, and a factor of 2.7 to either side. Simulations of soft solids agree with tests to about a percent.
+const SIZE: (f64, f64) = (0.005, 1.0);
+/// Probability from which the first effect has its name, and each further one; below which an effect is of no account.
+const NAMED: f64 = 0.99;
+const NAMED_TOO: f64 = 0.999;
+const NO_ACCOUNT: f64 = 0.5;
+/// Share of the misfit that what is named must explain, and what each further name must add: evidence alone is not importance.
+const EXPLAINS: f64 = 0.7;
+const ADDS: f64 = 0.05;
+/// Names that may stand for one cause.
+const MOST_TWINS: usize = 3;
+
+/// What is believed of one effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Belief {
+    /// Its code.
+    pub code: &'static str,
+    /// Probability that it is there.
+    pub probability: f64,
+    /// Share of the misfit that it explains alone, where it was tried alone and there is a misfit.
+    pub explains: Option<f64>,
+}
+
+/// The second edition's answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Second {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Names of the verdict: those that hold, or the twins that share one cause.
+    pub names: Vec<&'static str>,
+    /// Effects that were tried, the likeliest first.
+    pub beliefs: Vec<Belief>,
+    /// Effects that are there and explain too little to be the name.
+    pub partly: Vec<&'static str>,
+    /// Share of the misfit that the names, the twins or these explain.
+    pub explains: Option<f64>,
+    /// Discrepancies beside it, as a share of the force, by what they vary with; the largest first.
+    pub remainder: Vec<(&'static str, f64)>,
+}
+
+/// Judges what was tried; none where nothing can be compared.
+#[must_use]
+pub fn judged(search: &Search<'_>, tried: &[&Explanation]) -> Option<Second> {
+    let groups = discrepancy::groups(&search.problem, &search.curves);
+    let columns: Vec<_> = groups.iter().map(|group| group.columns.clone()).collect();
+    let sizes = Sizes::about(SIZE.0, SIZE.1);
+    let discrepancy = Discrepancy { groups: &columns, sizes: &sizes };
+    let fits: Vec<&Fit> = std::iter::once(&search.base).chain(tried.iter().map(|e| &e.fit)).collect();
+    let compared: Vec<(Fit, Evidence)> = fits
+        .par_iter()
+        .filter_map(|fit| {
+            let own = Problem { whole: fit.model.whole.clone(), ..search.problem.clone() };
+            // some were tried in another noise
+            let here = own.at(&fit.candidates, &fit.x, &Fold::none());
+            let found = weighed(&own, &here, &discrepancy)?;
+            Some((here, found))
+        })
+        .collect();
+    let codes = codes(&search.candidates);
+    let number = |c: &Candidate| codes.iter().position(|code| *code == c.effect.code).unwrap_or(codes.len());
+    let sets: Vec<Set> = compared
+        .iter()
+        .map(|(fit, found)| Set {
+            members: fit.candidates.iter().map(number).collect(),
+            log: found.log + fit.candidates.iter().map(|c| log_odds(c, &search.candidates)).sum::<f64>(),
+        })
+        .collect();
+    let beliefs = Beliefs::of(&sets, codes.len());
+    let best = (0..sets.len()).max_by(|a, b| sets[*a].log.total_cmp(&sets[*b].log))?;
+    let base_square = compared.iter().find(|(fit, _)| fit.candidates.is_empty())?.0.square;
+    let expected = search.problem.used.iter().filter(|used| **used).count() as f64 - search.base.x.len() as f64;
+    let excess = base_square - expected;
+    let visible = excess > 2.0 * (2.0 * expected).sqrt();
+    let share = |fit: &Fit| visible.then(|| (base_square - fit.square) / excess);
+    let alone = |code: &str| {
+        let own = compared.iter().filter(|(fit, _)| fit.candidates.len() == 1 && fit.candidates[0].effect.code == code);
+        own.filter_map(|(fit, _)| share(fit)).max_by(f64::total_cmp)
+    };
+    let mut told: Vec<Belief> = codes
+        .iter()
+        .zip(&beliefs.members)
+        .map(|(code, probability)| Belief { code, probability: *probability, explains: alone(code) })
+        .collect();
+    told.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    let mut remainder: Vec<(&'static str, f64)> =
+        groups.iter().map(|g| g.over).zip(compared[best].1.sizes.iter().copied()).filter(|(_, a)| *a > 0.0).collect();
+    remainder.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let within = |of: &[&'static str]| {
+        let own = compared.iter().filter(|(fit, _)| !fit.candidates.is_empty() && fit.codes().all(|c| of.contains(&c)));
+        own.filter_map(|(fit, _)| share(fit)).max_by(f64::total_cmp)
+    };
+    let any = |of: &[&'static str]| {
+        let numbers: Vec<usize> = codes.iter().enumerate().filter(|(_, c)| of.contains(c)).map(|(at, _)| at).collect();
+        beliefs.any(&sets, &numbers)
+    };
+    let Conclusion { verdict, names, partly, explains } = concluded(&told, !remainder.is_empty(), within, any);
+    Some(Second { verdict, names, beliefs: told, partly, explains, remainder })
+}
+
+/// What is said of what is believed.
+#[derive(Debug, PartialEq)]
+struct Conclusion {
+    verdict: Verdict,
+    names: Vec<&'static str>,
+    partly: Vec<&'static str>,
+    explains: Option<f64>,
+}
+
+/// The verdict of what is believed. `share` is what the best set of some effects explains of the misfit, `any` the probability that one of them is there.
+fn concluded(
+    told: &[Belief],
+    has_remainder: bool,
+    share: impl Fn(&[&'static str]) -> Option<f64>,
+    any: impl Fn(&[&'static str]) -> f64,
+) -> Conclusion {
+    let mut certain: Vec<&'static str> = Vec::new();
+    let mut believed: Vec<&Belief> = told.iter().filter(|b| b.probability > NAMED).collect();
+    believed.sort_by(|a, b| b.explains.unwrap_or(0.0).total_cmp(&a.explains.unwrap_or(0.0)));
+    for belief in believed {
+        let with: Vec<&'static str> = certain.iter().copied().chain([belief.code]).collect();
+        let adds = share(&with).unwrap_or(0.0) - share(&certain).unwrap_or(0.0);
+        if certain.is_empty() || (belief.probability > NAMED_TOO && adds > ADDS) {
+            certain = with;
+        }
+    }
+    let explains = share(&certain);
+    let is_enough = |explains: Option<f64>| explains.is_some_and(|share| share >= EXPLAINS);
+    if !certain.is_empty() {
+        let named = is_enough(explains);
+        let (names, partly) = if named { (certain, Vec::new()) } else { (Vec::new(), certain) };
+        return Conclusion { verdict: if named { Verdict::Named } else { Verdict::Unknown }, names, partly, explains };
+    }
+    let twins: Vec<&'static str> = told.iter().take(MOST_TWINS).map(|b| b.code).collect();
+    let fewest = (2..=twins.len()).map(|count| twins[..count].to_vec()).find(|few| any(few) > NAMED);
+    if let Some(few) = fewest.filter(|few| is_enough(share(few))) {
+        let explains = share(&few);
+        return Conclusion { verdict: Verdict::Ambiguous, names: few, partly: Vec::new(), explains };
+    }
+    let likely = told.first().is_some_and(|b| b.probability > NO_ACCOUNT);
+    let verdict = if likely || has_remainder { Verdict::Unknown } else { Verdict::Clean };
+    Conclusion { verdict, names: Vec::new(), partly: Vec::new(), explains: None }
+}
+
+/// Evidence of a fit.
+fn weighed(problem: &Problem<'_>, fit: &Fit, discrepancy: &Discrepancy<'_>) -> Option<Evidence> {
+    let parameters = fit.coordinates.iter().zip(fit.x.iter()).map(|(coordinate, x)| Parameter {
+        x: *x,
+        bounds: coordinate.bounds(),
+        prior: prior(coordinate),
+    });
+    let forms = allowed(problem, fit);
+    let known =
+        if forms.is_empty() { nalgebra::DMatrix::zeros(fit.residual.len(), 0) } else { forms.columns().clone() };
+    let model = Linearised {
+        residual: &fit.residual,
+        jacobian: &fit.jacobian,
+        parameters: parameters.collect(),
+        known: &known,
+    };
+    evidence(&model, discrepancy)
+}
+
+/// What is known of a parameter beforehand. Amounts of effects are as a rule about their prior deviation and may be far larger; times and places have a wide prior over their bounds.
+fn prior(coordinate: &Coordinate) -> Prior {
+    match coordinate {
+        Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => Prior::Flat,
+        Coordinate::Of(_, q) if q.spread == Spread::Even && q.prior > 0.0 => {
+            Prior::Cauchy { null: q.null, scale: q.prior }
+        }
+        Coordinate::Of(..) => {
+            let (low, high) = coordinate.bounds();
+            Prior::Normal { mean: 0.5 * (low + high), deviation: 0.25 * (high - low) }
+        }
+    }
+}
+
+/// Logarithm of the odds of one candidate before the data: its effect's, which its forms and owners share. Amounts of one sign have twice the density.
+fn log_odds(candidate: &Candidate, all: &[Candidate]) -> f64 {
+    let alike = all.iter().filter(|other| other.effect.code == candidate.effect.code).count().max(1) as f64;
+    let p = presence::probability();
+    let sided = candidate
+        .effect
+        .quantities
+        .iter()
+        .filter(|q| q.spread == Spread::Even && q.prior > 0.0 && (q.low >= q.null || q.high <= q.null));
+    (p / (1.0 - p) / alike).ln() + sided.count() as f64 * std::f64::consts::LN_2
+}
+
+/// Codes of all candidates, each once.
+fn codes(candidates: &[Candidate]) -> Vec<&'static str> {
+    let mut codes: Vec<&'static str> = Vec::new();
+    for candidate in candidates {
+        if !codes.contains(&candidate.effect.code) {
+            codes.push(candidate.effect.code);
+        }
+    }
+    codes
+}
+
+/// The answer as JSON.
+#[must_use]
+pub fn json(second: &Second) -> Value {
+    let effects: Vec<Value> = second
+        .beliefs
+        .iter()
+        .map(|b| json!({ "code": b.code, "probability": b.probability, "explains": b.explains }))
+        .collect();
+    let remainder: Vec<Value> =
+        second.remainder.iter().map(|(over, size)| json!({ "shows_in": over, "percent": 100.0 * size })).collect();
+    json!({
+        "verdict": second.verdict.word(),
+        "names": second.names,
+        "partly": second.partly,
+        "effects": effects,
+        "explains": second.explains,
+        "remainder": remainder,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn belief(code: &'static str, probability: f64) -> Belief {
+        Belief { code, probability, explains: None }
+    }
+
+    #[test]
+    fn names_need_belief_and_a_share() {
+        let lag = [belief("lag", 0.999), belief("drift", 0.1)];
+        let all = |_: &[&'static str]| 0.999;
+        let said = |told: &[Belief], share: f64, any: f64| {
+            let found = concluded(told, false, |of| (!of.is_empty()).then_some(share), |_| any);
+            (found.verdict, found.names, found.partly)
+        };
+        assert_eq!(said(&lag, 0.9, 1.0), (Verdict::Named, vec!["lag"], vec![]));
+        assert_eq!(said(&lag, 0.5, 1.0), (Verdict::Unknown, vec![], vec!["lag"]));
+        let twins = [belief("lag", 0.6), belief("drift", 0.395), belief("radius", 0.001)];
+        assert_eq!(said(&twins, 0.9, 0.999), (Verdict::Ambiguous, vec!["lag", "drift"], vec![]));
+        assert_eq!(said(&twins, 0.9, 0.98).0, Verdict::Unknown);
+        // a second name that adds nothing is none
+        let two = [belief("lag", 0.9999), belief("drift", 0.9999)];
+        let one = concluded(&two, false, |of| Some(if of.contains(&"lag") { 0.9 } else { 0.0 }), all);
+        assert_eq!(one.names, ["lag"]);
+        let both = concluded(&two, false, |of| Some(0.45 * of.len() as f64), all);
+        assert_eq!(both.names.len(), 2);
+    }
+
+    #[test]
+    fn without_a_likely_effect_the_remainder_decides() {
+        let none = [belief("lag", 0.2)];
+        let said = |told: &[Belief], has_remainder| concluded(told, has_remainder, |_| None, |_| 0.0).verdict;
+        assert_eq!(said(&none, false), Verdict::Clean);
+        assert_eq!(said(&none, true), Verdict::Unknown);
+        assert_eq!(said(&[], false), Verdict::Clean);
+    }
+}
