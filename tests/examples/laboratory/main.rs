@@ -16,10 +16,10 @@ use palpate::simulate::{Effect, Solver};
 use serde_json::{Value, json};
 use tests::document::replace_section;
 use tests::laboratory::World;
-use tests::laboratory::score::Scored;
+use tests::laboratory::score::{Mark, Scored};
 use tests::laboratory::table::Score;
-use tests::score::ScoreError;
 use tests::score::share::Yardstick;
+use tests::score::{Answer, ScoreError};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::parse(std::env::args().skip(1))?;
@@ -40,6 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     failures.iter().for_each(|line| eprintln!("{line}"));
     scored.sort_by_key(|one| one.world.seed);
     let mut text = Score { list: &scored, discarded }.markdown();
+    text.push_str(&second_edition(&scored, discarded));
     text.push_str(&format!(
         "\n{} worlds of {} seeds from {} in {:.0} min on {} threads; {} could not be scored.\n",
         scored.len(),
@@ -60,6 +61,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         std::fs::write(&path, replace_section(&document, "laboratory", &text)?)?;
     }
     if failures.is_empty() { Ok(()) } else { Err(format!("{} worlds could not be scored", failures.len()).into()) }
+}
+
+/// The second edition on the same worlds, and both side by side.
+fn second_edition(first: &[Scored], discarded: usize) -> String {
+    let second: Vec<Scored> = first.iter().map(Scored::by_second).collect();
+    let score = Score { list: &second, discarded };
+    let good = |s: &Scored| matches!(s.mark, Mark::Right | Mark::InSet | Mark::RightKind);
+    let only = |a: &[Scored], b: &[Scored], of: &dyn Fn(&Scored) -> bool| {
+        a.iter().zip(b).filter(|(a, b)| of(a) && !of(b)).count()
+    };
+    let wrong = |s: &Scored| s.mark == Mark::Wrong;
+    format!(
+        "\nThe second edition (in shadow, docs/decisions/0005-one-model.md) on the same worlds:\n\n{}\n{}\n{}\nRight, in a set or of the right kind: {} worlds by the second only, {} by the first only. Wrong names: {} by the second only, {} by the first only.\n",
+        score.by_design(),
+        score.by_code(),
+        score.mistakes(),
+        only(&second, first, &good),
+        only(first, &second, &good),
+        only(&second, first, &wrong),
+        only(first, &second, &wrong),
+    )
 }
 
 /// Scores worlds on threads of their own, as many as there are cores; not of the pool, in which a world's solves wait for the models' lock.
@@ -130,6 +152,8 @@ fn record(s: &Scored) -> Value {
         "findings": findings,
         "shows_in": s.answer.shows_in,
         "mark": s.mark.word(),
+        "second": s.second.as_ref().map(Answer::line),
+        "mark_second": s.by_second().mark.word(),
         "intervals": hits,
         "seconds": s.answer.seconds,
     })

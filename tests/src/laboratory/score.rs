@@ -1,5 +1,6 @@
 //! How good an answer about a world is.
 
+use palpate::diagnose::second::Second;
 use palpate::diagnose::{self, Finding, Verdict};
 
 use super::{Kind, Made, Truth, What, World};
@@ -127,6 +128,8 @@ pub struct Scored {
     pub mark: Mark,
     /// Whether the intervals of `mu` and `alpha` hold the truth, whatever was answered.
     pub hits: Vec<Hit>,
+    /// The second edition's answer, where it made one.
+    pub second: Option<Answer>,
 }
 
 impl Scored {
@@ -140,7 +143,15 @@ impl Scored {
         let answer = Answer::of(diagnosis);
         let mark = Mark::of(&made.truth, &answer);
         let hits = coverage::of_foam(&made.truth.foam, diagnosis);
-        Ok(Self { world: *world, truth: made.truth.clone(), answer, mark, hits })
+        let second = diagnosis.evidence.as_ref().and_then(|e| e.second.as_ref()).map(|second| told(second, &answer));
+        Ok(Self { world: *world, truth: made.truth.clone(), answer, mark, hits, second })
+    }
+
+    /// The same world as the second edition answers it; what that does not judge stays as it is.
+    #[must_use]
+    pub fn by_second(&self) -> Self {
+        let answer = self.second.clone().unwrap_or_else(|| self.answer.clone());
+        Self { mark: Mark::of(&self.truth, &answer), answer, ..self.clone() }
     }
 
     /// World, truth, answer and mark on one line.
@@ -158,8 +169,9 @@ impl Scored {
         let minors: Vec<String> = truth.minors.iter().map(plain).collect();
         let rests: Vec<String> =
             truth.rests.iter().map(|rest| plain(&palpate::simulate::Effect::Rest(*rest))).collect();
+        let second = self.by_second();
         format!(
-            "{} {} {} [{}] together {:.2} beside [{}] and rests of {:.2} % [{}], mu {:.4} alpha {:.2} -> {} -> {}",
+            "{} {} {} [{}] together {:.2} beside [{}] and rests of {:.2} % [{}], mu {:.4} alpha {:.2} -> {} -> {}; second edition: {} -> {}",
             self.world.design.name(),
             self.world.seed,
             truth.what.word(),
@@ -172,8 +184,29 @@ impl Scored {
             truth.foam.alpha,
             self.answer.line(),
             self.mark.word().to_uppercase(),
+            second.answer.line(),
+            second.mark.word().to_uppercase(),
         )
     }
+}
+
+/// The second edition's answer in the words of the first.
+fn told(second: &Second, first: &Answer) -> Answer {
+    let finding = |names: &[&'static str]| Finding {
+        code: names[0],
+        form: "",
+        owner: 0,
+        of: Vec::new(),
+        parameters: Vec::new(),
+        ambiguous_with: names[1..].to_vec(),
+    };
+    let findings = match (second.verdict, second.names.as_slice()) {
+        (_, []) => Vec::new(),
+        (Verdict::Ambiguous, names) => vec![finding(names)],
+        (_, names) => names.chunks(1).map(finding).collect(),
+    };
+    let shows_in = second.remainder.iter().map(|(over, _)| *over).collect();
+    Answer { verdict: second.verdict, findings, shows_in, ..first.clone() }
 }
 
 #[cfg(test)]
