@@ -1,11 +1,14 @@
-//! How well a model explains data, all of its parameters and the size of its discrepancy integrated: the logarithm of its marginal likelihood.
+//! How well a model explains data, all of its parameters and the size of its discrepancy
+//! integrated: the logarithm of its marginal likelihood.
 //!
 //! ```text
 //! r = J d + K b + sum_g a_g Z_g c_g + e,     b, c, e ~ N(0, I)
 //! ```
-//! `K b` is error of known size; `Z_g c_g` are smooth discrepancies whose sizes `a_g` have a prior that allows for none at all. Parameters have flat or heavy-tailed priors.
-//! The integral over parameters is Laplace's, at the point that the linearised model puts them at once the discrepancy is allowed for. Sizes are
-//! those of the highest posterior on a grid, again for each model.
+//! `K b` is error of known size; `Z_g c_g` are smooth discrepancies whose sizes `a_g` have a prior
+//! that allows for none at all. Parameters have flat or heavy-tailed priors. The integral over
+//! parameters is Laplace's, at the point that the linearised model puts them at once the
+//! discrepancy is allowed for. Sizes are those of the highest posterior on a grid, again for each
+//! model.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,7 +20,8 @@ use super::product::inner;
 pub enum Prior {
     /// Nothing, and the same in all models that are compared.
     Flat,
-    /// A Cauchy distribution about a null value with this scale: mostly small, and once in a while large.
+    /// A Cauchy distribution about a null value with this scale: mostly small, and once in a while
+    /// large.
     Cauchy {
         /// The null value.
         null: f64,
@@ -87,7 +91,8 @@ pub struct Sizes(Vec<(f64, f64)>);
 const NONE: f64 = 0.5;
 
 impl Sizes {
-    /// None with even chances, else about `median` (log-normal) with a factor `e^spread` to either side; seven sizes, up to three such factors above.
+    /// None with even chances, else about `median` (log-normal) with a factor `e^spread` to either
+    /// side; seven sizes, up to three such factors above.
     #[must_use]
     pub fn about(median: f64, spread: f64) -> Self {
         let steps = [-1.5, -0.75, 0.0, 0.75, 1.5, 2.25, 3.0];
@@ -179,7 +184,8 @@ impl Products {
     }
 }
 
-/// Evidence of a model; `None` where a number is none or a parameter with a flat prior is not told of at all.
+/// Evidence of a model; `None` where a number is none or a parameter with a flat prior is not told
+/// of at all.
 #[must_use]
 pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy<'_>) -> Option<Evidence> {
     let products = Products::of(model, discrepancy.groups);
@@ -216,7 +222,8 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy<'_>) -> Option
     Some(Evidence { log: best.0, sizes, x: best.1 })
 }
 
-/// Laplace's integral over the parameters, `told` being `[J r]' C^-1 [J r]`: its logarithm, and where the parameters are.
+/// Laplace's integral over the parameters, `told` being `[J r]' C^-1 [J r]`: its logarithm, and
+/// where the parameters are.
 fn integrated(model: &Linearised<'_>, told: &DMatrix<f64>) -> Option<(f64, Vec<f64>)> {
     let n = model.parameters.len();
     let information = told.view((0, 0), (n, n)).into_owned();
@@ -299,7 +306,8 @@ mod tests {
         -0.5 * (residual.dot(&factor.solve(residual)) + determinant)
     }
 
-    /// Against the integral over a grid of both parameters, for amounts well seen, hardly seen and none.
+    /// Against the integral over a grid of both parameters, for amounts well seen, hardly seen and
+    /// none.
     #[test]
     fn the_integral_is_that_of_nested_quadrature() {
         let (base, shape) = (column(1.0), 3.0 * column(4.0));
@@ -328,12 +336,14 @@ mod tests {
                     sum += (density(&left, &z, 0.7) + prior.log_density(b)).exp() * wide.1 * fine.1;
                 }
             }
-            // Laplace's error of a Cauchy prior that is as wide as the likelihood: a third of the evidence at most.
+            // Laplace's error of a Cauchy prior that is as wide as the likelihood: a third of the
+            // evidence at most.
             assert!((found.log - sum.ln()).abs() < 0.3, "{amount}: {} {}", found.log, sum.ln());
         }
     }
 
-    /// A discrepancy along the effect's own shape takes the evidence for it away; along another it does not.
+    /// A discrepancy along the effect's own shape takes the evidence for it away; along another it
+    /// does not.
     #[test]
     fn what_a_discrepancy_may_be_is_no_evidence() {
         let shape = 10.0 * column(4.0);

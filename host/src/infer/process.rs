@@ -1,7 +1,9 @@
-//! Shapes of a smooth random function: the leading eigenfunctions of a Gaussian process over an interval.
+//! Shapes of a smooth random function: the leading eigenfunctions of a Gaussian process over an
+//! interval.
 //!
-//! A squared-exponential covariance `exp(-(u - v)^2 / (2 l^2))` on [0, 1] is spanned to a hundredth of its variance by a few functions (Karhunen-Loeve;
-//! Rasmussen and Williams 2006, section 4.3). Unlike cosines they are not flat at the ends, where departures of a model are largest.
+//! A squared-exponential covariance `exp(-(u - v)^2 / (2 l^2))` on [0, 1] is spanned to a hundredth
+//! of its variance by a few functions (Karhunen-Loeve; Rasmussen and Williams 2006, section 4.3).
+//! Unlike cosines they are not flat at the ends, where departures of a model are largest.
 
 use nalgebra::DMatrix;
 
@@ -20,7 +22,8 @@ pub struct Shapes {
 }
 
 impl Shapes {
-    /// Of a correlation length, as a share of the interval. Valid above 0.02: below, the grid is too wide.
+    /// Of a correlation length, as a share of the interval. Valid above 0.02: below, the grid is
+    /// too wide.
     #[must_use]
     pub fn new(length: f64) -> Self {
         let place = |i: usize| i as f64 / (POINTS - 1) as f64;

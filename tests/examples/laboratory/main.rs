@@ -1,7 +1,9 @@
-//! Scores the diagnosis on laboratory worlds: `cargo run --release -p tests --example laboratory -- --cases 100`.
+//! Scores the diagnosis on laboratory worlds: `cargo run --release -p tests --example laboratory --
+//! --cases 100`.
 //!
-//! A seed draws its design, unless `--design D18` (D36, D60, own) names one; `--cases` is the number of seeds (24 unless stated), `--seed` the first of them. `--verbose` tells
-//! every world on a line, `--json FILE` writes every one, `--write` puts the tables into docs/hidden-effects.md.
+//! A seed draws its design, unless `--design D18` (D36, D60, own) names one; `--cases` is the
+//! number of seeds (24 unless stated), `--seed` the first of them. `--verbose` tells every world on
+//! a line, `--json FILE` writes every one, `--write` puts the tables into docs/hidden-effects.md.
 
 mod arguments;
 
@@ -84,7 +86,8 @@ fn second_edition(first: &[Scored], discarded: usize) -> String {
     )
 }
 
-/// Scores worlds on threads of their own, as many as there are cores; not of the pool, in which a world's solves wait for the models' lock.
+/// Scores worlds on threads of their own, as many as there are cores; not of the pool, in which a
+/// world's solves wait for the models' lock.
 fn score_all<'a>(
     worlds: &'a [World],
     yardstick: &Yardstick<'_>,

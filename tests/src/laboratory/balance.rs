@@ -64,7 +64,8 @@ impl Balance<'_> {
         if !self.comparable(&mut parts, chance)? {
             return Ok(None);
         }
-        // part of what is missing that makes the dominating larger, the rest makes the others smaller
+        // part of what is missing that makes the dominating larger, the rest makes the others
+        // smaller
         let larger: f64 = chance.random();
         for attempt in 0..TRIES {
             let others = self.shift(&[], &parts)?;
@@ -129,7 +130,8 @@ impl Balance<'_> {
         (0..parts.dominating.len()).map(one).collect()
     }
 
-    /// How much smaller all but what dominates must be, as if forces were linear in amounts; none where the dominating has no misfit of its own.
+    /// How much smaller all but what dominates must be, as if forces were linear in amounts; none
+    /// where the dominating has no misfit of its own.
     fn scale(&self, own: &DVector<f64>, others: &DVector<f64>) -> Option<f64> {
         let dominates = |scale: f64| {
             let scaled = others * scale;

@@ -49,7 +49,8 @@ impl Scales {
     }
 }
 
-/// An effect of a code, smaller where it is a minor one; `None` where the design has nothing that it acts on.
+/// An effect of a code, smaller where it is a minor one; `None` where the design has nothing that
+/// it acts on.
 pub(super) fn drawn(code: &str, minor: bool, scales: &Scales, chance: &mut Pcg64) -> Option<Effect> {
     let (peak_n, sign) = (scales.peak_n, sign(chance));
     let amount = |low: f64, high: f64, chance: &mut Pcg64| amount(minor, low, high, chance);
@@ -108,13 +109,15 @@ pub(super) fn drawn(code: &str, minor: bool, scales: &Scales, chance: &mut Pcg64
     })
 }
 
-/// Between a sixth of the range, in the logarithm, and its end for what is to dominate; in its lower half for a minor effect.
+/// Between a sixth of the range, in the logarithm, and its end for what is to dominate; in its
+/// lower half for a minor effect.
 fn amount(minor: bool, low: f64, high: f64, chance: &mut Pcg64) -> f64 {
     let (from, to) = if minor { (0.0, 0.5) } else { (0.16, 1.0) };
     low * (high / low).powf(chance.random_range(from..to))
 }
 
-/// Work of adhesion (N/mm) that pulls the middle ball with the largest force: 3/2 pi w R (Johnson, Kendall and Roberts 1971).
+/// Work of adhesion (N/mm) that pulls the middle ball with the largest force: 3/2 pi w R (Johnson,
+/// Kendall and Roberts 1971).
 fn pull_n_mm(scales: &Scales) -> f64 {
     scales.peak_n / (1.5 * std::f64::consts::PI * middle_mm(scales))
 }
@@ -152,7 +155,8 @@ fn outside(code: &str, sign: f64, scales: &Scales, chance: &mut Pcg64) -> Option
     })
 }
 
-/// The same effect by a factor larger, in the amount that makes it large; `None` beyond what is still one, and for what has no amount.
+/// The same effect by a factor larger, in the amount that makes it large; `None` beyond what is
+/// still one, and for what has no amount.
 pub(super) fn scaled(effect: &Effect, by: f64, scales: &Scales) -> Option<Effect> {
     let within = |value: f64, most: f64| (value.abs() <= most).then_some(value);
     let peak_n = scales.peak_n;

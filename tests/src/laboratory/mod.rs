@@ -1,8 +1,11 @@
 //! Laboratory worlds: what real rigs and materials add to a law, around a cause that dominates.
 //!
-//! A hidden case ([`crate::hidden`]) holds one effect in a world that is perfect otherwise. A world has rests (smooth random processes that no catalogue holds) everywhere, small effects beside a
-//! dominating one, places and pieces that differ, and a rig whose noise is drawn from ranges wider than anything else assumes. Its seed says it all; [`Truth`] tells what dominates, by a fit and not
-//! by what was drawn: the share of the squared misfit of the base that goes when it is taken out.
+//! A hidden case ([`crate::hidden`]) holds one effect in a world that is perfect otherwise. A world
+//! has rests (smooth random processes that no catalogue holds) everywhere, small effects beside a
+//! dominating one, places and pieces that differ, and a rig whose noise is drawn from ranges wider
+//! than anything else assumes. Its seed says it all; [`Truth`] tells what dominates, by a fit and
+//! not by what was drawn: the share of the squared misfit of the base that goes when it is taken
+//! out.
 
 mod balance;
 mod ingredient;
@@ -26,13 +29,15 @@ use ingredient::Scales;
 
 /// Least share of the squared misfit that dominates.
 pub const DOMINATES: f64 = 0.7;
-/// Of a hundred worlds so many are clean but for rests, have an effect of the catalogue that dominates, one outside of it; the others have two that are comparable.
+/// Of a hundred worlds so many are clean but for rests, have an effect of the catalogue that
+/// dominates, one outside of it; the others have two that are comparable.
 const SHARES: [u32; 3] = [10, 55, 20];
 /// Of a hundred dominating effects outside the catalogue so many are rests.
 const RESTS_OUTSIDE: u32 = 15;
 /// Designs of worlds.
 pub const DESIGNS: [Design; 4] = [Design::D18, Design::D36, Design::D60, Design::Own];
-/// Codes of the catalogue that are drawn. The gain of a sensor is that of a modulus, and no laboratory makes an error of the numerics.
+/// Codes of the catalogue that are drawn. The gain of a sensor is that of a modulus, and no
+/// laboratory makes an error of the numerics.
 pub const CATALOGUE: [&str; 14] = [
     "relaxation",
     "poisson",

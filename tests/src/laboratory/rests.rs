@@ -29,7 +29,8 @@ pub(super) fn drawn(spec: &Spec, chance: &mut Pcg64) -> Vec<Rest> {
 /// A rest so large that it dominates, along the runs.
 pub(super) fn dominating(spec: &Spec, chance: &mut Pcg64) -> Rest {
     let amplitude = even(chance, 0.03, 0.12);
-    // depth and contact size alone can be an exponent's; what is over time or the way back needs no other variable
+    // depth and contact size alone can be an exponent's; what is over time or the way back needs no
+    // other variable
     loop {
         let rest = Rest { amplitude, ..one(spec, 0, chance) };
         if kind(&rest).is_some() && along_runs(spec).contains(&rest.along) {

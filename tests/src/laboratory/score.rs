@@ -14,9 +14,11 @@ const MOST_NAMES: usize = 3;
 /// What an answer counts as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Mark {
-    /// What dominates is named, alone or beside a minor effect that is truly there; of two, both; of nothing, no name.
+    /// What dominates is named, alone or beside a minor effect that is truly there; of two, both;
+    /// of nothing, no name.
     Right,
-    /// What dominates stands in a set of at most three names; of two, each is named or in such a set.
+    /// What dominates stands in a set of at most three names; of two, each is named or in such a
+    /// set.
     InSet,
     /// One of two, and nothing wrong.
     One,

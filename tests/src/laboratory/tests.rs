@@ -33,7 +33,8 @@ fn a_seed_says_it_all() {
     assert_eq!(made.spec.name, format!("laboratory D18-{}", world.seed));
 }
 
-/// Of 4,000 seeds the kinds come up as often as they should, within four standard deviations (31 each at most); every design does.
+/// Of 4,000 seeds the kinds come up as often as they should, within four standard deviations (31
+/// each at most); every design does.
 #[test]
 fn worlds_are_of_all_kinds() {
     let mut kinds: BTreeMap<What, usize> = BTreeMap::new();
@@ -48,7 +49,8 @@ fn worlds_are_of_all_kinds() {
     assert!(DESIGNS.iter().all(|design| designs[design].abs_diff(1000) < 110), "{designs:?}");
 }
 
-/// What should dominate does, by fits of the noise-free forces with and without it, made once more here; rests are as large as they say.
+/// What should dominate does, by fits of the noise-free forces with and without it, made once more
+/// here; rests are as large as they say.
 #[test]
 fn what_dominates_has_its_share() {
     for what in [What::Catalogue, What::Outside, What::Two] {

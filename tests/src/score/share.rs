@@ -1,4 +1,5 @@
-//! Which part of a misfit is whose, without a diagnosis: what a plain fit of the base leaves of exact forces, with and without some of what is in them.
+//! Which part of a misfit is whose, without a diagnosis: what a plain fit of the base leaves of
+//! exact forces, with and without some of what is in them.
 
 use lut_gen::chain::{Chain, Model};
 use nalgebra::DVector;
@@ -14,8 +15,9 @@ use super::strength::{compared, of_effects, shift, true_noise, with_forces};
 
 /// Name of the material of every hidden experiment.
 const MATERIAL: &str = "specimen";
-/// White noise that a plain fit stands in, of the largest force: so large that nothing else which a diagnosis allows for counts beside it, and so small that a misfit of a thousandth is
-/// still fitted to its end.
+/// White noise that a plain fit stands in, of the largest force: so large that nothing else which a
+/// diagnosis allows for counts beside it, and so small that a misfit of a thousandth is still
+/// fitted to its end.
 const WHITE: f64 = 0.03;
 /// Jitter of the same, next to none.
 const NO_JITTER: f64 = 1e-7;
@@ -40,7 +42,8 @@ impl Yardstick<'_> {
         Ok(simulate(spec, self.solver, &|_, _, _| {})?)
     }
 
-    /// How misfits of experiments of a specification are measured, which has neither effects nor noise; `None` where no run of it could be used.
+    /// How misfits of experiments of a specification are measured, which has neither effects nor
+    /// noise; `None` where no run of it could be used.
     ///
     /// # Errors
     /// A force model that cannot be made.
@@ -65,7 +68,8 @@ impl Yardstick<'_> {
         Ok(whitening.map(|whitening| Misfits { bare, design, chain, clean, foam, whitening }))
     }
 
-    /// How many standard deviations of the true noise, jitter included, the effects at these places of an experiment move its forces beyond the base; zeros where no run can be used.
+    /// How many standard deviations of the true noise, jitter included, the effects at these places
+    /// of an experiment move its forces beyond the base; zeros where no run can be used.
     ///
     /// # Errors
     /// A solve without one of them that fails.
@@ -94,7 +98,8 @@ impl Misfits {
         shift(&self.design, made, &self.bare)
     }
 
-    /// Squared misfit (of no unit) of a clean specimen with a shift of its forces: what the base leaves with `mu` and `alpha` at their best and contacts where they are.
+    /// Squared misfit (of no unit) of a clean specimen with a shift of its forces: what the base
+    /// leaves with `mu` and `alpha` at their best and contacts where they are.
     #[must_use]
     pub fn left(&self, shift: &DVector<f64>) -> f64 {
         let data = with_forces(&self.design, &self.clean, shift);

@@ -1,4 +1,5 @@
-//! What a model may be wrong by without a name: smooth functions of what was varied, as a share of the force.
+//! What a model may be wrong by without a name: smooth functions of what was varied, as a share of
+//! the force.
 //!
 //! | group | over | for |
 //! |---|---|---|
@@ -30,7 +31,8 @@ pub(super) struct Group {
     pub columns: DMatrix<f64>,
 }
 
-/// Place of a node in [0, 1], and the level that has shapes of its own; none where the group is nothing.
+/// Place of a node in [0, 1], and the level that has shapes of its own; none where the group is
+/// nothing.
 type Place<'a> = Box<dyn Fn(&Series, &Node) -> Option<(f64, usize)> + 'a>;
 
 /// Groups that a design has, at forces that a base predicts.

@@ -1,5 +1,6 @@
-//! The second edition of the verdict, in shadow beside the first: every explanation that was tried, compared by its evidence, a discrepancy of unknown size in each
-//! of them, the base included (`docs/decisions/0005-one-model.md`).
+//! The second edition of the verdict, in shadow beside the first: every explanation that was tried,
+//! compared by its evidence, a discrepancy of unknown size in each of them, the base included
+//! (`docs/decisions/0005-one-model.md`).
 
 mod discrepancy;
 
@@ -16,13 +17,16 @@ use crate::infer::evidence::{Discrepancy, Evidence, Linearised, Parameter, Prior
 use crate::infer::lowrank::Fold;
 use crate::infer::presence;
 
-/// Size of a discrepancy, as a share of the force: as often above as below, and a factor of 2.7 to either side. Simulations of soft solids agree with tests to about a percent.
+/// Size of a discrepancy, as a share of the force: as often above as below, and a factor of 2.7 to
+/// either side. Simulations of soft solids agree with tests to about a percent.
 const SIZE: (f64, f64) = (0.005, 1.0);
-/// Probability from which the first effect has its name, and each further one; below which an effect is of no account.
+/// Probability from which the first effect has its name, and each further one; below which an
+/// effect is of no account.
 const NAMED: f64 = 0.99;
 const NAMED_TOO: f64 = 0.999;
 const NO_ACCOUNT: f64 = 0.5;
-/// Share of the misfit that what is named must explain, and what each further name must add: evidence alone is not importance.
+/// Share of the misfit that what is named must explain, and what each further name must add:
+/// evidence alone is not importance.
 const EXPLAINS: f64 = 0.7;
 const ADDS: f64 = 0.05;
 /// Names that may stand for one cause.
@@ -124,7 +128,8 @@ struct Conclusion {
     explains: Option<f64>,
 }
 
-/// The verdict of what is believed. `share` is what the best set of some effects explains of the misfit, `any` the probability that one of them is there.
+/// The verdict of what is believed. `share` is what the best set of some effects explains of the
+/// misfit, `any` the probability that one of them is there.
 fn concluded(
     told: &[Belief],
     has_remainder: bool,
@@ -178,7 +183,8 @@ fn weighed(problem: &Problem<'_>, fit: &Fit, discrepancy: &Discrepancy<'_>) -> O
     evidence(&model, discrepancy)
 }
 
-/// What is known of a parameter beforehand. Amounts of effects are as a rule about their prior deviation and may be far larger; times and places have a wide prior over their bounds.
+/// What is known of a parameter beforehand. Amounts of effects are as a rule about their prior
+/// deviation and may be far larger; times and places have a wide prior over their bounds.
 fn prior(coordinate: &Coordinate) -> Prior {
     match coordinate {
         Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => Prior::Flat,
@@ -192,7 +198,8 @@ fn prior(coordinate: &Coordinate) -> Prior {
     }
 }
 
-/// Logarithm of the odds of one candidate before the data: its effect's, which its forms and owners share. Amounts of one sign have twice the density.
+/// Logarithm of the odds of one candidate before the data: its effect's, which its forms and owners
+/// share. Amounts of one sign have twice the density.
 fn log_odds(candidate: &Candidate, all: &[Candidate]) -> f64 {
     let alike = all.iter().filter(|other| other.effect.code == candidate.effect.code).count().max(1) as f64;
     let p = presence::probability();

@@ -1,8 +1,10 @@
-//! Rests: what real rigs and materials add to a law without a cause that anybody would name, as smooth random processes.
+//! Rests: what real rigs and materials add to a law without a cause that anybody would name, as
+//! smooth random processes.
 //!
-//! A rest is a Gaussian process of mean 0 and variance 1 over one variable of the experiment, or over two of them, times a share of
-//! the force. It is drawn by random Fourier features (Rahimi and Recht 2007): waves whose frequencies are those of the kernel's
-//! spectrum, with normal weights, so that at given frequencies it is Gaussian however few the waves are.
+//! A rest is a Gaussian process of mean 0 and variance 1 over one variable of the experiment, or
+//! over two of them, times a share of the force. It is drawn by random Fourier features (Rahimi and
+//! Recht 2007): waves whose frequencies are those of the kernel's spectrum, with normal weights, so
+//! that at given frequencies it is Gaussian however few the waves are.
 
 use rand::Rng;
 use rand_distr::StandardNormal;
@@ -12,7 +14,8 @@ use super::Effect;
 use crate::simulate::chance::{Purpose, stream};
 use crate::simulate::spec::Spec;
 
-/// What a rest varies with. Lengths and rates count by their logarithm; each variable is a part of its range within the experiment.
+/// What a rest varies with. Lengths and rates count by their logarithm; each variable is a part of
+/// its range within the experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Along {
     /// Recorded depth, of the deepest.
@@ -72,8 +75,8 @@ impl Kernel {
         ("matern-5/2", Self::Matern52),
     ];
 
-    /// A frequency (radians per length scale) of the spectrum: normal, or Student's t of twice as many degrees of freedom as the order
-    /// (Rasmussen and Williams 2006, section 4.2).
+    /// A frequency (radians per length scale) of the spectrum: normal, or Student's t of twice as
+    /// many degrees of freedom as the order (Rasmussen and Williams 2006, section 4.2).
     fn frequency(self, chance: &mut Pcg64) -> f64 {
         let normal = |chance: &mut Pcg64| chance.sample::<f64, _>(StandardNormal);
         let freedom = match self {
@@ -121,7 +124,8 @@ pub struct Rest {
 
 /// Waves of a process: enough for a covariance within a tenth at every distance.
 const WAVES: usize = 64;
-/// Part of the largest depth within which a share of the peak grows in, and part of the way back within which one of it does.
+/// Part of the largest depth within which a share of the peak grows in, and part of the way back
+/// within which one of it does.
 const GROWN: f64 = 0.15;
 
 /// One function that was drawn.
@@ -174,7 +178,8 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// Of a specification whose presses go to these depths (mm) under balls of these radii (mm), last so long (s), and are so many runs.
+    /// Of a specification whose presses go to these depths (mm) under balls of these radii (mm),
+    /// last so long (s), and are so many runs.
     pub fn of(spec: &Spec, presses: &[(f64, f64, f64)], runs: usize) -> Self {
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::MIN_POSITIVE, f64::max);
         let range = |values: &mut dyn Iterator<Item = f64>| {
@@ -292,7 +297,8 @@ mod tests {
         Rest { along: Along::Depth, by: None, kernel, length, amplitude: 0.01, of: ShareOf::Force, draw: 0 }
     }
 
-    /// Of 4,000 draws a mean square scatters by 0.022 and a mean product of two correlated values by 0.02: four of these are allowed.
+    /// Of 4,000 draws a mean square scatters by 0.022 and a mean product of two correlated values
+    /// by 0.02: four of these are allowed.
     #[test]
     fn a_process_has_unit_variance_and_the_correlation_of_its_kernel() {
         let (root3, root5) = (3.0_f64.sqrt(), 5.0_f64.sqrt());
@@ -348,7 +354,8 @@ mod tests {
         assert!((rests.part(Along::Time, &last) - 1.0).abs() < 1e-12 && at(Along::Time) > 0.5);
     }
 
-    /// A share of the force goes with it, one of the peak goes to nothing at the surface, one of the way back begins at its turn.
+    /// A share of the force goes with it, one of the peak goes to nothing at the surface, one of
+    /// the way back begins at its turn.
     #[test]
     fn no_rest_shows_without_contact() {
         let span = span();
