@@ -35,6 +35,11 @@ pub(super) struct Group {
 /// nothing.
 type Place<'a> = Box<dyn Fn(&Series, &Node) -> Option<(f64, usize)> + 'a>;
 
+/// What runs of one level share.
+type Level = fn(&Series) -> i64;
+/// A group: its name, the length of its shapes, its levels, and where a node lies.
+type Varied<'a> = (&'static str, f64, usize, Place<'a>);
+
 /// Groups that a design has, at forces that a base predicts.
 pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Group> {
     let design = problem.design;
@@ -57,7 +62,7 @@ pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Group> {
     made.filter(|group| group.columns.amax() > 0.0).collect()
 }
 
-fn places(design: &Design) -> Vec<(&'static str, f64, usize, Place<'_>)> {
+fn places(design: &Design) -> Vec<Varied<'_>> {
     let nodes = || design.series.iter().flat_map(|s| s.nodes.iter().map(move |n| (s, n)));
     let most = |of: &dyn Fn(&Series, &Node) -> f64| nodes().map(|(s, n)| of(s, n)).fold(f64::MIN_POSITIVE, f64::max);
     let size = |s: &Series, n: &Node| (design.geometries[s.geometry].ball_mm * n.depth_mm.max(0.0)).sqrt();
@@ -69,14 +74,14 @@ fn places(design: &Design) -> Vec<(&'static str, f64, usize, Place<'_>)> {
     let started = |s: &Series| s.start_s.unwrap_or(0.0);
     let session = most(&|s, _| started(s));
     let depth = move |n: &Node| n.depth_mm / deepest;
-    let mut all: Vec<(&'static str, f64, usize, Place<'_>)> = vec![
+    let mut all: Vec<Varied<'_>> = vec![
         ("depth", COMMON, 1, Box::new(move |_, n| Some((depth(n), 0)))),
         ("contact size", COMMON, 1, Box::new(move |s, n| Some((size(s, n) / largest, 0)))),
         ("way back", COMMON, 1, Box::new(move |_, n| (n.branch == Branch::Unloading).then(|| (depth(n), 0)))),
         ("hold", COMMON, 1, Box::new(move |_, n| (n.branch == Branch::Hold).then(|| (late(n.held_s) / latest, 0)))),
         ("session", SESSION, 1, Box::new(move |s, _| Some((started(s) / session, 0)))),
     ];
-    let each: [(&'static str, fn(&Series) -> i64); 5] = [
+    let each: [(&'static str, Level); 5] = [
         ("rate", |s| s.rate as i64),
         ("ball", |s| s.indenter as i64),
         ("specimen", |s| s.specimen as i64),
