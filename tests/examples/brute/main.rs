@@ -112,7 +112,7 @@ fn one(case: &Case, material: &str) -> Outcome<Option<Judged>> {
         all.collect::<Vec<_>>().join(", ")
     };
     let line = format!(
-        "{} {}{}, {material}, {} terms {} relax {}, {:?}: objective {value:.4}, otherwise {other:.4} ({:+.3} %), rms {rms_n:.4} and {other_rms_n:.4} N{}, {}, {} solves, {took_s:.1} s\n    found {}\n    other {}",
+        "{} {}{}, {material}, {} terms {} relax {}, {:?}: objective {value:.4} (the fit's own {:.4}), otherwise {other:.4} ({:+.3} %), rms {rms_n:.4} and {other_rms_n:.4} N{}, {}, {} solves, {took_s:.1} s\n    found {}\n    other {}",
         if passes && nested { "ok  " } else { "FAIL" },
         if case.hidden { "simulated " } else { "" },
         case.name,
@@ -120,6 +120,7 @@ fn one(case: &Case, material: &str) -> Outcome<Option<Judged>> {
         case.spec.resolved(&case.experiment, material).1,
         case.spec.relaxation,
         case.spec.loss,
+        newton.minimum.at.value,
         100.0 * (value / other - 1.0),
         simpler.map_or(String::new(), |simpler| format!(", simpler law {simpler:.4}")),
         if newton.converged { "converged" } else { "not converged" },
