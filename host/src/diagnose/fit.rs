@@ -98,6 +98,13 @@ pub(super) fn freedom(used: &[bool], fit: &Fit) -> f64 {
     used.iter().filter(|used| **used).count().saturating_sub(fit.x.len()) as f64
 }
 
+/// Share that a sum of squares has lost of what the base leaves beyond noise (`expected`); none where that is within two standard deviations of noise, a share of which
+/// would say nothing.
+pub(super) fn explained(base_square: f64, expected: f64, square: f64) -> Option<f64> {
+    let excess = base_square - expected;
+    (excess > 2.0 * (2.0 * expected).sqrt()).then(|| (base_square - square) / excess)
+}
+
 /// What a model predicts for every row of a residual: forces (N) at the nodes of every run, then what runs without a ball on the specimen show.
 #[must_use]
 pub fn rows(design: &Design, chain: &Chain, model: &Model, contacts_mm: &[f64]) -> DVector<f64> {

@@ -230,9 +230,7 @@ impl Evidence {
     /// which would say nothing.
     #[must_use]
     pub fn explained(&self, square: f64) -> Option<f64> {
-        let expected = self.expected_square();
-        let excess = self.compared_square - expected;
-        (excess > 2.0 * (2.0 * expected).sqrt()).then(|| (self.compared_square - square) / excess)
+        fit::explained(self.compared_square, self.expected_square(), square)
     }
 
     /// True where a departure without a name explains the data about as well as what explains them best.

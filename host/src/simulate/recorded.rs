@@ -9,6 +9,7 @@ use super::chance::{Purpose, stream};
 use super::condition::{Condition, FINE};
 use super::coupon;
 use super::effect::placebo::{self, Place};
+use super::effect::range::Range;
 use super::effect::rest::{Instant, Press, Rests, Span};
 use super::effect::scales::Scales;
 use super::effect::sensor::Sensor;
@@ -207,8 +208,8 @@ fn noisy(spec: &Spec, wander: &Wander, order: usize, run: &mut SimulatedRun) {
 /// Ranges of the variables within the experiment, for placebos and rests.
 struct Ranges {
     session_s: f64,
-    rate: (f64, f64),
-    radius: (f64, f64),
+    rate: Range,
+    radius: Range,
     cycles: usize,
     /// Declared radius of each ball, mm.
     radii: Vec<f64>,
@@ -219,9 +220,6 @@ struct Ranges {
 impl Ranges {
     fn of(spec: &Spec, conditions: &[Condition], visits: &[Visit]) -> Self {
         let ends = |v: &Visit| v.starts_s.last().copied().unwrap_or(0.0) + conditions[v.template].duration_s;
-        let range = |values: &mut dyn Iterator<Item = f64>| {
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (x.min(low), x.max(high)))
-        };
         let press = |c: &Condition| {
             let radius_mm = spec.indenters.get(c.indenter?)?.radius_mm;
             Some((c.programme.depth_mm, radius_mm, c.duration_s))
@@ -231,8 +229,8 @@ impl Ranges {
         Self {
             span: rests.then(|| Span::of(spec, &presses(), visits.iter().map(|v| v.starts_s.len()).sum())),
             session_s: visits.iter().map(ends).fold(0.0, f64::max),
-            rate: range(&mut spec.runs.iter().map(|run| run.rate_mm_s)),
-            radius: range(&mut spec.indenters.iter().map(|one| one.radius_mm)),
+            rate: Range::of(spec.runs.iter().map(|run| run.rate_mm_s)),
+            radius: Range::of(spec.indenters.iter().map(|one| one.radius_mm)),
             cycles: spec.runs.iter().map(|run| run.cycles).max().unwrap_or(1),
             radii: spec.indenters.iter().map(|one| one.radius_mm).collect(),
         }
@@ -265,16 +263,14 @@ impl Ranges {
         force_n: f64,
         peak_n: f64,
     ) -> Place {
-        let within =
-            |x: f64, (low, high): (f64, f64)| if high > low { (x / low).ln() / (high / low).ln() } else { 0.0 };
         let radius = condition.indenter.and_then(|at| self.radii.get(at)).copied().unwrap_or(1.0);
         let cycle = run.cycle.unwrap_or(1) as f64 - 1.0;
         Place {
             depth: depth_mm / condition.programme.depth_mm,
             time: time_s / condition.duration_s,
             clock: (run.start_s + time_s) / self.session_s.max(1e-9),
-            rate: within(condition.programme.rate_mm_s, self.rate),
-            radius: within(radius, self.radius),
+            rate: self.rate.part(condition.programme.rate_mm_s),
+            radius: self.radius.part(radius),
             cycle: cycle / self.cycles.saturating_sub(1).max(1) as f64,
             force_n,
             peak_n,

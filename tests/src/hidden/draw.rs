@@ -42,7 +42,7 @@ fn chance(case: &Case, question: u64) -> Pcg64 {
 }
 
 /// Even in the logarithm.
-pub(super) fn scaled(chance: &mut Pcg64, low: f64, high: f64) -> f64 {
+pub(crate) fn even(chance: &mut Pcg64, low: f64, high: f64) -> f64 {
     low * (high / low).powf(chance.random::<f64>())
 }
 
@@ -52,10 +52,10 @@ fn layout(case: &Case) -> Layout {
 
 fn foam(case: &Case) -> Foam {
     let mut chance = chance(case, 1);
-    let mu_mpa = scaled(&mut chance, MU_MPA.0, MU_MPA.1);
+    let mu_mpa = even(&mut chance, MU_MPA.0, MU_MPA.1);
     // experiments of their own designs have no curve in common
     let alpha = match case.design {
-        Design::Own => scaled(&mut chance, 3.0, 20.0),
+        Design::Own => even(&mut chance, 3.0, 20.0),
         _ => ALPHAS.choose(&mut chance).copied().unwrap_or(8.6),
     };
     Foam { mu_mpa, alpha }

@@ -8,6 +8,7 @@ mod strength;
 
 pub use design::Design;
 pub use draw::Foam;
+pub(crate) use draw::even;
 pub use strength::{CATALOGUE, LEVELS, OUTSIDE, PAIRS};
 
 use palpate::simulate::{Effect, SimulateError, SimulatedExperiment, Solver, Spec, Variable, simulate};

@@ -6,7 +6,7 @@ use rand::Rng;
 use rand_pcg::Pcg64;
 
 use super::Design;
-use super::draw::{Foam, scaled};
+use super::draw::{Foam, even};
 use super::layout::{Layout, ball};
 
 /// Levels of strength.
@@ -83,7 +83,7 @@ pub(super) fn effect(code: &str, level: usize, scales: &Scales, chance: &mut Pcg
     let sign = if chance.random::<bool>() { 1.0 } else { -1.0 };
     Some(match code {
         "relaxation" => {
-            Effect::Relaxation(vec![PronyTerm::alike(at([0.01, 0.03, 0.08, 0.2, 0.4]), scaled(chance, 0.2, 3.0))])
+            Effect::Relaxation(vec![PronyTerm::alike(at([0.01, 0.03, 0.08, 0.2, 0.4]), even(chance, 0.2, 3.0))])
         }
         "poisson" => Effect::Poisson { nu: at([0.02, 0.05, 0.1, 0.2, 0.35]) },
         "second-term" => Effect::SecondTerm {
@@ -92,7 +92,7 @@ pub(super) fn effect(code: &str, level: usize, scales: &Scales, chance: &mut Pcg
         },
         "softening" => Effect::Softening {
             r: 1.0 / at([0.02, 0.05, 0.12, 0.25, 0.45]),
-            m_mpa: scales.foam.mu_mpa * scaled(chance, 0.005, 0.05),
+            m_mpa: scales.foam.mu_mpa * even(chance, 0.005, 0.05),
             beta: 0.1,
         },
         "thickness" if level + 1 >= LEVELS && chance.random::<f64>() < 0.3 => Effect::SlidingBase,
@@ -125,7 +125,7 @@ pub(super) fn effect(code: &str, level: usize, scales: &Scales, chance: &mut Pcg
             Effect::SensorNonlinearity { quadratic_per_n: sign * at([0.003, 0.01, 0.03, 0.08, 0.2]) / peak_n }
         }
         "sensor-creep" => {
-            Effect::SensorCreep { amplitude: at([0.003, 0.01, 0.03, 0.08, 0.2]), tau_s: scaled(chance, 0.5, 10.0) }
+            Effect::SensorCreep { amplitude: at([0.003, 0.01, 0.03, 0.08, 0.2]), tau_s: even(chance, 0.5, 10.0) }
         }
         "drift" => Effect::Drift {
             n_per_h: sign * at([0.002, 0.006, 0.02, 0.06, 0.2]) * peak_n / session_h(scales),
@@ -149,7 +149,7 @@ fn outside(
     Some(match code {
         "outside-power-law" => Effect::PowerLaw {
             amplitude: at([0.02, 0.06, 0.15, 0.35, 0.7]),
-            t0_s: scaled(chance, 0.03, 0.5),
+            t0_s: even(chance, 0.03, 0.5),
             beta: chance.random_range(0.2..0.5),
         },
         "outside-plastic-set" => Effect::PlasticSet { share: at([0.002, 0.006, 0.02, 0.05, 0.12]) },
@@ -165,9 +165,9 @@ fn outside(
         "outside-hum" => Effect::Hum {
             amplitude_n: part_of_peak,
             // sampled at 50 Hz it beats with 0.1 to 2 Hz
-            frequency_hz: 50.0 + sign * scaled(chance, 0.1, 2.0),
+            frequency_hz: 50.0 + sign * even(chance, 0.1, 2.0),
         },
-        "outside-stick-slip" => Effect::StickSlip { amplitude_n: part_of_peak, period_mm: scaled(chance, 0.15, 0.6) },
+        "outside-stick-slip" => Effect::StickSlip { amplitude_n: part_of_peak, period_mm: even(chance, 0.15, 0.6) },
         _ => return None,
     })
 }

@@ -8,7 +8,7 @@ use rand_pcg::Pcg64;
 use super::DOMINATES;
 use super::ingredient::{Scales, scaled};
 use super::rests::TOTAL;
-use super::rig::even;
+use crate::hidden::even;
 use crate::score::ScoreError;
 use crate::score::share::{Misfits, Yardstick};
 
@@ -159,10 +159,7 @@ impl Balance<'_> {
         minors: &[Effect],
         rests: &[Rest],
     ) -> Result<SimulatedExperiment, ScoreError> {
-        let mut spec = self.base.clone();
-        spec.effects =
-            dominating.iter().chain(minors).cloned().chain(rests.iter().copied().map(Effect::Rest)).collect();
-        self.yardstick.made(&spec)
+        self.yardstick.made(&Spec { effects: effects(dominating, minors, rests), ..self.base.clone() })
     }
 
     /// Root mean square of rests together as a share of the force of the bare experiment.
@@ -178,6 +175,11 @@ impl Balance<'_> {
         }
         Ok((square / count.max(1.0)).sqrt().max(1e-6))
     }
+}
+
+/// All that is in an experiment, what dominates first.
+pub(super) fn effects(dominating: &[Effect], minors: &[Effect], rests: &[Rest]) -> Vec<Effect> {
+    dominating.iter().chain(minors).cloned().chain(rests.iter().copied().map(Effect::Rest)).collect()
 }
 
 fn scale_rests(rests: &mut [Rest], by: f64) {

@@ -5,7 +5,8 @@ use palpate::simulate::{Effect, Rest, SimulatedExperiment, Spec};
 use rand::Rng;
 use rand_pcg::Pcg64;
 
-use super::rig::{even, sign};
+use super::rig::sign;
+use crate::hidden::even;
 
 /// What amounts are measured by.
 #[derive(Debug, Clone)]

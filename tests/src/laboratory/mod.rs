@@ -19,7 +19,7 @@ mod tests;
 use palpate::simulate::{Effect, Rest, SimulatedExperiment, Spec};
 use rand::Rng;
 
-use crate::hidden::{Design, Foam, OUTSIDE};
+use crate::hidden::{CATALOGUE, Design, Foam, OUTSIDE};
 use crate::score::ScoreError;
 use crate::score::share::Yardstick;
 use crate::score::strength::SEEN;
@@ -36,24 +36,14 @@ const SHARES: [u32; 3] = [10, 55, 20];
 const RESTS_OUTSIDE: u32 = 15;
 /// Designs of worlds.
 pub const DESIGNS: [Design; 4] = [Design::D18, Design::D36, Design::D60, Design::Own];
-/// Codes of the catalogue that are drawn. The gain of a sensor is that of a modulus, and no
-/// laboratory makes an error of the numerics.
-pub const CATALOGUE: [&str; 14] = [
-    "relaxation",
-    "poisson",
-    "second-term",
-    "softening",
-    "thickness",
-    "friction",
-    "adhesion",
-    "contact-offset",
-    "compliance",
-    "radius",
-    "lag",
-    "sensor-nonlinearity",
-    "sensor-creep",
-    "drift",
-];
+/// Codes of the hidden catalogue that are not drawn: the gain of a sensor is that of a modulus, and
+/// no laboratory makes an error of the numerics.
+const NOT_DRAWN: [&str; 2] = ["sensor-gain", "numerics"];
+
+/// Codes of the catalogue that are drawn.
+fn catalogue() -> Vec<&'static str> {
+    CATALOGUE.into_iter().filter(|code| !NOT_DRAWN.contains(code)).collect()
+}
 
 /// What kind of departure an effect is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -258,8 +248,7 @@ impl World {
         let Parts { dominating, minors, rests } = balanced.parts;
         let mut spec = base.clone();
         spec.noise = rig::noise(self.seed, scales.peak_n);
-        spec.effects =
-            dominating.iter().chain(&minors).cloned().chain(rests.iter().copied().map(Effect::Rest)).collect();
+        spec.effects = balance::effects(&dominating, &minors, &rests);
         let experiment = yardstick.made(&spec)?;
         let places: Vec<usize> = (0..dominating.len()).collect();
         let strengths = yardstick.strengths(&experiment, &places)?;
@@ -273,9 +262,9 @@ impl World {
     fn parts(&self, what: What, base: &Spec, scales: &Scales) -> Parts {
         let rests = rests::drawn(base, &mut rig::chance(self.seed, rig::Question::Rests));
         let mut chance = rig::chance(self.seed, rig::Question::Effects);
-        let mut kinds = Vec::new();
+        let (mut kinds, codes) = (Vec::new(), catalogue());
         let mut of_catalogue = |minor: bool, chance: &mut rand_pcg::Pcg64| loop {
-            let effect = ingredient::drawn(CATALOGUE[chance.random_range(0..CATALOGUE.len())], minor, scales, chance);
+            let effect = ingredient::drawn(codes[chance.random_range(0..codes.len())], minor, scales, chance);
             let kind = effect.as_ref().and_then(Kind::of);
             if let Some(effect) = effect.filter(|_| !kinds.contains(&kind)) {
                 kinds.push(kind);

@@ -6,7 +6,7 @@ use rand::seq::IndexedRandom;
 use rand_pcg::Pcg64;
 
 use super::Kind;
-use super::rig::even;
+use crate::hidden::even;
 
 /// Root mean square of all rests of a world together, as a share of the force.
 pub(super) const TOTAL: (f64, f64) = (0.003, 0.02);

@@ -6,7 +6,7 @@ use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
 
 use super::World;
-use crate::hidden::{Case, Foam, What};
+use crate::hidden::{Case, Foam, What, even};
 
 /// What is asked of a seed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,11 +27,6 @@ pub(super) fn chance(seed: u64, question: Question) -> Pcg64 {
     mixed = (mixed ^ (mixed >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
     mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     Pcg64::seed_from_u64(mixed ^ (mixed >> 32))
-}
-
-/// Even in the logarithm.
-pub(super) fn even(chance: &mut Pcg64, low: f64, high: f64) -> f64 {
-    low * (high / low).powf(chance.random::<f64>())
 }
 
 /// Either, one as often as the other.

@@ -92,7 +92,7 @@ fn effects_grow_and_shrink() {
     let bare = yardstick().made(&base).unwrap();
     let scales = Scales::of(&base, &bare);
     let mut chance = rig::chance(1, rig::Question::Effects);
-    for code in CATALOGUE.into_iter().chain(OUTSIDE) {
+    for code in catalogue().into_iter().chain(OUTSIDE) {
         for minor in [false, true] {
             let effect = ingredient::drawn(code, minor, &scales, &mut chance).unwrap();
             assert_eq!(effect.code(), code);

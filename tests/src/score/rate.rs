@@ -1,5 +1,7 @@
 //! Shares of counted cases with the bounds that so few cases leave.
 
+use palpate::infer::covariance::Z95;
+
 /// Upper end of the one-sided 95 % interval of Clopper and Pearson (1934, doi:10.1093/biomet/26.4.404) of a share seen
 /// `hits` times in `cases`: 1 when there are no cases.
 #[must_use]
@@ -25,14 +27,13 @@ pub fn lower95(hits: usize, cases: usize) -> f64 {
 /// Ends of the two-sided 95 % interval of Wilson (1927, doi:10.1080/01621459.1927.10502953): (0, 1) without cases.
 #[must_use]
 pub fn wilson95(hits: usize, cases: usize) -> (f64, f64) {
-    const Z: f64 = 1.959_964;
     if cases == 0 {
         return (0.0, 1.0);
     }
     let (n, p) = (cases as f64, hits as f64 / cases as f64);
-    let middle = p + Z * Z / (2.0 * n);
-    let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
-    let whole = 1.0 + Z * Z / n;
+    let middle = p + Z95 * Z95 / (2.0 * n);
+    let half = Z95 * (p * (1.0 - p) / n + Z95 * Z95 / (4.0 * n * n)).sqrt();
+    let whole = 1.0 + Z95 * Z95 / n;
     (((middle - half) / whole).max(0.0), ((middle + half) / whole).min(1.0))
 }
 

@@ -11,7 +11,7 @@ use palpate::diagnose::whiten::Whitening;
 use palpate::simulate::{Noise, SimulatedExperiment, Solver, Spec, simulate};
 
 use super::ScoreError;
-use super::strength::{compared, of_effects, shift, true_noise, with_forces};
+use super::strength::{compared, foam, of_effects, shift, true_noise, with_forces};
 
 /// Name of the material of every hidden experiment.
 const MATERIAL: &str = "specimen";
@@ -51,7 +51,7 @@ impl Yardstick<'_> {
         let Ok(design) = Design::of(&bare.experiment(), MATERIAL) else { return Ok(None) };
         let library = self.models.of(&design.geometries, &|_, _| {})?;
         let chain = Chain { library, passages: design.passages() };
-        let foam = bare.truth.specimens.first().map_or((0.1, 8.0), |one| (one.mu_mpa, one.alpha));
+        let foam = foam(&bare.truth);
         let contacts_mm = vec![0.0; design.series.len()];
         let model = Model::base(foam.0, foam.1);
         let clean = predicted(&design, &chain, &model, &contacts_mm);

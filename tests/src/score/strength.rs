@@ -24,6 +24,11 @@ const POWER: f64 = 1.28;
 /// in two hundred (2.8) in nine cases of ten (1.28 more).
 pub const SEEN: f64 = LEVEL + POWER;
 
+/// `mu` (MPa) and `alpha` that an experiment has: of its first specimen, or usual ones.
+pub(super) fn foam(spec: &Spec) -> (f64, f64) {
+    spec.specimens.first().map_or((0.1, 8.0), |one| (one.mu_mpa, one.alpha))
+}
+
 /// The noise that the data truly have, as a diagnosis would write it down.
 pub(super) fn true_noise(spec: &Spec, session_s: f64) -> Noise {
     let n = &spec.noise;
@@ -117,7 +122,7 @@ pub fn of_effects(
     let Some(whitening) = Whitening::new(design, &curves, &noise) else {
         return Ok(vec![Strength { known: 0.0, told: 0.0 }; shifts.len()]);
     };
-    let truth = made.truth.specimens.first().map_or((0.1, 8.0), |s| (s.mu_mpa, s.alpha));
+    let truth = foam(&made.truth);
     let clean = predicted(design, &chain, &Model::base(truth.0, truth.1), &contacts);
     let used = compared(design);
     let whitened = |values: DVector<f64>| whitened(values, &used, &whitening);

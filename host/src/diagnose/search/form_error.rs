@@ -43,7 +43,7 @@ pub fn form_error_range() -> ((f64, f64), (f64, f64)) {
 
 /// What the effects of a fit add to the prediction may be wrong by a small share of itself, differently in each group of
 /// conditions and each branch, and smoothly along it.
-pub(super) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
+pub(in crate::diagnose) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatrix<f64> {
     let len = problem.whitening.residuals();
     let (mut forth, mut back) = (DVector::zeros(len), DVector::zeros(len));
     let here = problem.plain(&fit.model);

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::coordinate::{Candidate, Coordinate};
-use super::fit::{Fit, Problem};
-use super::search::{Explanation, Search, allowed};
+use super::fit::{Fit, Problem, explained, freedom};
+use super::search::{Explanation, Search, form_error};
 use super::verdict::Verdict;
 use crate::infer::compare::{Beliefs, Set};
 use crate::infer::evidence::{Discrepancy, Evidence, Linearised, Parameter, Prior, Sizes, evidence};
@@ -64,7 +64,7 @@ pub struct Second {
 #[must_use]
 pub fn judged(search: &Search<'_>, tried: &[&Explanation]) -> Option<Second> {
     let groups = discrepancy::groups(&search.problem, &search.curves);
-    let columns: Vec<_> = groups.iter().map(|group| group.columns.clone()).collect();
+    let (over, columns): (Vec<_>, Vec<_>) = groups.into_iter().map(|group| (group.over, group.columns)).unzip();
     let sizes = Sizes::about(SIZE.0, SIZE.1);
     let discrepancy = Discrepancy { groups: &columns, sizes: &sizes };
     let fits: Vec<&Fit> = std::iter::once(&search.base).chain(tried.iter().map(|e| &e.fit)).collect();
@@ -90,10 +90,8 @@ pub fn judged(search: &Search<'_>, tried: &[&Explanation]) -> Option<Second> {
     let beliefs = Beliefs::of(&sets, codes.len());
     let best = (0..sets.len()).max_by(|a, b| sets[*a].log.total_cmp(&sets[*b].log))?;
     let base_square = compared.iter().find(|(fit, _)| fit.candidates.is_empty())?.0.square;
-    let expected = search.problem.used.iter().filter(|used| **used).count() as f64 - search.base.x.len() as f64;
-    let excess = base_square - expected;
-    let visible = excess > 2.0 * (2.0 * expected).sqrt();
-    let share = |fit: &Fit| visible.then(|| (base_square - fit.square) / excess);
+    let expected = freedom(&search.problem.used, &search.base);
+    let share = |fit: &Fit| explained(base_square, expected, fit.square);
     let alone = |code: &str| {
         let own = compared.iter().filter(|(fit, _)| fit.candidates.len() == 1 && fit.candidates[0].effect.code == code);
         own.filter_map(|(fit, _)| share(fit)).max_by(f64::total_cmp)
@@ -105,7 +103,7 @@ pub fn judged(search: &Search<'_>, tried: &[&Explanation]) -> Option<Second> {
         .collect();
     told.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let mut remainder: Vec<(&'static str, f64)> =
-        groups.iter().map(|g| g.over).zip(compared[best].1.sizes.iter().copied()).filter(|(_, a)| *a > 0.0).collect();
+        over.into_iter().zip(compared[best].1.sizes.iter().copied()).filter(|(_, a)| *a > 0.0).collect();
     remainder.sort_by(|a, b| b.1.total_cmp(&a.1));
     let within = |of: &[&'static str]| {
         let own = compared.iter().filter(|(fit, _)| !fit.candidates.is_empty() && fit.codes().all(|c| of.contains(&c)));
@@ -171,9 +169,7 @@ fn weighed(problem: &Problem<'_>, fit: &Fit, discrepancy: &Discrepancy<'_>) -> O
         bounds: coordinate.bounds(),
         prior: prior(coordinate),
     });
-    let forms = allowed(problem, fit);
-    let known =
-        if forms.is_empty() { nalgebra::DMatrix::zeros(fit.residual.len(), 0) } else { forms.columns().clone() };
+    let known = form_error(problem, fit);
     let model = Linearised {
         residual: &fit.residual,
         jacobian: &fit.jacobian,

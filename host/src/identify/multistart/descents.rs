@@ -83,10 +83,7 @@ pub(super) fn descents(
         if promising.is_empty() {
             continue;
         }
-        let unsolved = |end: &Descent| {
-            let count = |c: &&_| -> bool { !knows(c, &end.point) };
-            problem.conditions.iter().filter(count).count()
-        };
+        let unsolved = |end: &Descent| problem.conditions.iter().filter(|c| !c.knows(&end.point)).count();
         let mut left = budget.saturating_sub(problem.solves());
         let affordable: Vec<(usize, Descent)> = promising
             .into_iter()
@@ -104,18 +101,13 @@ pub(super) fn descents(
         failures.extend(problem.solve_at(&points).err().map(|cause| format!("a solve on the way failed: {cause}")));
         told(problem.solves());
         for (at, end) in affordable {
-            let solved = problem.conditions.iter().all(|c| knows(c, &end.point));
-            let value = if solved { objective_n(problem, &end.point) } else { f64::INFINITY };
+            let value = if problem.is_known(&end.point) { objective_n(problem, &end.point) } else { f64::INFINITY };
             ways[at].take(end, value);
         }
     }
     failures.dedup();
     ways.sort_by(|a, b| a.descent.value.total_cmp(&b.descent.value));
     (ways.into_iter().map(|way| Start { descent: way.descent, at_rest: way.at_rest }).collect(), failures)
-}
-
-fn knows(condition: &crate::identify::newton::condition::Condition, point: &[f64]) -> bool {
-    condition.is_exact() || condition.knows(point)
 }
 
 impl Way {

@@ -44,12 +44,12 @@ pub(super) fn solved(
     budget: usize,
     told: &Told<'_>,
 ) -> Result<(Bounds, Vec<String>), SolveError> {
-    let costly = problem.conditions.iter().filter(|c| !c.is_exact()).count();
+    let costly = problem.conditions.iter().filter(|c| !c.is_homogeneous()).count();
     let most = ((SHARE * budget as f64) as usize).checked_div(costly).unwrap_or(usize::MAX);
     let points = design(problem, most.max(2));
     let first = problem.solve_at(&points);
     told(problem.solves());
-    let known: Vec<&Vec<f64>> = points.iter().filter(|point| known(problem, point)).collect();
+    let known: Vec<&Vec<f64>> = points.iter().filter(|point| problem.is_known(point)).collect();
     let mut failures = Vec::new();
     match first {
         Err(cause) if known.is_empty() => return Err(cause),
@@ -60,10 +60,6 @@ pub(super) fn solved(
         Ok(()) => {}
     }
     Ok((bounds(problem, &known), failures))
-}
-
-fn known(problem: &Problem<'_>, point: &[f64]) -> bool {
-    problem.conditions.iter().all(|c| c.is_exact() || c.knows(point))
 }
 
 /// The points at which the map is solved, moduli at their guess.
@@ -144,7 +140,7 @@ fn with_best_moduli(problem: &Problem<'_>, bounds: &Bounds, point: &[f64]) -> Ve
 pub(super) fn sampled(problem: &Problem<'_>, bounds: &Bounds) -> Vec<Sampled> {
     let axes = moduli(&problem.unknowns);
     let points = design(problem, usize::MAX);
-    let solved: Vec<&Vec<f64>> = points.iter().filter(|point| known(problem, point)).collect();
+    let solved: Vec<&Vec<f64>> = points.iter().filter(|point| problem.is_known(point)).collect();
     let mut sample: Vec<Sampled> = solved
         .par_iter()
         .flat_map_iter(|point| {

@@ -117,9 +117,9 @@ impl Condition {
         self.locals.iter().map(|at| point[*at]).collect()
     }
 
-    /// True when the point is solved.
+    /// True where nothing has to be solved at a point: it is, or the force costs nothing.
     pub fn knows(&self, point: &[f64]) -> bool {
-        self.surrogate.knows(&self.local(point))
+        self.is_homogeneous() || self.surrogate.knows(&self.local(point))
     }
 
     /// The force between what is solved; `None` before the first solve.
@@ -144,13 +144,7 @@ impl Condition {
         self.track_of(&values, point[self.modulus])
     }
 
-    /// True where the force is cheaper to compute than to interpolate: all of the specimen deforms alike.
-    #[must_use]
-    pub fn is_exact(&self) -> bool {
-        self.is_homogeneous()
-    }
-
-    /// The force at a point where it [is exact](Condition::is_exact); `None` where the material does not exist.
+    /// The force at a point where all of the specimen [deforms alike](Condition::is_homogeneous); `None` where the material does not exist.
     #[must_use]
     pub fn exact_track(&self, base: &Values, unknowns: &[Unknown], point: &[f64]) -> Option<Track> {
         let press = self.stretched(&self.values(base, unknowns, point), &[]).ok()?;

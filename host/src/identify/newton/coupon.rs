@@ -16,7 +16,7 @@ const LEAST_SHARE: f64 = 1e-4;
 const BARRELLED: Resolution = Resolution::Refined(0.6);
 
 impl Condition {
-    /// True when the force of this condition costs no finite elements.
+    /// True where all of the specimen deforms alike: the force costs no finite elements, and is cheaper to compute than to interpolate.
     #[must_use]
     pub fn is_homogeneous(&self) -> bool {
         self.grip.mode().is_some() && !self.rubs

@@ -344,7 +344,7 @@ impl Problem<'_> {
         for point in ends.iter().flat_map(|(low, high)| [&low.support, &high.support]) {
             let known = (0..self.conditions.len()).all(|c| {
                 self.conditions[c].locals.is_empty()
-                    || self.is_known(c, point)
+                    || self.conditions[c].knows(point)
                     || wanted.iter().any(|other| near(point, other, c))
             });
             if !known && left >= self.conditions.len() {
@@ -375,8 +375,7 @@ impl Problem<'_> {
                         continue;
                     }
                     point[to] = bound;
-                    let known = (0..self.conditions.len()).all(|c| self.is_known(c, &point));
-                    if !known && wanted.len() < left.min(MOST_CORNERS) {
+                    if !self.is_known(&point) && wanted.len() < left.min(MOST_CORNERS) {
                         wanted.push(point);
                     }
                 }

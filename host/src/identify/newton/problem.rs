@@ -115,7 +115,7 @@ impl Problem<'_> {
     /// Tracks of all conditions; fewer than these while one is not solved anywhere, or has no force at the point.
     #[must_use]
     pub fn tracks(&self, point: &[f64]) -> Vec<Track> {
-        let one = |condition: &Condition| match condition.is_exact() {
+        let one = |condition: &Condition| match condition.is_homogeneous() {
             // Where the material does not exist there is no force; what was solved elsewhere says nothing of it.
             true => condition.exact_track(&self.base, &self.unknowns, point),
             false => condition.track(point),
@@ -363,7 +363,7 @@ impl Problem<'_> {
         let solve = |c: &Condition| c.solve(&self.base, &self.unknowns, point).ok().map(|(solve, _)| solve);
         // What costs nothing has slopes of its own.
         let solves: Vec<Option<Node>> =
-            self.conditions.iter().map(|c| c.is_exact().then(|| solve(c)).flatten()).collect();
+            self.conditions.iter().map(|c| c.is_homogeneous().then(|| solve(c)).flatten()).collect();
         let along = |axis: usize| {
             let (low, high) = self.unknowns[axis].bounds();
             let step = QUOTIENT * (high - low);

@@ -112,10 +112,9 @@ struct State {
 }
 
 impl Problem<'_> {
-    /// True where nothing has to be solved at a point: it is, or the force costs nothing.
-    pub(super) fn is_known(&self, condition: usize, point: &[f64]) -> bool {
-        let condition = &self.conditions[condition];
-        condition.is_exact() || condition.knows(point)
+    /// True where nothing has to be solved at a point in any condition.
+    pub(in crate::identify) fn is_known(&self, point: &[f64]) -> bool {
+        self.conditions.iter().all(|condition| condition.knows(point))
     }
 
     /// Solves at a point wherever that is not yet done, in parallel.
@@ -126,7 +125,7 @@ impl Problem<'_> {
         let (base, unknowns) = (&self.base, &self.unknowns);
         let jobs: Vec<(usize, &Vec<f64>)> = (0..self.conditions.len())
             .flat_map(|at| points.iter().map(move |point| (at, point)))
-            .filter(|(at, point)| !self.is_known(*at, point))
+            .filter(|(at, point)| !self.conditions[*at].knows(point))
             .collect();
         let solved: Vec<_> =
             jobs.par_iter().map(|(at, point)| (*at, self.conditions[*at].solve(base, unknowns, point))).collect();
@@ -155,7 +154,7 @@ impl Problem<'_> {
     /// True where no condition needs finite elements or interpolation.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        self.conditions.iter().all(|c| c.is_exact())
+        self.conditions.iter().all(|c| c.is_homogeneous())
     }
 
     /// The best moduli at fixed other coordinates.
@@ -216,7 +215,7 @@ impl Problem<'_> {
     fn begun(&mut self, starts: &[Vec<f64>], told: &Told<'_>) -> Result<State, SolveError> {
         let first = self.solve_at(starts);
         told(self.solves());
-        let known = |point: &&Vec<f64>| (0..self.conditions.len()).all(|c| self.is_known(c, point));
+        let known = |point: &&Vec<f64>| self.is_known(point);
         let path: Vec<Visit> =
             starts.iter().filter(known).map(|start| self.visit(start)).filter(|v| v.value.is_finite()).collect();
         let Some(best) = path.iter().min_by(|a, b| a.value.total_cmp(&b.value)).cloned() else {

@@ -8,6 +8,7 @@ mod description;
 pub(super) mod machine;
 pub(super) mod outside;
 pub(super) mod placebo;
+pub(super) mod range;
 pub(super) mod rest;
 pub(super) mod scales;
 pub(super) mod sensor;

@@ -11,6 +11,7 @@ use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
 
 use super::Effect;
+use super::range::Range;
 use crate::simulate::chance::{Purpose, stream};
 use crate::simulate::spec::Spec;
 
@@ -170,9 +171,9 @@ pub(crate) struct Span {
     contact_mm: f64,
     longest_s: f64,
     step_s: f64,
-    rate_mm_s: (f64, f64),
-    radius_mm: (f64, f64),
-    height_mm: (f64, f64),
+    rate_mm_s: Range,
+    radius_mm: Range,
+    height_mm: Range,
     cycles: usize,
     runs: usize,
 }
@@ -182,17 +183,14 @@ impl Span {
     /// last so long (s), and are so many runs.
     pub fn of(spec: &Spec, presses: &[(f64, f64, f64)], runs: usize) -> Self {
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::MIN_POSITIVE, f64::max);
-        let range = |values: &mut dyn Iterator<Item = f64>| {
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (x.min(low), x.max(high)))
-        };
         Self {
             deepest_mm: most(&mut presses.iter().map(|p| p.0)),
             contact_mm: most(&mut presses.iter().map(|p| (p.0 * p.1).max(0.0).sqrt())),
             longest_s: most(&mut presses.iter().map(|p| p.2)),
             step_s: 1.0 / spec.sample_hz,
-            rate_mm_s: range(&mut spec.runs.iter().filter(|run| run.indenter.is_some()).map(|run| run.rate_mm_s)),
-            radius_mm: range(&mut spec.indenters.iter().map(|one| one.radius_mm)),
-            height_mm: range(&mut spec.specimens.iter().map(|one| one.height_mm)),
+            rate_mm_s: Range::of(spec.runs.iter().filter(|run| run.indenter.is_some()).map(|run| run.rate_mm_s)),
+            radius_mm: Range::of(spec.indenters.iter().map(|one| one.radius_mm)),
+            height_mm: Range::of(spec.specimens.iter().map(|one| one.height_mm)),
             cycles: spec.runs.iter().map(|run| run.cycles).max().unwrap_or(1),
             runs,
         }
@@ -264,8 +262,6 @@ impl<'a> Rests<'a> {
     /// A variable as a part of its range.
     fn part(&self, along: Along, at: &Instant) -> f64 {
         let (span, press) = (self.span, &self.press);
-        let within =
-            |x: f64, (low, high): (f64, f64)| if high > low { (x / low).ln() / (high / low).ln() } else { 0.0 };
         let nth = |at: usize, of: usize| at.saturating_sub(1) as f64 / of.saturating_sub(1).max(1) as f64;
         let depth_mm = at.depth_mm.max(0.0);
         match along {
@@ -274,9 +270,9 @@ impl<'a> Rests<'a> {
             Along::Time => (at.time_s / span.step_s).ln_1p() / (span.longest_s / span.step_s).ln_1p(),
             Along::Back if at.back => (1.0 - at.depth_mm / press.depth_mm).clamp(0.0, 1.0),
             Along::Back | Along::Spot => 0.0,
-            Along::Rate => within(press.rate_mm_s, span.rate_mm_s),
-            Along::Ball => within(press.radius_mm, span.radius_mm),
-            Along::Height => within(press.height_mm, span.height_mm),
+            Along::Rate => span.rate_mm_s.part(press.rate_mm_s),
+            Along::Ball => span.radius_mm.part(press.radius_mm),
+            Along::Height => span.height_mm.part(press.height_mm),
             Along::Cycle => nth(press.cycle, span.cycles),
             Along::Order => nth(press.order, span.runs),
         }
