@@ -44,6 +44,11 @@ const LEAST_STRETCH: f64 = 0.25;
 /// penalty lets a thin or low-exponent surface slide off the ball's flank.
 const STIFFER: f64 = 4.0;
 const ATTEMPTS: i32 = 3;
+/// Residual of an equilibrium that is remembered, as part of the contact force: it costs one correction more.
+const REMEMBERED: f64 = 1e-5;
+/// Steps of a material that relaxes are so many times shorter: the stress is a straight line in time over one. What
+/// that leaves of the force at the end of a ramp over six relaxation times falls from 0.29 to 0.09 %, at the same cost.
+const FINER_IN_TIME: usize = 2;
 
 /// Contact quadrature points per element edge.
 const POINTS_PER_EDGE: usize = 8;
@@ -194,15 +199,24 @@ impl Simulation {
         self.check()?;
         let mesh = self.mesh(refinement);
         let stepping = self.stepping(refinement);
-        let mut outcome = self.follow(&mesh, 1.0, Newton::default(), stepping, observer);
+        let newton = self.newton();
+        let mut outcome = self.follow(&mesh, 1.0, newton, stepping, observer);
         for attempt in 1..ATTEMPTS {
             if outcome.is_ok() {
                 break;
             }
             observer.restarted();
-            outcome = self.follow(&mesh, STIFFER.powi(attempt), Newton::default(), stepping, observer);
+            outcome = self.follow(&mesh, STIFFER.powi(attempt), newton, stepping, observer);
         }
         outcome
+    }
+
+    /// How exact equilibria are. Where something remembers, what one leaves out of balance is carried on: the force
+    /// in a hold of a limp block jumped by 0.3 % between neighbouring exponents, by 1e-5 with this.
+    fn newton(&self) -> Newton {
+        let plain = Newton::default();
+        let remembers = !self.material.is_elastic() || self.interface.friction > 0.0;
+        if remembers { Newton { tolerance: REMEMBERED, ..plain } } else { plain }
     }
 
     /// Steps of a path. A force waves as the contact's edge crosses one mesh line after the other, and stations that are no closer than the lines tell a slow wave that is none: those of an elastic
@@ -210,6 +224,10 @@ impl Simulation {
     /// with as many as on the standard mesh, 0.006 % with these; 0.035 % on the standard mesh).
     fn stepping(&self, refinement: f64) -> Stepping {
         let mut stepping = Stepping::of_ball(self.step_mm());
+        if !self.material.is_elastic() {
+            stepping.stations *= FINER_IN_TIME;
+            stepping.largest /= FINER_IN_TIME as f64;
+        }
         let elastic = self.material.is_elastic() && self.interface == Interface::default();
         if elastic && self.motion.segments.len() == 1 && refinement >= CLOSER {
             stepping.stations *= 2;

@@ -7,6 +7,7 @@ mod krylov;
 mod matrix;
 mod motion;
 mod newton;
+mod pace;
 mod path;
 mod sparse;
 mod stepping;

@@ -1,8 +1,9 @@
-//! The path through a motion: adaptive steps, each started along the tangent.
+//! The path through a motion, step by step, each started along the tangent.
 
 use super::newton::{Configuration, Control, Problem, Workspace};
+use super::pace::Pace;
 use super::stepping::Stepping;
-use super::{History, Motion, Newton, SolveError, State, Step, System, Target};
+use super::{History, Motion, Newton, Segment, SolveError, State, Step, System, Target};
 use crate::law::Material;
 use crate::scalar::Real;
 
@@ -171,30 +172,29 @@ impl Course<'_> {
         here.target = Some(segment.end);
         let start_s = here.time_s;
         let first = self.stepping.first_of(self.material, self.motion, from, end, &segment);
-        let (mut done, mut step) = (0.0, first);
+        let (mut done, mut pace) = (0.0, Pace::new(first, self.is_planned(&segment)));
         while done < 1.0 - 1e-12 {
-            let rest = 1.0 - done;
             let longest = self.stepping.longest(self.material, self.motion, from, end, &segment, done);
-            step = f64::min(step, longest);
-            // two equal steps rather than a full one and a sliver
-            let take = if step >= rest { rest } else { step.min(0.5 * rest) };
-            let to = if take == rest { 1.0 } else { done + take };
+            let (take, to) = pace.next(done, longest);
             let aim = if to == 1.0 { end } else { from + (end - from) * to };
             let control = match segment.end {
                 Target::DepthMm(_) => Control::Depth(aim),
                 Target::ForceN(_) => Control::Force(aim),
             };
             let held = from == end;
-            let jumps = take < JUMPING * self.stepping.smallest && take < rest && self.adhesion_range_mm().is_some();
+            let jumps = take < JUMPING * self.stepping.smallest && to < 1.0 && self.adhesion_range_mm().is_some();
             match self.step(index, held, control, jumps, take * segment.duration_s, here, w, observer, out)? {
                 Some(used) => {
                     done = to;
                     here.time_s = start_s + done * segment.duration_s;
-                    step = if jumps { longest } else { take * self.stepping.stretch(used) };
+                    pace.taken(take, done, used, &self.stepping);
+                    if jumps {
+                        pace.set(longest);
+                    }
                 }
                 None => {
                     out.cuts += 1;
-                    step = 0.4 * take;
+                    let step = pace.cut(take);
                     if step.is_nan() || step < self.stepping.smallest.min(1e-4 * first) {
                         return Err(self.lost(here, w));
                     }
@@ -267,6 +267,13 @@ impl Course<'_> {
         let mut next = Configuration { depth_mm, ..here.at.clone() };
         let used = self.newton.fall(problem, self.adhesion_range_mm()?, &mut next, w)?;
         Some((next, used))
+    }
+
+    /// True where steps must not follow the effort: something remembers them. An adhesive contact's jumps ask for
+    /// ever shorter ones, and a prescribed force for those that its depth allows.
+    fn is_planned(&self, segment: &Segment) -> bool {
+        let by_depth = matches!(segment.end, Target::DepthMm(_));
+        by_depth && remembers(self.system, self.material) && self.adhesion_range_mm().is_none()
     }
 
     fn adhesion_range_mm(&self) -> Option<f64> {
