@@ -319,10 +319,11 @@ fn the_force_of_a_limp_block_is_smooth_in_its_exponent() {
     };
     let forces: Vec<Vec<f64>> = (0..7).map(force).collect();
     for four in forces.windows(4) {
-        for at in 0..4 {
-            let third = four[3][at] - 3.0 * four[2][at] + 3.0 * four[1][at] - four[0][at];
+        let [a, b, c, d] = four else { panic!("{four:?}") };
+        for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
+            let third = d - 3.0 * c + 3.0 * b - a;
             // Four equilibria to 1e-5, weighted 1, 3, 3, 1.
-            assert!(third.abs() < 4e-5, "{at}: {third}");
+            assert!(third.abs() < 4e-5, "{third}");
         }
     }
 }

@@ -103,13 +103,39 @@ impl Sizes {
     }
 }
 
-/// Discrepancies: whitened columns a group, for a size of one.
+/// Discrepancies: whitened columns a group, for a size of one, beside each other.
 #[derive(Debug, Clone)]
-pub struct Discrepancy<'a> {
-    /// Columns of every group.
-    pub groups: &'a [DMatrix<f64>],
-    /// What sizes they may have.
-    pub sizes: &'a Sizes,
+pub struct Discrepancy {
+    columns: DMatrix<f64>,
+    /// Products of the columns among themselves, which all models share.
+    products: DMatrix<f64>,
+    /// Group of every column.
+    group: Vec<usize>,
+    groups: usize,
+    sizes: Sizes,
+}
+
+impl Discrepancy {
+    /// Of the columns of every group, with the sizes that each may have.
+    #[must_use]
+    pub fn new(rows: usize, groups: &[DMatrix<f64>], sizes: Sizes) -> Self {
+        let columns = beside(rows, groups);
+        let of = |(at, z): (usize, &DMatrix<f64>)| std::iter::repeat_n(at, z.ncols());
+        let group = groups.iter().enumerate().flat_map(of).collect();
+        Self { products: inner(&columns, &columns), columns, group, groups: groups.len(), sizes }
+    }
+}
+
+/// Columns beside each other.
+fn beside<'a>(rows: usize, parts: impl IntoIterator<Item = &'a DMatrix<f64>>) -> DMatrix<f64> {
+    let parts: Vec<&DMatrix<f64>> = parts.into_iter().collect();
+    let mut all = DMatrix::zeros(rows, parts.iter().map(|p| p.ncols()).sum());
+    let mut at = 0;
+    for part in parts {
+        all.columns_mut(at, part.ncols()).copy_from(part);
+        at += part.ncols();
+    }
+    all
 }
 
 /// What a model comes to.
@@ -141,29 +167,24 @@ const SWEEPS: usize = 3;
 const STEPS: usize = 8;
 
 impl Products {
-    fn of(model: &Linearised<'_>, groups: &[DMatrix<f64>]) -> Self {
+    /// Of a model and of further columns of parameters, which stand between its own and the residual.
+    fn of(model: &Linearised<'_>, further: &DMatrix<f64>, discrepancy: &Discrepancy) -> Self {
         let rows = model.residual.len();
-        let beside = |parts: &[&DMatrix<f64>]| {
-            let mut all = DMatrix::zeros(rows, parts.iter().map(|p| p.ncols()).sum());
-            let mut at = 0;
-            for part in parts {
-                all.columns_mut(at, part.ncols()).copy_from(*part);
-                at += part.ncols();
-            }
-            all
-        };
         let residual = DMatrix::from_column_slice(rows, 1, model.residual.as_slice());
-        let told = beside(&[model.jacobian, &residual]);
-        let errors: Vec<&DMatrix<f64>> = std::iter::once(model.known).chain(groups).collect();
-        let errors = beside(&errors);
-        let known = std::iter::repeat_n(None, model.known.ncols());
-        let of_groups = groups.iter().enumerate().flat_map(|(at, z)| std::iter::repeat_n(Some(at), z.ncols()));
-        Self {
-            own: inner(&told, &told),
-            across: inner(&errors, &told),
-            errors: inner(&errors, &errors),
-            group: known.chain(of_groups).collect(),
-        }
+        let told = beside(rows, [model.jacobian, further, &residual]);
+        let (known, z) = (model.known, &discrepancy.columns);
+        let (k, all) = (known.ncols(), known.ncols() + z.ncols());
+        let mut across = DMatrix::zeros(all, told.ncols());
+        across.rows_mut(0, k).copy_from(&inner(known, &told));
+        across.rows_mut(k, z.ncols()).copy_from(&inner(z, &told));
+        let mut errors = DMatrix::zeros(all, all);
+        let mixed = inner(known, z);
+        errors.view_mut((0, 0), (k, k)).copy_from(&inner(known, known));
+        errors.view_mut((0, k), (k, z.ncols())).copy_from(&mixed);
+        errors.view_mut((k, 0), (z.ncols(), k)).copy_from(&mixed.transpose());
+        errors.view_mut((k, k), (z.ncols(), z.ncols())).copy_from(&discrepancy.products);
+        let group = std::iter::repeat_n(None, k).chain(discrepancy.group.iter().map(|at| Some(*at))).collect();
+        Self { own: inner(&told, &told), across, errors, group }
     }
 
     /// `[J r]' C^-1 [J r]` and `ln det C` at some sizes; `None` where a number is none.
@@ -187,22 +208,21 @@ impl Products {
 /// Evidence of a model; `None` where a number is none or a parameter with a flat prior is not told
 /// of at all.
 #[must_use]
-pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy<'_>) -> Option<Evidence> {
-    let products = Products::of(model, discrepancy.groups);
+pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy) -> Option<Evidence> {
+    let products = Products::of(model, &DMatrix::zeros(model.residual.len(), 0), discrepancy);
     let all = &discrepancy.sizes.0;
-    let groups = discrepancy.groups.len();
     let value = |chosen: &[usize]| -> Option<(f64, Vec<f64>)> {
         let sizes: Vec<f64> = chosen.iter().map(|at| all[*at].0).collect();
         let prior: f64 = chosen.iter().map(|at| all[*at].1.ln()).sum();
         let (told, determinant) = products.at(&sizes)?;
-        let (log, x) = integrated(model, &told)?;
+        let (log, x) = integrated(&model.parameters, &told)?;
         Some((log + prior - 0.5 * determinant, x))
     };
-    let mut chosen = vec![0; groups];
+    let mut chosen = vec![0; discrepancy.groups];
     let mut best = value(&chosen)?;
     for _ in 0..SWEEPS {
         let before = chosen.clone();
-        for group in 0..groups {
+        for group in 0..discrepancy.groups {
             for size in 0..all.len() {
                 let mut there = chosen.clone();
                 there[group] = size;
@@ -222,24 +242,47 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy<'_>) -> Option
     Some(Evidence { log: best.0, sizes, x: best.1 })
 }
 
+/// What each of some further parameters, a column each, promises to add to the logarithm of the
+/// evidence, the discrepancy staying of some sizes; minus infinity where that is no number.
+#[must_use]
+pub fn promises(
+    model: &Linearised<'_>,
+    sizes: &[f64],
+    discrepancy: &Discrepancy,
+    further: (&DMatrix<f64>, &[Parameter]),
+) -> Vec<f64> {
+    let (columns, parameters) = further;
+    let (own, more) = (model.jacobian.ncols(), columns.ncols());
+    let none = || vec![f64::NEG_INFINITY; more];
+    let Some((told, _)) = Products::of(model, columns, discrepancy).at(sizes) else { return none() };
+    let with = |extra: Option<usize>| {
+        let places: Vec<usize> = (0..own).chain(extra.map(|at| own + at)).chain([own + more]).collect();
+        let part = DMatrix::from_fn(places.len(), places.len(), |i, j| told[(places[i], places[j])]);
+        let all: Vec<Parameter> = model.parameters.iter().copied().chain(extra.map(|at| parameters[at])).collect();
+        integrated(&all, &part).map(|(log, _)| log)
+    };
+    let Some(without) = with(None) else { return none() };
+    (0..more).map(|at| with(Some(at)).map_or(f64::NEG_INFINITY, |log| log - without)).collect()
+}
+
 /// Laplace's integral over the parameters, `told` being `[J r]' C^-1 [J r]`: its logarithm, and
 /// where the parameters are.
-fn integrated(model: &Linearised<'_>, told: &DMatrix<f64>) -> Option<(f64, Vec<f64>)> {
-    let n = model.parameters.len();
+fn integrated(parameters: &[Parameter], told: &DMatrix<f64>) -> Option<(f64, Vec<f64>)> {
+    let n = parameters.len();
     let information = told.view((0, 0), (n, n)).into_owned();
     let said = told.view((0, n), (n, 1)).column(0).into_owned();
     let mut step = DVector::zeros(n);
     let mut hessian = information.clone();
     for _ in 0..STEPS {
         let squares: Vec<(f64, f64)> =
-            model.parameters.iter().zip(step.iter()).map(|(p, d)| p.prior.square(p.x + d)).collect();
+            parameters.iter().zip(step.iter()).map(|(p, d)| p.prior.square(p.x + d)).collect();
         hessian = information.clone();
         let mut right = said.clone();
-        for (i, (parameter, (centre, weight))) in model.parameters.iter().zip(&squares).enumerate() {
+        for (i, (parameter, (centre, weight))) in parameters.iter().zip(&squares).enumerate() {
             hessian[(i, i)] += weight;
             right[i] += weight * (centre - parameter.x);
         }
-        let next = bounded(&model.parameters, &hessian, &right)?;
+        let next = bounded(parameters, &hessian, &right)?;
         let moved = (&next - &step).amax();
         step = next;
         if moved < 1e-9 {
@@ -247,8 +290,8 @@ fn integrated(model: &Linearised<'_>, told: &DMatrix<f64>) -> Option<(f64, Vec<f
         }
     }
     let left = told[(n, n)] - 2.0 * said.dot(&step) + step.dot(&(&information * &step));
-    let x: Vec<f64> = model.parameters.iter().zip(step.iter()).map(|(p, d)| p.x + d).collect();
-    let prior: f64 = model.parameters.iter().zip(&x).map(|(p, x)| p.prior.log_density(*x)).sum();
+    let x: Vec<f64> = parameters.iter().zip(step.iter()).map(|(p, d)| p.x + d).collect();
+    let prior: f64 = parameters.iter().zip(&x).map(|(p, x)| p.prior.log_density(*x)).sum();
     let volume = n as f64 * std::f64::consts::TAU.ln() - Factor::of(&hessian)?.log_determinant();
     let log = -0.5 * left + prior + 0.5 * volume;
     log.is_finite().then_some((log, x))
@@ -323,7 +366,7 @@ mod tests {
                 Linearised { residual: &residual, jacobian: &jacobian, parameters: vec![flat, own], known: &none };
             let sizes = Sizes(vec![(0.7, 1.0)]);
             let groups = [z.clone()];
-            let found = evidence(&model, &Discrepancy { groups: &groups, sizes: &sizes }).unwrap();
+            let found = evidence(&model, &Discrepancy::new(ROWS, &groups, sizes)).unwrap();
             let (wide, fine) = ((0.8, 0.002), (6.0, 0.02));
             let mut sum = 0.0;
             let grid = |(reach, step): (f64, f64), around: f64| {
@@ -356,7 +399,7 @@ mod tests {
         let sizes = Sizes::about(1.0, 1.0);
         let gain = |z: DMatrix<f64>| {
             let groups = [z];
-            let discrepancy = Discrepancy { groups: &groups, sizes: &sizes };
+            let discrepancy = Discrepancy::new(ROWS, &groups, sizes.clone());
             let of = |jacobian, parameters| {
                 evidence(&Linearised { residual: &residual, jacobian, parameters, known: &none }, &discrepancy).unwrap()
             };
@@ -364,6 +407,33 @@ mod tests {
         };
         assert!(gain(DMatrix::from_columns(std::slice::from_ref(&shape))) < 3.0);
         assert!(gain(DMatrix::from_columns(&[10.0 * column(9.0)])) > 50.0);
+    }
+
+    /// What a further parameter promises is what the evidence with it has more, the sizes being the same.
+    #[test]
+    fn a_promise_is_kept_by_the_model_with_the_parameter() {
+        let shape = 3.0 * column(4.0);
+        let residual = 2.0 * &shape + DVector::from_fn(ROWS, |i, _| 0.5 * (7.3 * i as f64).sin());
+        let base = DMatrix::from_columns(&[20.0 * column(1.0)]);
+        let known = DMatrix::from_columns(&[0.3 * column(5.0)]);
+        let flat = Parameter { x: 0.0, bounds: (-1e9, 1e9), prior: Prior::Flat };
+        let own = Parameter { prior: Prior::Cauchy { null: 0.0, scale: 0.3 }, ..flat };
+        let z = [DMatrix::from_columns(&[column(2.5)])];
+        let discrepancy = Discrepancy::new(ROWS, &z, Sizes(vec![(0.7, 1.0)]));
+        // The sizes of a search begin at the first.
+        let at_once = |jacobian: &DMatrix<f64>, parameters| {
+            let model = Linearised { residual: &residual, jacobian, parameters, known: &known };
+            evidence(&model, &discrepancy).unwrap().log
+        };
+        let model = Linearised { residual: &residual, jacobian: &base, parameters: vec![flat], known: &known };
+        let further = DMatrix::from_columns(&[shape.clone(), column(9.0)]);
+        let promised = promises(&model, &[0.7], &discrepancy, (&further, &[own, own]));
+        for (at, promise) in promised.iter().enumerate() {
+            let both = beside(ROWS, [&base, &further.columns(at, 1).into_owned()]);
+            let kept = at_once(&both, vec![flat, own]) - at_once(&base, vec![flat]);
+            assert!((promise - kept).abs() < 1e-9, "{at}: {promise} {kept}");
+        }
+        assert!(promised[0] > 10.0 && promised[1] < 0.0, "{promised:?}");
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! Adhesion between ball and specimen.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// Attraction of a contact that follows the depth (Derjaguin, Muller and Toporov 1975, doi:10.1016/0021-9797(75)90018-1).
 pub const EFFECT: Effect = Effect {
     code: "adhesion",
     form: "dmt",
     stage: Stage::Contact,
+    kind: Kind::Contact,
     assumption: "nothing pulls the surfaces together",
     signature: "near contact and at pull-off, in proportion to the radius",
     twins: &["contact-offset", "friction"],

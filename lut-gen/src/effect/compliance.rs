@@ -1,12 +1,13 @@
 //! A machine that gives way.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The recorded depth contains what the machine yields.
 pub const EFFECT: Effect = Effect {
     code: "compliance",
     form: "linear",
     stage: Stage::Machine,
+    kind: Kind::Machine,
     assumption: "the machine is rigid",
     signature: "grows with F and dF/dd",
     twins: &["thickness"],

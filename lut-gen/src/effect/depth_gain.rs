@@ -1,6 +1,6 @@
 //! A depth gauge of another gain.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The recorded way is the true one times a constant, from the touch on.
 ///
@@ -9,6 +9,7 @@ pub const EFFECT: Effect = Effect {
     code: "depth-gain",
     form: "constant",
     stage: Stage::Machine,
+    kind: Kind::Machine,
     assumption: "the gain of the depth gauge is right",
     signature: "nearly none: it is mu, and alpha in a deep press",
     twins: &["sensor-gain", "radius"],

@@ -1,12 +1,13 @@
 //! A zero that drifts over the session.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The zero of the sensor moves in proportion to the session clock.
 pub const EFFECT: Effect = Effect {
     code: "drift",
     form: "linear",
     stage: Stage::Clock,
+    kind: Kind::Clock,
     assumption: "the zero stays where it was",
     signature: "the session clock only",
     twins: &["softening"],

@@ -1,12 +1,13 @@
 //! Friction between ball and specimen.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// Coulomb friction under the ball.
 pub const EFFECT: Effect = Effect {
     code: "friction",
     form: "coulomb",
     stage: Stage::Contact,
+    kind: Kind::Contact,
     assumption: "the ball is frictionless",
     signature: "changes sign with the direction of motion",
     twins: &["relaxation", "poisson", "second-term"],

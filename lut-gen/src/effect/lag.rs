@@ -1,12 +1,13 @@
 //! A ball that lags behind what is recorded.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The ball follows the recorded depth through a first-order filter.
 pub const FILTER: Effect = Effect {
     code: "lag",
     form: "filter",
     stage: Stage::Machine,
+    kind: Kind::Machine,
     assumption: "depth and force are recorded at the same instant",
     signature: "jumps where the motion starts and stops",
     twins: &["contact-offset", "relaxation"],
@@ -21,6 +22,7 @@ pub const RATE_LIMIT: Effect = Effect {
     code: "lag",
     form: "rate-limit",
     stage: Stage::Machine,
+    kind: Kind::Machine,
     assumption: "the ball is where it was told to be",
     signature: "jumps where the motion starts and stops",
     twins: &["contact-offset", "relaxation"],

@@ -58,6 +58,47 @@ impl Stage {
     }
 }
 
+/// What kind of thing is wrong: told where no form of it can be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Sizes of specimen and ball, and where the surface lies.
+    Geometry,
+    /// How the specimen resists at once.
+    ElasticLaw,
+    /// It creeps and relaxes.
+    Memory,
+    /// It is another one after it was pressed.
+    History,
+    /// Between ball and specimen.
+    Contact,
+    /// What moves the ball and says where it is.
+    Machine,
+    /// What says how large the force is.
+    Sensor,
+    /// What goes on over the session, and what says when.
+    Clock,
+    /// The simulation itself.
+    Simulation,
+}
+
+impl Kind {
+    /// The words in reports.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Kind::Geometry => "geometry",
+            Kind::ElasticLaw => "elastic law",
+            Kind::Memory => "memory of the specimen",
+            Kind::History => "history of the specimen",
+            Kind::Contact => "contact",
+            Kind::Machine => "machine",
+            Kind::Sensor => "sensor",
+            Kind::Clock => "clock",
+            Kind::Simulation => "simulation",
+        }
+    }
+}
+
 /// How a parameter of an effect is searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Spread {
@@ -151,6 +192,8 @@ pub struct Effect {
     pub form: &'static str,
     /// Where it acts.
     pub stage: Stage,
+    /// What kind of thing it is.
+    pub kind: Kind,
     /// What the base model assumes.
     pub assumption: &'static str,
     /// What remains of it in the residual after mu and alpha are fitted again.

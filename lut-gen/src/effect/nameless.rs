@@ -1,6 +1,6 @@
 //! An elastic departure without a name: what the catalogue's elastic effects must do better than.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The elastic force is off by a smooth part of itself, over the depth in units of the ball's radius and over that radius.
 ///
@@ -10,6 +10,7 @@ pub const EFFECT: Effect = Effect {
     code: "nameless",
     form: "elastic",
     stage: Stage::Material,
+    kind: Kind::ElasticLaw,
     assumption: "the foam's law and shape are the declared ones",
     signature: "any smooth function of depth and radius",
     twins: &[],

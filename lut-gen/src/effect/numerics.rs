@@ -1,12 +1,13 @@
 //! An error of the simulation itself.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The simulated force is off by a smooth share of itself that grows with depth.
 pub const EFFECT: Effect = Effect {
     code: "numerics",
     form: "smooth",
     stage: Stage::Numerics,
+    kind: Kind::Simulation,
     assumption: "the simulated force is exact to its stated bound",
     signature: "mesh or table cells, the edge of a table",
     twins: &["second-term"],

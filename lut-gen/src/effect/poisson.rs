@@ -1,12 +1,13 @@
 //! Poisson's ratio of the foam.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// Poisson's ratio is not 0.
 pub const EFFECT: Effect = Effect {
     code: "poisson",
     form: "ratio",
     stage: Stage::Material,
+    kind: Kind::ElasticLaw,
     assumption: "Poisson's ratio of the foam is 0",
     signature: "nearly none: another alpha imitates it",
     twins: &["second-term", "friction"],

@@ -1,12 +1,13 @@
 //! A ball of another radius than declared.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The radius of one ball is not the declared one.
 pub const EFFECT: Effect = Effect {
     code: "radius",
     form: "one-ball",
     stage: Stage::Machine,
+    kind: Kind::Geometry,
     assumption: "the balls have the declared radii",
     signature: "only between balls",
     twins: &["thickness"],

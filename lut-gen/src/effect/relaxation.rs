@@ -1,6 +1,6 @@
 //! Relaxation of the material: Prony terms (thesis Eqs. 10 to 13), the same part of shear and bulk.
 
-use super::{Effect, Owner, Quantity, Stage, fading};
+use super::{Effect, Kind, Owner, Quantity, Stage, fading};
 
 const TIMES: &[f64] = &[0.05, 0.3, 1.5, 8.0, 40.0];
 
@@ -12,6 +12,7 @@ pub const ONE: Effect = Effect {
     code: "relaxation",
     form: "one-term",
     stage: Stage::Material,
+    kind: Kind::Memory,
     assumption: "the force follows from the depth alone, whatever the time",
     signature: "decay in a hold, a fan over the rates, a loop that grows with the rate",
     twins: &["sensor-creep", "lag"],

@@ -1,12 +1,13 @@
 //! A second term of the strain energy.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// A second term of the Hyperfoam energy (thesis Eq. 1 with N = 2).
 pub const EFFECT: Effect = Effect {
     code: "second-term",
     form: "superposed",
     stage: Stage::Material,
+    kind: Kind::ElasticLaw,
     assumption: "one term of the strain energy is enough",
     signature: "deep d/R, every rate, cycle and branch",
     twins: &["poisson", "thickness", "friction"],

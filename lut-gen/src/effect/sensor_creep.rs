@@ -1,12 +1,13 @@
 //! A force sensor that creeps, or has a loop of its own.
 
-use super::{Effect, Owner, Quantity, Stage, fading};
+use super::{Effect, Kind, Owner, Quantity, Stage, fading};
 
 /// A part of the reading follows the force late.
 pub const CREEP: Effect = Effect {
     code: "sensor-creep",
     form: "creep",
     stage: Stage::Sensor,
+    kind: Kind::Sensor,
     assumption: "the reading follows the force at once",
     signature: "the same on every material",
     twins: &["relaxation"],
@@ -25,6 +26,7 @@ pub const HYSTERESIS: Effect = Effect {
     code: "sensor-creep",
     form: "hysteresis",
     stage: Stage::Sensor,
+    kind: Kind::Sensor,
     assumption: "loading and unloading read the same",
     signature: "a loop that no rate changes",
     twins: &["friction"],

@@ -1,12 +1,13 @@
 //! A force sensor of another gain.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The reading is the force times a constant.
 pub const EFFECT: Effect = Effect {
     code: "sensor-gain",
     form: "constant",
     stage: Stage::Sensor,
+    kind: Kind::Sensor,
     assumption: "the gain of the force sensor is right",
     signature: "none: it is mu",
     twins: &[],

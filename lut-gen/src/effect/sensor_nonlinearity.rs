@@ -1,12 +1,13 @@
 //! A force sensor that is not linear.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The reading has a quadratic part.
 pub const EFFECT: Effect = Effect {
     code: "sensor-nonlinearity",
     form: "quadratic",
     stage: Stage::Sensor,
+    kind: Kind::Sensor,
     assumption: "the reading is linear in the force",
     signature: "a function of the force alone",
     twins: &["second-term"],

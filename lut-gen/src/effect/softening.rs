@@ -1,12 +1,13 @@
 //! Softening with cycles: Mullins' effect.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// Ogden and Roxburgh (1999, doi:10.1098/rspa.1999.0431) on the whole indentation.
 pub const EFFECT: Effect = Effect {
     code: "softening",
     form: "ogden-roxburgh",
     stage: Stage::Material,
+    kind: Kind::History,
     assumption: "the specimen does not remember earlier presses",
     signature: "cycle number, unloading, a fresh against a used spot",
     twins: &["drift"],

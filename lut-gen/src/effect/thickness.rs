@@ -1,12 +1,13 @@
 //! A wrong height of the specimen, or a base that slides where it was thought bonded.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The height under the ball is not the declared one.
 pub const HEIGHT: Effect = Effect {
     code: "thickness",
     form: "height",
     stage: Stage::Specimen,
+    kind: Kind::Geometry,
     assumption: "the specimen is as high as declared",
     signature: "grows with sqrt(R d) / h",
     twins: &["compliance", "radius", "second-term"],
@@ -32,6 +33,7 @@ pub const SLIDING: Effect = Effect {
     code: "thickness",
     form: "sliding-base",
     stage: Stage::Specimen,
+    kind: Kind::Geometry,
     assumption: "the base is bonded",
     signature: "grows with sqrt(R d) / h",
     twins: &["compliance", "radius", "second-term"],

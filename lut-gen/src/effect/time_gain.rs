@@ -1,6 +1,6 @@
 //! A clock of another rate.
 
-use super::{Effect, Owner, Quantity, Stage};
+use super::{Effect, Kind, Owner, Quantity, Stage};
 
 /// The recorded time is the true one times a constant. Only what has a time of its own can tell: relaxation, creep, lag and drift.
 ///
@@ -9,6 +9,7 @@ pub const EFFECT: Effect = Effect {
     code: "time-gain",
     form: "constant",
     stage: Stage::Clock,
+    kind: Kind::Clock,
     assumption: "the clock of the recording runs at its rate",
     signature: "none: it is the times of relaxation and lag",
     twins: &["relaxation", "lag"],

@@ -3,19 +3,19 @@
 //! (`docs/decisions/0005-one-model.md`).
 
 mod discrepancy;
+mod search;
+mod weigh;
 
-use lut_gen::effect::Spread;
-use rayon::prelude::*;
+use lut_gen::effect::Kind;
 use serde_json::{Value, json};
 
-use super::coordinate::{Candidate, Coordinate};
-use super::fit::{Fit, Problem, explained, freedom};
-use super::search::{Explanation, Search, form_error};
+use super::coordinate::Candidate;
+use super::fit::{explained, freedom};
+use super::search::{Explanation, Search};
 use super::verdict::Verdict;
 use crate::infer::compare::{Beliefs, Set};
-use crate::infer::evidence::{Discrepancy, Evidence, Linearised, Parameter, Prior, Sizes, evidence};
-use crate::infer::lowrank::Fold;
-use crate::infer::presence;
+use crate::infer::evidence::{Discrepancy, Sizes};
+use weigh::Weighed;
 
 /// Size of a discrepancy, as a share of the force: as often above as below, and a factor of 2.7 to
 /// either side. Simulations of soft solids agree with tests to about a percent.
@@ -52,6 +52,8 @@ pub struct Second {
     pub names: Vec<&'static str>,
     /// Effects that were tried, the likeliest first.
     pub beliefs: Vec<Belief>,
+    /// Kinds of effects with the probability that one of them is there, the likeliest first.
+    pub kinds: Vec<(Kind, f64)>,
     /// Effects that are there and explain too little to be the name.
     pub partly: Vec<&'static str>,
     /// Share of the misfit that the names, the twins or these explain.
@@ -60,41 +62,26 @@ pub struct Second {
     pub remainder: Vec<(&'static str, f64)>,
 }
 
-/// Judges what was tried; none where nothing can be compared.
+/// Judges what was tried and what the evidence leads to; none where nothing can be compared.
 #[must_use]
 pub fn judged(search: &Search<'_>, tried: &[&Explanation]) -> Option<Second> {
     let groups = discrepancy::groups(&search.problem, &search.curves);
     let (over, columns): (Vec<_>, Vec<_>) = groups.into_iter().map(|group| (group.over, group.columns)).unzip();
-    let sizes = Sizes::about(SIZE.0, SIZE.1);
-    let discrepancy = Discrepancy { groups: &columns, sizes: &sizes };
-    let fits: Vec<&Fit> = std::iter::once(&search.base).chain(tried.iter().map(|e| &e.fit)).collect();
-    let compared: Vec<(Fit, Evidence)> = fits
-        .par_iter()
-        .filter_map(|fit| {
-            let own = Problem { whole: fit.model.whole.clone(), ..search.problem.clone() };
-            // some were tried in another noise
-            let here = own.at(&fit.candidates, &fit.x, &Fold::none());
-            let found = weighed(&own, &here, &discrepancy)?;
-            Some((here, found))
-        })
-        .collect();
+    let rows = search.problem.whitening.residuals();
+    let discrepancy = Discrepancy::new(rows, &columns, Sizes::about(SIZE.0, SIZE.1));
+    let compared = search::led(search, tried, &discrepancy);
     let codes = codes(&search.candidates);
     let number = |c: &Candidate| codes.iter().position(|code| *code == c.effect.code).unwrap_or(codes.len());
-    let sets: Vec<Set> = compared
-        .iter()
-        .map(|(fit, found)| Set {
-            members: fit.candidates.iter().map(number).collect(),
-            log: found.log + fit.candidates.iter().map(|c| log_odds(c, &search.candidates)).sum::<f64>(),
-        })
-        .collect();
+    let members = |set: &Weighed| set.fit.candidates.iter().map(number).collect();
+    let sets: Vec<Set> = compared.iter().map(|set| Set { members: members(set), log: set.log }).collect();
     let beliefs = Beliefs::of(&sets, codes.len());
-    let best = (0..sets.len()).max_by(|a, b| sets[*a].log.total_cmp(&sets[*b].log))?;
-    let base_square = compared.iter().find(|(fit, _)| fit.candidates.is_empty())?.0.square;
+    let best = compared.iter().max_by(|a, b| a.log.total_cmp(&b.log))?;
+    let base_square = compared.iter().find(|set| set.fit.candidates.is_empty())?.fit.square;
     let expected = freedom(&search.problem.used, &search.base);
-    let share = |fit: &Fit| explained(base_square, expected, fit.square);
+    let share = |set: &Weighed| explained(base_square, expected, set.fit.square);
     let alone = |code: &str| {
-        let own = compared.iter().filter(|(fit, _)| fit.candidates.len() == 1 && fit.candidates[0].effect.code == code);
-        own.filter_map(|(fit, _)| share(fit)).max_by(f64::total_cmp)
+        let own = compared.iter().filter(|set| set.fit.candidates.len() == 1 && set.fit.codes().eq([code]));
+        own.filter_map(share).max_by(f64::total_cmp)
     };
     let mut told: Vec<Belief> = codes
         .iter()
@@ -103,18 +90,35 @@ pub fn judged(search: &Search<'_>, tried: &[&Explanation]) -> Option<Second> {
         .collect();
     told.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let mut remainder: Vec<(&'static str, f64)> =
-        over.into_iter().zip(compared[best].1.sizes.iter().copied()).filter(|(_, a)| *a > 0.0).collect();
+        over.into_iter().zip(best.evidence.sizes.iter().copied()).filter(|(_, a)| *a > 0.0).collect();
     remainder.sort_by(|a, b| b.1.total_cmp(&a.1));
     let within = |of: &[&'static str]| {
-        let own = compared.iter().filter(|(fit, _)| !fit.candidates.is_empty() && fit.codes().all(|c| of.contains(&c)));
-        own.filter_map(|(fit, _)| share(fit)).max_by(f64::total_cmp)
+        let is_own = |set: &&Weighed| !set.fit.candidates.is_empty() && set.fit.codes().all(|c| of.contains(&c));
+        compared.iter().filter(is_own).filter_map(share).max_by(f64::total_cmp)
     };
     let any = |of: &[&'static str]| {
         let numbers: Vec<usize> = codes.iter().enumerate().filter(|(_, c)| of.contains(c)).map(|(at, _)| at).collect();
         beliefs.any(&sets, &numbers)
     };
     let Conclusion { verdict, names, partly, explains } = concluded(&told, !remainder.is_empty(), within, any);
-    Some(Second { verdict, names, beliefs: told, partly, explains, remainder })
+    let kinds = kinds(&search.candidates, any);
+    Some(Second { verdict, names, beliefs: told, kinds, partly, explains, remainder })
+}
+
+/// Probability that something of each kind is there, the likeliest first.
+fn kinds(candidates: &[Candidate], any: impl Fn(&[&'static str]) -> f64) -> Vec<(Kind, f64)> {
+    let mut kinds: Vec<Kind> = Vec::new();
+    for candidate in candidates {
+        if !kinds.contains(&candidate.effect.kind) {
+            kinds.push(candidate.effect.kind);
+        }
+    }
+    let of = |kind: Kind| -> Vec<&'static str> {
+        candidates.iter().filter(|c| c.effect.kind == kind).map(|c| c.effect.code).collect()
+    };
+    let mut told: Vec<(Kind, f64)> = kinds.into_iter().map(|kind| (kind, any(&of(kind)))).collect();
+    told.sort_by(|a, b| b.1.total_cmp(&a.1));
+    told
 }
 
 /// What is said of what is believed.
@@ -162,51 +166,6 @@ fn concluded(
     Conclusion { verdict, names: Vec::new(), partly: Vec::new(), explains: None }
 }
 
-/// Evidence of a fit.
-fn weighed(problem: &Problem<'_>, fit: &Fit, discrepancy: &Discrepancy<'_>) -> Option<Evidence> {
-    let parameters = fit.coordinates.iter().zip(fit.x.iter()).map(|(coordinate, x)| Parameter {
-        x: *x,
-        bounds: coordinate.bounds(),
-        prior: prior(coordinate),
-    });
-    let known = form_error(problem, fit);
-    let model = Linearised {
-        residual: &fit.residual,
-        jacobian: &fit.jacobian,
-        parameters: parameters.collect(),
-        known: &known,
-    };
-    evidence(&model, discrepancy)
-}
-
-/// What is known of a parameter beforehand. Amounts of effects are as a rule about their prior
-/// deviation and may be far larger; times and places have a wide prior over their bounds.
-fn prior(coordinate: &Coordinate) -> Prior {
-    match coordinate {
-        Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => Prior::Flat,
-        Coordinate::Of(_, q) if q.spread == Spread::Even && q.prior > 0.0 => {
-            Prior::Cauchy { null: q.null, scale: q.prior }
-        }
-        Coordinate::Of(..) => {
-            let (low, high) = coordinate.bounds();
-            Prior::Normal { mean: 0.5 * (low + high), deviation: 0.25 * (high - low) }
-        }
-    }
-}
-
-/// Logarithm of the odds of one candidate before the data: its effect's, which its forms and owners
-/// share. Amounts of one sign have twice the density.
-fn log_odds(candidate: &Candidate, all: &[Candidate]) -> f64 {
-    let alike = all.iter().filter(|other| other.effect.code == candidate.effect.code).count().max(1) as f64;
-    let p = presence::probability();
-    let sided = candidate
-        .effect
-        .quantities
-        .iter()
-        .filter(|q| q.spread == Spread::Even && q.prior > 0.0 && (q.low >= q.null || q.high <= q.null));
-    (p / (1.0 - p) / alike).ln() + sided.count() as f64 * std::f64::consts::LN_2
-}
-
 /// Codes of all candidates, each once.
 fn codes(candidates: &[Candidate]) -> Vec<&'static str> {
     let mut codes: Vec<&'static str> = Vec::new();
@@ -226,6 +185,8 @@ pub fn json(second: &Second) -> Value {
         .iter()
         .map(|b| json!({ "code": b.code, "probability": b.probability, "explains": b.explains }))
         .collect();
+    let kinds: Vec<Value> =
+        second.kinds.iter().map(|(kind, p)| json!({ "kind": kind.words(), "probability": p })).collect();
     let remainder: Vec<Value> =
         second.remainder.iter().map(|(over, size)| json!({ "shows_in": over, "percent": 100.0 * size })).collect();
     json!({
@@ -233,6 +194,7 @@ pub fn json(second: &Second) -> Value {
         "names": second.names,
         "partly": second.partly,
         "effects": effects,
+        "kinds": kinds,
         "explains": second.explains,
         "remainder": remainder,
     })
