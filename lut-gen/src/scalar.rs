@@ -7,8 +7,6 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use crate::law::{Elastic, first_piola, first_piola_dual};
-
 /// A real number, plain or with its derivative.
 pub trait Real:
     Copy
@@ -34,9 +32,6 @@ pub trait Real:
     fn derivative(self) -> f64;
     /// `f(x)` from the value `y = f(x)` and the slope `f'(x)` at the value.
     fn chain(self, y: f64, slope: f64) -> Self;
-    /// Energy (MPa) and first Piola-Kirchhoff stress (MPa) of an elastic law at the
-    /// gradient `f`; `None` when `f` does not preserve orientation.
-    fn piola(law: &Elastic<Self>, f: &[Self; 5]) -> Option<(Self, [Self; 5])>;
 
     /// Natural logarithm.
     fn ln(self) -> Self {
@@ -82,9 +77,6 @@ impl Real for f64 {
     fn chain(self, y: f64, _: f64) -> Self {
         y
     }
-    fn piola(law: &Elastic<Self>, f: &[Self; 5]) -> Option<(Self, [Self; 5])> {
-        first_piola(law, f)
-    }
     fn ln(self) -> Self {
         f64::ln(self)
     }
@@ -128,9 +120,6 @@ impl Real for Dual {
     }
     fn chain(self, y: f64, slope: f64) -> Self {
         Self::new(y, slope * self.derivative)
-    }
-    fn piola(law: &Elastic<Self>, f: &[Self; 5]) -> Option<(Self, [Self; 5])> {
-        first_piola_dual(law, f)
     }
 }
 

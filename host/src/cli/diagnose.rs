@@ -119,7 +119,7 @@ fn save(experiment: &Experiment, found: &[Diagnosis], file: &Path) -> miette::Re
             let plain: String = one.material.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
             path.set_file_name(format!("{stem}-{plain}.toml"));
         }
-        super::lut::save(&path, model.to_toml().as_bytes())?;
+        super::file::save(&path, model.to_toml().as_bytes())?;
         written.push(Some(path.display().to_string()));
     }
     Ok(written)

@@ -18,6 +18,7 @@ use crate::extended::{self, ExtendedModel};
 use crate::report::number;
 use crate::report::table::{middle_field, sample_curves};
 
+use super::file::save;
 use super::progress::Progress;
 use super::sweep;
 
@@ -224,15 +225,6 @@ fn check(argument: &str, value_mm: f64) -> miette::Result<()> {
         return Ok(());
     }
     Err(miette!("{argument} is {value_mm}; expected a length of 0.5 to 200 mm"))
-}
-
-pub(super) fn save(file: &Path, bytes: &[u8]) -> miette::Result<()> {
-    if let Some(folder) = file.parent() {
-        std::fs::create_dir_all(folder)
-            .into_diagnostic()
-            .wrap_err_with(|| format!("cannot make the folder {}", folder.display()))?;
-    }
-    std::fs::write(file, bytes).into_diagnostic().wrap_err_with(|| format!("cannot write {}", file.display()))
 }
 
 fn parsed<'a>(file: &Path, bytes: &'a [u8]) -> miette::Result<Table<'a>> {

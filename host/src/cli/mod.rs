@@ -4,6 +4,7 @@ pub mod board;
 pub mod demo;
 pub mod diagnose;
 pub mod field;
+mod file;
 pub mod flash;
 pub mod gain;
 pub mod identify;

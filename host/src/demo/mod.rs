@@ -10,12 +10,14 @@ mod extended;
 mod figures;
 mod foams;
 mod listening;
+mod options;
 mod palpation;
 mod report;
 mod summary;
 mod table;
+mod watcher;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use protocol::lut::Table;
@@ -23,92 +25,19 @@ use protocol::lut::Table;
 pub use display::{DisplayTrace, Displayed};
 pub use error::DemoError;
 pub use foams::bench_foams;
+pub use options::Options;
 pub use palpation::{Palpated, TracePoint};
 pub use report::overview_svg;
 pub use summary::{Confusion, Summary};
 pub use table::{BALL_RADIUS_MM, demo_table};
+pub use watcher::{Stage, Watcher};
 
-use crate::extended::ExtendedModel;
-use crate::link::{Disturbance, Disturbed, InProcess, Pace};
+use crate::link::{Disturbed, InProcess, Pace};
 use crate::log::{Recorder, library_names};
-use crate::plant::{Jitter, Noise, Source};
+use crate::plant::{Noise, Source};
 use crate::session::{Patience, Session};
 use crate::simulated_board::SimulatedBoard;
 use listening::Listening;
-
-/// What the demo does.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Options {
-    /// Number of palpations.
-    pub palpations: usize,
-    /// Rate of the probe, 1 to 4 mm/s.
-    pub rate_mm_s: f64,
-    /// Depth, mm; at most the table's 4 mm.
-    pub depth_mm: f64,
-    /// Seed of everything random.
-    pub seed: u64,
-    /// Randomness of the bench.
-    pub jitter: Jitter,
-    /// What the line does to bytes.
-    pub line: Disturbance,
-    /// Folder for report, logs, table and figures.
-    pub out: PathBuf,
-    /// A table to use instead of computing one.
-    pub table: Option<PathBuf>,
-    /// An extended model: its effects in the table and in the foams, and its material among these.
-    pub model: Option<ExtendedModel>,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options {
-            palpations: 20,
-            rate_mm_s: 2.0,
-            depth_mm: 4.0,
-            seed: 1,
-            jitter: Jitter::default(),
-            line: Disturbance::default(),
-            out: "out/demo".into(),
-            table: None,
-            model: None,
-        }
-    }
-}
-
-/// What is going on, for a progress bar.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Stage<'a> {
-    /// Finite elements.
-    Solving {
-        /// Of what.
-        what: &'a str,
-        /// Solves done.
-        done: usize,
-        /// Solves of this task.
-        total: usize,
-    },
-    /// The table goes over the link.
-    Uploading {
-        /// Bytes the board has.
-        done: usize,
-        /// Bytes of the table.
-        total: usize,
-    },
-    /// A palpation has ended.
-    Palpated {
-        /// Palpations done.
-        done: usize,
-        /// Palpations of the demo.
-        total: usize,
-        /// The verdict in words.
-        verdict: &'a str,
-    },
-    /// Something a person should know.
-    Note(&'a str),
-}
-
-/// Listens to [`Stage`]s, from several threads.
-pub type Watcher<'a> = &'a (dyn Fn(Stage<'_>) + Send + Sync);
 
 /// Runs the demo and writes its files.
 ///

@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, Dim, Dyn, Matrix, VecStorage};
 
 use super::design::Node;
-use super::noise::SensorNoise;
+use super::scatter::SensorNoise;
 
 /// Cholesky's factor `L` of the covariance `L L'` of a run's windows, N.
 #[derive(Debug, Clone)]

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::fit::Fit;
 use super::margin::{Margin, Variable};
 use super::noise::{Jitter, Noise};
+use super::quantile::exceeded;
 use super::spike::{self, SPIKE};
 use super::whiten::Whitening;
 use crate::infer::product::inner;
@@ -287,13 +288,6 @@ impl Space {
         }
         (2.0 * square.max(0.0) * freedom / self.mean).sqrt() - (2.0 * freedom - 1.0).sqrt()
     }
-}
-
-/// What a share `level` of some values exceeds; nothing does where there are none.
-pub(super) fn exceeded(mut values: Vec<f64>, level: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let at = ((1.0 - level) * values.len() as f64).floor() as usize;
-    values.get(at.min(values.len().saturating_sub(1))).copied().unwrap_or(f64::INFINITY)
 }
 
 /// Columns that keep more than a thousandth of themselves; the others are what the parameters take up whole.

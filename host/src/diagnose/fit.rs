@@ -8,14 +8,13 @@ use lut_gen::effect::{Quantity, Spread, relaxation, second_term};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::Z95;
 use super::check::Check;
 use super::coordinate::{Candidate, Coordinate, coordinates, model};
 use super::design::Design;
-use super::evidence::exceeded;
-use super::noise::Curve;
+use super::quantile::exceeded;
+use super::scatter::Curve;
 use super::whiten::Whitening;
-use crate::infer::covariance::covariance;
+use crate::infer::covariance::{Z95, covariance};
 use crate::infer::descent::{Objective, Quadratic, Region, Rule, minimise};
 use crate::infer::lowrank::Fold;
 use crate::infer::product::inner;

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::design::Design;
 use super::gradient::{Gradient, Seen, Slopes};
-use super::noise::{Curve, Jitter, SensorNoise};
+use super::scatter::{Curve, Jitter, SensorNoise};
 
 /// What jitter is expected before anything is measured, with the weight of one degree of freedom: a contact is found to a
 /// hundredth of a millimetre, a foam is uniform to a percent from spot to spot.

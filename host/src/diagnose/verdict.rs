@@ -62,8 +62,6 @@ pub struct Finding {
     pub ambiguous_with: Vec<&'static str>,
 }
 
-/// Half width of a 95 % interval of a normal distribution, in standard deviations.
-pub(crate) const Z95: f64 = 1.96;
 /// A plausible amount must lie this far beyond the threshold to be seen in nine cases of ten.
 const POWER: f64 = 1.28;
 /// Twins that blind spots are found with.

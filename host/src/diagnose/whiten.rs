@@ -85,7 +85,7 @@ impl Whitening {
         for check in &design.checks {
             first.push(len);
             len += check.rows();
-            runs.push(white(&check.factor(noise)?)?);
+            runs.push(white(&check.factor(&noise.sensor)?)?);
         }
         let mut spots = Vec::new();
         for spot in 0..design.spots {
@@ -116,7 +116,7 @@ impl Whitening {
         for (at, check) in design.checks.iter().enumerate() {
             let run = design.series.len() + at;
             let entries: Vec<usize> = (first[run]..first[run] + check.rows()).collect();
-            let jitter = &runs[run] * check.freedom(noise);
+            let jitter = &runs[run] * check.freedom(&noise.jitter);
             spots.push(Spot { entries, jitter: Fold::of(jitter), estimated: false });
         }
         let mut common = common(design, curves, &first, len);

@@ -8,7 +8,7 @@ use toml::de::DeValue;
 use super::error::{ExperimentError, Problem};
 use super::recording::{self, Need, Recording};
 use super::section::{Document, Section};
-use super::{Base, BaseLaw, Experiment, Indenter, Length, Names, Run, Sensor, Specimen, Test};
+use super::{Base, BaseLaw, Experiment, Format, Indenter, Length, Mapping, Run, Sensor, Specimen, Test};
 
 /// Lengths of specimens and balls that can be meant, mm; outside, a unit was confused.
 const PLAUSIBLE_MM: std::ops::RangeInclusive<f64> = 0.05..=1000.0;
@@ -19,36 +19,6 @@ const PLAUSIBLE_MM2: std::ops::RangeInclusive<f64> = 0.01..=1e6;
 const PLACES_MM: std::ops::RangeInclusive<f64> = -1e4..=1e4;
 /// Times that can be meant, s.
 const TIMES_S: std::ops::RangeInclusive<f64> = -1e12..=1e12;
-
-/// Where a wanted column is found in the files.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mapping {
-    /// Name in the header.
-    pub name: String,
-    /// Factor from the file's unit to the wanted one.
-    pub scale: f64,
-    /// +1 or -1: compression and force into the specimen are positive.
-    pub sign: f64,
-}
-
-/// How the data files are written.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Format {
-    /// Character between cells.
-    pub delimiter: u8,
-    /// Lines before the header.
-    pub skip_lines: usize,
-    /// Decimal sign.
-    pub decimal: char,
-    /// Label of the text encoding.
-    pub encoding: String,
-}
-
-impl Default for Format {
-    fn default() -> Self {
-        Self { delimiter: b',', skip_lines: 0, decimal: '.', encoding: "utf-8".to_owned() }
-    }
-}
 
 pub(super) fn experiment(file: &Path, text: &str) -> Result<Experiment, ExperimentError> {
     let document = Document { file, text };
@@ -224,6 +194,9 @@ fn sensor(root: &Section<'_>) -> Result<Sensor, ExperimentError> {
     let expected = "a standard deviation above 0 N";
     Ok(Sensor { noise_n: section.number("noise_N", f64::MIN_POSITIVE..=1e6, expected)? })
 }
+
+/// Names and places of everything a run can refer to.
+type Names = BTreeMap<String, usize>;
 
 /// What the runs refer to.
 struct Places<'a> {

@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::Test;
-use super::description::{Format, Mapping};
 use super::error::{ExperimentError, Problem};
+use super::{Format, Mapping, Test};
 
 /// The samples of a run. The vectors that a kind of test does not have are empty, all others
 /// have the same length.

@@ -6,12 +6,13 @@ use lut_gen::chain::{LibraryError, Setting};
 use nalgebra::DVector;
 use serde_json::{Map, Value, json};
 
+use crate::diagnose::Models;
 use crate::diagnose::coordinate::{Candidate, Coordinate, coordinates};
 use crate::diagnose::design::Design;
 use crate::diagnose::fit::{self, Problem};
-use crate::diagnose::{Models, Z95};
 use crate::experiment::{Experiment, motion};
 use crate::identify::Outcome;
+use crate::infer::covariance::Z95;
 use crate::infer::covariance::covariance;
 use crate::infer::product::inner;
 

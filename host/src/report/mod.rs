@@ -1,6 +1,7 @@
 //! Reports and figures: self-contained HTML with inline SVG, readable without scripts, network
 //! or colour.
 
+mod axis;
 pub mod cloud;
 pub mod diagnosis;
 pub mod display;

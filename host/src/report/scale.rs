@@ -1,6 +1,6 @@
 //! From values to pixels, and where the ticks are.
 
-use super::figure::Axis;
+use super::axis::Axis;
 
 /// A linear or logarithmic mapping of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -31,10 +31,13 @@ mod folder;
 mod interpolation;
 mod motion;
 mod noise;
+mod path;
 mod plan;
+mod progress;
 mod recorded;
 mod response;
 mod session;
+mod solved;
 mod solver;
 mod spec;
 #[cfg(test)]
@@ -44,11 +47,9 @@ pub use description::{EXAMPLE, parse, read};
 pub use effect::{Along, Effect, Kernel, Rest, ShareOf, Variable};
 pub use error::SimulateError;
 pub use folder::{SimulatedExperiment, SimulatedRun};
+pub use progress::Progress;
 pub use solver::Solver;
 pub use spec::{FINER, Noise, RunTemplate, SAMPLE_HZ, SecondTerm, Session, Spec, TrueIndenter, TrueLaw, TrueSpecimen};
-
-/// Told what is being solved, how many are done, and how many there are.
-pub type Progress<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
 
 /// Simulates an experiment. The same specification gives the same bytes, whatever the number of threads and whatever the solver
 /// has solved before.
@@ -58,7 +59,7 @@ pub type Progress<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
 pub fn simulate(spec: &Spec, solver: &Solver, progress: Progress<'_>) -> Result<SimulatedExperiment, SimulateError> {
     check::check(spec)?;
     let before = solver.solves();
-    let conditions = condition::conditions(spec, solver, progress)?;
+    let conditions = solved::conditions(spec, solver, progress)?;
     let runs = recorded::runs(spec, &conditions)?;
     let (specimens, indenters) = folder::declared(spec);
     let noise_n = (spec.state_noise && spec.noise.sensor_n > 0.0).then_some(spec.noise.sensor_n);

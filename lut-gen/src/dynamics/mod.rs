@@ -38,6 +38,8 @@ mod inertia;
 mod integrator;
 mod mass;
 mod press;
+mod pressed;
+mod ramp;
 mod run;
 
 pub use body::{Body, Forces};
@@ -47,4 +49,6 @@ pub use error::DynamicsError;
 pub use inertia::{Inertia, LIMIT};
 pub use integrator::CentralDifference;
 pub use mass::lumped_mass;
-pub use press::{Explicit, Moment, Press, Pressed, Ramp};
+pub use press::{Explicit, Press};
+pub use pressed::{Moment, Pressed};
+pub use ramp::Ramp;

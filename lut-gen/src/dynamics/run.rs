@@ -1,7 +1,6 @@
 //! The loop over the steps of a run.
 
-use super::press::Ramp;
-use super::{Body, CentralDifference, DynamicsError, Forces, Moment, Press, Pressed, critical_step_s};
+use super::{Body, CentralDifference, DynamicsError, Forces, Moment, Press, Pressed, Ramp, critical_step_s};
 use crate::law::Material;
 use crate::solve::{History, Step};
 

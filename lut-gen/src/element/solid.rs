@@ -1,7 +1,7 @@
 //! Total-Lagrangian internal force and stiffness of one element.
 
 use super::{gauss, quad8};
-use crate::law::{Material, Relaxation};
+use crate::law::{Material, Relaxation, Strained};
 use crate::scalar::Real;
 
 /// Reference data of one quadrature point; it never changes during a solve.
@@ -47,7 +47,7 @@ pub struct Matter<'a, T = f64> {
     pub history: &'a [T],
 }
 
-impl<T: Real> Solid<T> {
+impl<T: Strained> Solid<T> {
     /// Prepares an element with the corner and middle positions `x` (mm).
     #[must_use]
     pub fn new(nodes: [usize; 8], x: &[[T; 2]; 8], quadrature: Quadrature) -> Self {

@@ -78,6 +78,25 @@ impl InPlane {
 /// rounding 1e-16 / 1e-5 on one side, truncation (1e-5)^2 on the other.
 const EQUAL_STRETCH: f64 = 1e-5;
 
+/// A number in which stresses are known: plain, or with its derivative.
+pub trait Strained: Real {
+    /// Energy (MPa) and first Piola-Kirchhoff stress (MPa) of an elastic law at the
+    /// gradient `f`; `None` when `f` does not preserve orientation.
+    fn piola(law: &impl Law<Self>, f: &[Self; 5]) -> Option<(Self, [Self; 5])>;
+}
+
+impl Strained for f64 {
+    fn piola(law: &impl Law, f: &[f64; 5]) -> Option<(f64, [f64; 5])> {
+        first_piola(law, f)
+    }
+}
+
+impl Strained for Dual {
+    fn piola(law: &impl Law<Dual>, f: &[Dual; 5]) -> Option<(Dual, [Dual; 5])> {
+        first_piola_dual(law, f)
+    }
+}
+
 /// Energy and stress only. `None` when `F` does not preserve orientation.
 pub fn first_piola(law: &impl Law, f: &Gradient) -> Option<(f64, [f64; 5])> {
     let plane = InPlane::of(f)?;

@@ -2,7 +2,9 @@
 
 use super::error::demand;
 use super::gradient::{Gradient, Response, respond};
-use super::{Elastic, Hencky, Hyperfoam, Law, LawError, Ogden, OgdenRoxburgh, Parameter, PronyTerm, Relaxation};
+use super::{
+    Elastic, Hencky, Hyperfoam, Law, LawError, Ogden, OgdenRoxburgh, Parameter, PronyTerm, Relaxation, Strained,
+};
 use super::{prony, second};
 use crate::scalar::{Dual, Real};
 
@@ -172,14 +174,20 @@ impl<T: Real> Material<T> {
     /// step from the history `old` to the gradient `f`; `new` receives the history at its end.
     /// `None` when `f` does not preserve orientation.
     #[must_use]
-    pub fn stress(&self, step: &Relaxation<T>, f: &[T; 5], old: &[T], new: Option<&mut [T]>) -> Option<(T, [T; 5])> {
+    pub fn stress(&self, step: &Relaxation<T>, f: &[T; 5], old: &[T], new: Option<&mut [T]>) -> Option<(T, [T; 5])>
+    where
+        T: Strained,
+    {
         let Some(strain) = self.thermal else { return self.cold_stress(step, f, old, new) };
         let grown = strain + 1.0;
         let (energy, p) = self.cold_stress(step, &f.map(|x| x / grown), old, new)?;
         Some((energy, p.map(|x| x / grown)))
     }
 
-    fn cold_stress(&self, step: &Relaxation<T>, f: &[T; 5], old: &[T], new: Option<&mut [T]>) -> Option<(T, [T; 5])> {
+    fn cold_stress(&self, step: &Relaxation<T>, f: &[T; 5], old: &[T], new: Option<&mut [T]>) -> Option<(T, [T; 5])>
+    where
+        T: Strained,
+    {
         let (energy, mut p) = T::piola(&self.elastic, f)?;
         if self.is_elastic() {
             return Some((energy, p));

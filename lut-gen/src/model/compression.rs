@@ -4,9 +4,9 @@ use super::simulation::{Assembly, cold};
 use super::{Record, Resolution, Sensitivity, Tracker};
 use crate::contact::{Interface, Penalty, Platen, Surface};
 use crate::element::Quadrature;
-use crate::law::{Material, Parameter};
+use crate::law::{Material, Parameter, Strained};
 use crate::mesh::{BlockMesh, graded};
-use crate::scalar::{Dual, Real};
+use crate::scalar::Dual;
 use crate::solve::{Base, Course, Motion, Newton, Observer, Path, SolveError, Stepping, System, Target};
 
 /// How the faces of a cylinder hold to the platens.
@@ -205,7 +205,7 @@ impl Compression {
         Ok(self.equations(mesh, &nodes, interface, self.material.lift(by), stiff))
     }
 
-    fn equations<T: Real>(
+    fn equations<T: Strained>(
         &self,
         mesh: &BlockMesh,
         nodes: &[[T; 2]],

@@ -4,7 +4,7 @@ use super::specimen::SIZES;
 use super::{Record, Resolution, Specimen};
 use crate::contact::{Ball, Interface, Penalty, Surface};
 use crate::element::Quadrature;
-use crate::law::{Law, Material, Parameter};
+use crate::law::{Law, Material, Parameter, Strained};
 use crate::mesh::{BlockMesh, Sizes};
 use crate::scalar::{Dual, Real};
 use crate::solve::{Base, Course, Motion, Newton, Observer, Path, SolveError, Stepping, System};
@@ -287,7 +287,7 @@ impl Simulation {
     }
 
     #[expect(clippy::too_many_arguments, reason = "all of it is the case, in one kind of number")]
-    fn equations<T: Real>(
+    fn equations<T: Strained>(
         &self,
         mesh: &BlockMesh,
         nodes: &[[T; 2]],

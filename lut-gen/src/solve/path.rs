@@ -4,8 +4,7 @@ use super::newton::{Configuration, Control, Problem, Workspace};
 use super::pace::Pace;
 use super::stepping::Stepping;
 use super::{History, Motion, Newton, Segment, SolveError, State, Step, System, Target};
-use crate::law::Material;
-use crate::scalar::Real;
+use crate::law::{Material, Strained};
 
 /// One equilibrium on the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,7 +119,7 @@ struct Here {
 }
 
 /// True when a material or a contact remembers.
-pub(crate) fn remembers<T: Real>(system: &System<T>, material: &Material<T>) -> bool {
+pub(crate) fn remembers<T: Strained>(system: &System<T>, material: &Material<T>) -> bool {
     !material.is_elastic() || system.surface().has_friction()
 }
 

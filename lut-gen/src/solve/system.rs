@@ -7,7 +7,7 @@ use super::sparse::HELD;
 use super::{SolveError, constraint};
 use crate::contact::{EdgeStiffness, Grip, Sum, Surface};
 use crate::element::{DOFS, Matter, Quadrature, Solid};
-use crate::law::{Material, Relaxation};
+use crate::law::{Material, Relaxation, Strained};
 use crate::mesh::BlockMesh;
 use crate::scalar::Real;
 
@@ -71,7 +71,7 @@ pub struct State<T = f64> {
     pub history: History<T>,
 }
 
-impl<T: Real> System<T> {
+impl<T: Strained> System<T> {
     /// Builds the equations over `nodes`, the (possibly dual) positions of the mesh's nodes (mm),
     /// and `height_mm`, its height. `surface` lists its edges over the same nodes,
     /// `quadrature` tells how each element is integrated.

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::report::number;
 use crate::sweep::{Folder, SweepError, journals, read};
 
-use super::lut::save;
+use super::file::save;
 use super::progress::Countdown;
 use table::{described, extent, failures, hex, print};
 pub(super) use table::{explain, is_table};

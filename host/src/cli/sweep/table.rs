@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::report::number;
 
 /// Whether a file is the table of a sweep.
-pub(in crate::cli) fn is_table(bytes: &[u8]) -> bool {
+pub(crate) fn is_table(bytes: &[u8]) -> bool {
     bytes.starts_with(TABLE_MAGIC)
 }
 
@@ -17,7 +17,7 @@ pub(in crate::cli) fn is_table(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// A damaged table.
-pub(in crate::cli) fn explain(file: &Path, bytes: &[u8], as_json: bool) -> miette::Result<()> {
+pub(crate) fn explain(file: &Path, bytes: &[u8], as_json: bool) -> miette::Result<()> {
     let table = SweepTable::parse(bytes)
         .map_err(|cause| miette!("{cause}"))
         .wrap_err_with(|| format!("{} is not a usable table", file.display()))?;

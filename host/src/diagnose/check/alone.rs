@@ -10,8 +10,8 @@ use nalgebra::DMatrix;
 use crate::experiment::{Recording, Run};
 
 use super::super::design::{Branch, Node, even, growing, node};
-use super::super::margin::Variable;
-use super::super::noise::Noise;
+use super::super::scatter::{Jitter, SensorNoise};
+use super::super::variable::Variable;
 
 /// What is on the sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,9 +123,9 @@ impl Alone {
     }
 
     /// Lower triangular factor of the covariance of its rows; none where that is not positive definite.
-    pub fn factor(&self, noise: &Noise) -> Option<DMatrix<f64>> {
+    pub fn factor(&self, noise: &SensorNoise) -> Option<DMatrix<f64>> {
         let force_n: Vec<f64> = self.at.iter().map(|at| self.path[*at].1).collect();
-        let own = noise.sensor.factor(&self.nodes, &force_n)?.lower();
+        let own = noise.factor(&self.nodes, &force_n)?.lower();
         let mut factor = DMatrix::zeros(self.rows(), self.rows());
         factor.view_mut((0, 0), own.shape()).copy_from(&own);
         for (k, depth) in self.depths.iter().enumerate() {
@@ -135,7 +135,7 @@ impl Alone {
     }
 
     /// What its rows may be off by together, a column of unit variance each.
-    pub fn freedom(&self, noise: &Noise) -> DMatrix<f64> {
+    pub fn freedom(&self, jitter: &Jitter) -> DMatrix<f64> {
         let readings = self.nodes.len();
         let known = |k: usize| self.path[self.at[k]].1;
         let reading = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
@@ -145,7 +145,7 @@ impl Alone {
             let own = |k: usize| if k < readings { 0.0 } else { of(&self.depths[k - readings]) };
             (0..self.rows()).map(own).collect()
         };
-        let mut columns = vec![reading(&|_| noise.jitter.zero_n)];
+        let mut columns = vec![reading(&|_| jitter.zero_n)];
         match self.touched {
             Touched::Nothing => {}
             Touched::Load => columns.push(reading(&|k| KNOWN * known(k))),

@@ -11,8 +11,8 @@ use crate::experiment::{BaseLaw, Experiment, Recording, Run, Test};
 use crate::identify::contact;
 
 use super::super::design::{Branch, LEAST_SAMPLES, MEANT_MM, Node, even, growing, lift, node};
-use super::super::margin::Variable;
-use super::super::noise::Noise;
+use super::super::scatter::{Jitter, SensorNoise};
+use super::super::variable::Variable;
 
 /// A coupon with what is compared of its run.
 #[derive(Debug, Clone, PartialEq)]
@@ -245,16 +245,16 @@ impl Coupon {
     }
 
     /// Lower triangular factor of the covariance of its rows; none where that is not positive definite.
-    pub(super) fn factor(&self, noise: &Noise) -> Option<DMatrix<f64>> {
-        Some(noise.sensor.factor(&self.nodes, &self.measured())?.lower())
+    pub(super) fn factor(&self, noise: &SensorNoise) -> Option<DMatrix<f64>> {
+        Some(noise.factor(&self.nodes, &self.measured())?.lower())
     }
 
     /// What its rows may be off by together, a column of unit variance each: zero; gain (jitter, cross-section, another piece of the foam); first touch; height.
-    pub(super) fn freedom(&self, noise: &Noise) -> DMatrix<f64> {
+    pub(super) fn freedom(&self, jitter: &Jitter) -> DMatrix<f64> {
         let diameter_mm = 2.0 * (self.run.area_mm2 / std::f64::consts::PI).sqrt();
-        let gain = noise.jitter.gain.hypot(2.0 * DIAMETER_MM / diameter_mm).hypot(AGREE);
-        let touch_mm = noise.jitter.contact_mm.hypot(TOUCH_MM);
-        let each = [noise.jitter.zero_n, gain, touch_mm, HEIGHT];
+        let gain = jitter.gain.hypot(2.0 * DIAMETER_MM / diameter_mm).hypot(AGREE);
+        let touch_mm = jitter.contact_mm.hypot(TOUCH_MM);
+        let each = [jitter.zero_n, gain, touch_mm, HEIGHT];
         self.shapes() * DMatrix::from_diagonal(&DVector::from_row_slice(&each))
     }
 
@@ -306,7 +306,6 @@ mod tests {
     use lut_gen::homogeneous::{self, Programme};
     use lut_gen::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
 
-    use super::super::super::noise::{Jitter, SensorNoise, Source};
     use super::*;
     use crate::experiment::{Base, Length, Specimen};
 
@@ -456,14 +455,8 @@ mod tests {
     fn a_coupon_is_known_as_far_as_it_can_be() {
         let (_, coupon) = missed(foam(), Test::Confined, &with(Vec::new()));
         let jitter = Jitter { contact_mm: 0.02, gain: 0.01, zero_n: 0.003 };
-        let noise = Noise {
-            source: Source::Stated,
-            sensor: SensorNoise { sigma_n: 0.01, white: 1.0, correlation_s: 0.02, relative: 0.0 },
-            jitter,
-            posterior: super::super::super::jitter::Posterior::stated(jitter, 10.0),
-            sensor_freedom: 10.0,
-        };
-        let freedom = coupon.freedom(&noise);
+        let noise = SensorNoise { sigma_n: 0.01, white: 1.0, correlation_s: 0.02, relative: 0.0 };
+        let freedom = coupon.freedom(&jitter);
         let (gain, k) = (0.01_f64.hypot(0.01).hypot(0.007), 12);
         let node = coupon.nodes[k];
         assert!((freedom[(k, 0)], freedom[(k, 1)]) == (0.003, gain * node.force_n));

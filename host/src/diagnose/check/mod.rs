@@ -9,8 +9,8 @@ use nalgebra::DMatrix;
 
 use crate::experiment::{BaseLaw, Experiment, Run, Test};
 
-use super::margin::Variable;
-use super::noise::Noise;
+use super::scatter::{Jitter, SensorNoise};
+use super::variable::Variable;
 use alone::Alone;
 pub use alone::Touched;
 pub use coupon::Coupon;
@@ -145,7 +145,7 @@ impl Check {
     }
 
     /// Lower triangular factor of the covariance of its rows; none where that is not positive definite.
-    pub(super) fn factor(&self, noise: &Noise) -> Option<DMatrix<f64>> {
+    pub(super) fn factor(&self, noise: &SensorNoise) -> Option<DMatrix<f64>> {
         match &self.shown {
             Shown::Alone(alone) => alone.factor(noise),
             Shown::Coupon(coupon) => coupon.factor(noise),
@@ -153,10 +153,10 @@ impl Check {
     }
 
     /// What its rows may be off by together, a column of unit variance each.
-    pub(super) fn freedom(&self, noise: &Noise) -> DMatrix<f64> {
+    pub(super) fn freedom(&self, jitter: &Jitter) -> DMatrix<f64> {
         match &self.shown {
-            Shown::Alone(alone) => alone.freedom(noise),
-            Shown::Coupon(coupon) => coupon.freedom(noise),
+            Shown::Alone(alone) => alone.freedom(jitter),
+            Shown::Coupon(coupon) => coupon.freedom(jitter),
         }
     }
 

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use super::Refusal;
 use super::check::{self, Check};
 use crate::experiment::{Base, BaseLaw, Experiment};
-pub(super) use usable::LEAST_SAMPLES;
+pub(super) use usable::{LEAST_SAMPLES, MEANT_MM};
 use usable::{Raw, contacts, raw_runs};
 pub use windows::{Branch, Node};
 pub(super) use windows::{even, growing, lift, node};
@@ -30,8 +30,6 @@ const SHAPES: usize = 3;
 const SAME_SHAPE: f64 = 1e-6;
 /// How far past the contact the recorded zero may lie, mm: depths that the force models must cover.
 const LATE_MM: f64 = 0.25;
-/// Recorded zeros within this distance (mm) of the contact were meant to be the contact.
-pub(super) const MEANT_MM: f64 = 0.4;
 
 /// One used run.
 #[derive(Debug, Clone, PartialEq)]

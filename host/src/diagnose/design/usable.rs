@@ -6,6 +6,8 @@ use crate::identify::contact;
 
 /// Least samples of a loading branch.
 pub(in super::super) const LEAST_SAMPLES: usize = 12;
+/// Recorded zeros within this distance (mm) of the contact were meant to be the contact.
+pub(in super::super) const MEANT_MM: f64 = 0.4;
 
 /// Readings at the beginning of a run whose mean is the force it begins at, and the parts of the largest force that a reading of them lies within and two runs differ by where
 /// the zero drifts. Of a fast run all but the first may lie well past the contact, so that the mean says nothing of whether one began at no force.

@@ -5,7 +5,8 @@ use serde_json::{Map, Value, json};
 use super::fit::Estimate;
 use super::search::Explanation;
 use super::{ChannelDiagnosis, Diagnosis, Evidence, Finding};
-use crate::diagnose::{Verdict, Z95};
+use crate::diagnose::Verdict;
+use crate::infer::covariance::Z95;
 
 /// The keys of the contract over all channels, and every channel by itself under `channels`.
 #[must_use]

@@ -1,7 +1,6 @@
 //! What a display measures: four channels, each with what it was told, what was measured, and the base law between them.
 
 use super::design::Series;
-use super::law::KNEE_A;
 
 /// One measured quantity of the display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,7 +47,9 @@ const POSITION: [BaseParameter; 4] = [
 const FORCE: [BaseParameter; 2] = [even("gain", 1.0, (0.1, 10.0)), even("zero_N", 0.0, (-20.0, 20.0))];
 /// Ohm's law at constant resistance.
 const CURRENT: [BaseParameter; 2] = [even("gain", 1.0, (0.1, 10.0)), even("zero_A", 0.0, (-5.0, 5.0))];
-/// The measured line of Table 6, bent to zero below [`super::law::KNEE_A`].
+/// Current below which the magnet's line bends to zero, A (assumed; Table 6 begins at 1.5 A).
+pub const KNEE_A: f64 = 0.4;
+/// The measured line of Table 6, bent to zero below [`KNEE_A`].
 const FLUX: [BaseParameter; 3] =
     [even("slope_T_per_A", 0.0256, (-1.0, 1.0)), even("step_T", 0.0206, (-1.0, 1.0)), even("zero_T", 0.0, (-0.5, 0.5))];
 

@@ -12,7 +12,8 @@ use super::fit::Fit;
 use super::margin::{Margin, Variable};
 use super::noise::Noise;
 use super::whiten::Whitening;
-use crate::diagnose::evidence::{Space, basis, exceeded, rest_of, visible};
+use crate::diagnose::evidence::{Space, basis, rest_of, visible};
+use crate::diagnose::quantile::exceeded;
 use crate::infer::eigen;
 
 /// Clean twins that thresholds are taken from.

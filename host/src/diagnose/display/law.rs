@@ -1,14 +1,11 @@
 //! What a display does by its base law and the effects that were added: from what was told to what is measured.
 
-use super::channel::Channel;
+use super::channel::{Channel, KNEE_A};
 use super::design::Series;
 use super::effect::{
     self, Effect, backlash, coil_heating, delay, gap, rate_limit, remanence, saturation, sensor_creep,
     sensor_hysteresis, sensor_nonlinearity, stiction,
 };
-
-/// Current below which the magnet's line bends to zero, A (assumed; Table 6 begins at 1.5 A).
-pub const KNEE_A: f64 = 0.4;
 
 /// Response time of the fluid, s (1 to 6 ms).
 const RESPONSE_S: f64 = 3e-3;

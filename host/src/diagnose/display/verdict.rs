@@ -1,6 +1,7 @@
 //! From explanations to names.
 
-use crate::diagnose::{Verdict, Z95};
+use crate::diagnose::Verdict;
+use crate::infer::covariance::Z95;
 
 use super::held_out::HeldOut;
 use super::search::{self, Explanation, Search};

@@ -7,6 +7,8 @@
 //! approach of the sensor's noise, and the firmware's palpation finds contact, searches the table and names a material.
 
 mod answer;
+mod error;
+mod options;
 mod palpation;
 mod table;
 
@@ -14,60 +16,18 @@ pub(crate) use table::library_name;
 
 use std::time::Instant;
 
-use lut_gen::chain::{LibraryError, Setting};
-use lut_gen::model::Resolution;
-use lut_gen::table::LutError;
+use lut_gen::chain::Setting;
 
 use crate::diagnose::Models;
 use crate::diagnose::design::{Design, Series};
 use crate::diagnose::fit::Problem;
 use crate::experiment::Experiment;
 
-use super::{ExtendedError, ExtendedModel, fitting};
+use super::{ExtendedModel, fitting};
+pub use error::GainError;
+pub use options::Options;
 pub use palpation::Palpated;
 use table::{Arm, Tables};
-
-/// Why no gain is measured.
-#[derive(Debug, thiserror::Error)]
-pub enum GainError {
-    /// The model does not belong to the experiment.
-    #[error(transparent)]
-    Model(#[from] ExtendedError),
-    /// A force model could not be made.
-    #[error("no force model: {0}")]
-    Force(#[from] LibraryError),
-    /// A table could not be made.
-    #[error("no table: {0}")]
-    Table(#[from] LutError),
-    /// A table is refused by its own reader.
-    #[error("no table: {0}")]
-    Unreadable(String),
-    /// No run can be used.
-    #[error("no palpation to judge: {0}")]
-    Nothing(String),
-    /// The noise has no covariance.
-    #[error("the noise of {0} has no positive definite covariance")]
-    Covariance(String),
-}
-
-/// How it is measured.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Options {
-    /// True modulus (MPa) and exponent, where they are known, as for a simulated experiment.
-    pub truth: Option<(f64, f64)>,
-    /// Exponents of the tables.
-    pub alpha: Vec<f64>,
-    /// Mesh of the tables.
-    pub resolution: Resolution,
-}
-
-impl Default for Options {
-    /// The thesis' 30 exponents of 1 to 24 on the standard mesh.
-    fn default() -> Self {
-        let alpha = (0..30).map(|i| 1.0 + 23.0 * f64::from(i) / 29.0).collect();
-        Self { truth: None, alpha, resolution: Resolution::Standard }
-    }
-}
 
 /// One run as palpated with both tables.
 #[derive(Debug, Clone, PartialEq)]

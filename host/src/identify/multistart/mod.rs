@@ -5,6 +5,8 @@
 //! descents   step (d), a simplex from each candidate, with a solve where it ends, until it comes back
 //! errors     standard errors of a least sum of absolute differences
 //! slice      the objective over two of the parameters, for pictures
+//! objective  Eq. 14 itself
+//! trace      what was looked at
 //! ```
 //!
 //! Eq. 14 is the sum of absolute differences of all samples in newtons, contact points at their best. Its forces are those of
@@ -14,36 +16,21 @@
 mod descents;
 mod errors;
 mod map;
+mod objective;
 mod slice;
+mod trace;
 
 use lut_gen::solve::SolveError;
 
 use super::newton::coordinate::{Kind, Unknown};
-use super::newton::problem::{Problem, Weight};
+use super::newton::problem::Problem;
 use super::newton::search::Told;
-use super::simplex::{Bounds, Descent};
-use super::spec::Loss;
+use super::simplex::Bounds;
 
 pub use errors::StandardErrors;
+pub use objective::{as_eq_14, objective_n};
 pub use slice::Slice;
-
-/// A point of the map.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sampled {
-    /// Coordinates.
-    pub point: Vec<f64>,
-    /// Eq. 14 there, N.
-    pub objective_n: f64,
-}
-
-/// A simplex search from one candidate, restarts included.
-#[derive(Debug, Clone)]
-pub struct Start {
-    /// Its path; values in N.
-    pub descent: Descent,
-    /// A simplex restarted at its end, which is solved, came back to it.
-    pub at_rest: bool,
-}
+pub use trace::{Sampled, Start};
 
 /// All that MultiStart found.
 #[derive(Debug, Clone)]
@@ -84,9 +71,6 @@ impl Effort {
     }
 }
 
-/// Differences below this (N) count as squares: far below what any sensor resolves.
-const SHARP_N: f64 = 1e-9;
-
 /// Runs steps (a) to (d) from a problem of which nothing needs to be solved yet; it is left with Eq. 14 as its objective, which counts every newton twice.
 ///
 /// # Errors
@@ -101,19 +85,6 @@ pub fn search(problem: &mut Problem<'_>, effort: Effort, told: &Told<'_>) -> Res
     let centre = starts.first().map(|start| start.descent.point.clone()).unwrap_or_default();
     let slice = Slice::of(problem, &bounds, &centre, axes(&problem.unknowns));
     Ok(Search { unknowns: problem.unknowns.clone(), bounds, sample, threshold_n, starts, slice, failures })
-}
-
-/// Makes Eq. 14 the objective of a problem: all samples count alike.
-pub fn as_eq_14(problem: &mut Problem<'_>) {
-    problem.weights = vec![Weight { sigma_n: 1.0, correlated: 1.0 }; problem.selection.curves.len()];
-    problem.loss = Loss::Absolute;
-    problem.smooth = SHARP_N;
-}
-
-/// Eq. 14 in N at a point of such a problem.
-#[must_use]
-pub fn objective_n(problem: &Problem<'_>, point: &[f64]) -> f64 {
-    0.5 * problem.value(point)
 }
 
 /// The first exponent and the first modulus; the first two unknowns where there is none.

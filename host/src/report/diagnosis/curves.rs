@@ -1,15 +1,17 @@
 //! What was measured against what the base predicts, with what noise alone would make.
 
+use crate::diagnose::Evidence;
 use crate::diagnose::design::{Branch, Series as Run};
 use crate::diagnose::noise::Curve;
 use crate::diagnose::whiten::SIMULATED;
-use crate::diagnose::{Evidence, Z95};
 use crate::experiment::Experiment;
+use crate::infer::covariance::Z95;
 use crate::report::Page;
 use crate::report::figure::{Series, Stroke};
 
-use super::Drawn;
+use super::drawn::Drawn;
 use super::panel::{Band, Grid, Key, Panel, Row};
+use super::words;
 
 /// Most plots beside each other.
 const COLUMNS: usize = 4;
@@ -128,7 +130,7 @@ fn grid(experiment: &Experiment, evidence: &Evidence, place: Place, runs: &[usiz
         let shown = Shown::of(evidence, run);
         let series = &design.series[run];
         let held = if series.hold_out { ", held out" } else { "" };
-        let rate = super::rate(design.rates_mm_per_s[series.rate]);
+        let rate = words::rate(design.rates_mm_per_s[series.rate]);
         forces.push(force_panel(&shown, format!("{rate} mm/s{held}"), after.is_some()));
         residuals.push(residual_panel(&shown, series, after.is_some()));
     }

@@ -6,9 +6,9 @@ use crate::diagnose::margin::{Margin, Variable};
 use crate::experiment::Experiment;
 use crate::report::{Page, number};
 
-use super::Drawn;
 use super::bar::{Bar, Bars, Group};
 use super::curves::Shown;
+use super::drawn::Drawn;
 use super::heat::{Heat, Line};
 use super::words;
 
@@ -110,7 +110,7 @@ fn label(experiment: &Experiment, margin: &Margin) -> String {
         Variable::Height => named("specimen ", experiment.specimens.iter().map(|s| s.name.as_str()).collect()),
         Variable::Rate => match margin.label.split_once(" mm/s") {
             Some((value, rest)) => {
-                let shown = value.trim().parse().map_or_else(|_| value.to_owned(), super::rate);
+                let shown = value.trim().parse().map_or_else(|_| value.to_owned(), words::rate);
                 format!("{shown} mm/s{rest}")
             }
             None => margin.label.clone(),
@@ -160,7 +160,7 @@ fn strips(experiment: &Experiment, evidence: &Evidence, title: &str, after: bool
 fn name(experiment: &Experiment, evidence: &Evidence, at: usize) -> String {
     let s = &evidence.design.series[at];
     let ball = experiment.indenters.get(s.indenter).map_or("", |i| i.name.as_str());
-    let rate = super::rate(evidence.design.rates_mm_per_s[s.rate]);
+    let rate = words::rate(evidence.design.rates_mm_per_s[s.rate]);
     match experiment.specimens.get(s.specimen) {
         Some(its) if experiment.specimens.len() > 1 => format!("{}, {ball}, {rate} mm/s", its.name),
         _ => format!("{ball}, {rate} mm/s"),

@@ -4,6 +4,7 @@ pub mod bar;
 mod candidates;
 mod curves;
 mod doubts;
+mod drawn;
 mod gain;
 pub mod heat;
 mod margins;
@@ -11,11 +12,11 @@ mod names;
 pub mod panel;
 mod words;
 
-use crate::diagnose::search::Explanation;
 use crate::diagnose::{Diagnosis, Refusal, Verdict};
 use crate::experiment::Experiment;
 
 use super::Page;
+use drawn::{drawn, explanation};
 
 pub use words::{meaning, name, sentence};
 
@@ -55,34 +56,6 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Diagnosis) {
     if let Some(evidence) = evidence {
         page.paragraph(&format!("{} finite element solves; {:.1} s.", evidence.solves, found.seconds));
     }
-}
-
-/// The likeliest explanation, where the verdict stands by it.
-fn explanation(found: &Diagnosis) -> Option<&Explanation> {
-    let stands = matches!(found.verdict, Verdict::Named | Verdict::Ambiguous);
-    found.evidence.as_deref().and_then(|evidence| evidence.held.first()).filter(|_| stands)
-}
-
-/// An explanation that figures show beside the base, and what they call it.
-struct Drawn<'a> {
-    explanation: &'a Explanation,
-    name: String,
-    /// The verdict stands by it.
-    named: bool,
-}
-
-/// The explanation that the verdict stands by, or, where there is no name, the one that comes closest.
-fn drawn<'a>(experiment: &Experiment, found: &'a Diagnosis) -> Option<Drawn<'a>> {
-    let named = explanation(found);
-    let evidence = found.evidence.as_deref().filter(|_| found.verdict != Verdict::Clean)?;
-    let explanation = named.or(evidence.held.first()).or(evidence.singles.first())?;
-    let effects = match explanation.fit.candidates.as_slice() {
-        [one] => words::candidate(experiment, one),
-        // a legend has room for codes only
-        several => several.iter().map(|c| c.effect.code).collect::<Vec<_>>().join(" + "),
-    };
-    let name = if named.is_some() { format!("with {effects}") } else { format!("closest, no name: {effects}") };
-    Some(Drawn { explanation, name, named: named.is_some() })
 }
 
 /// Sentence, meaning, faults, and for a refusal what to do about it.
@@ -127,13 +100,6 @@ fn advice(found: &Diagnosis) -> Option<&'static str> {
             "Check the sensor's cable and zero with a known mass, repeat the runs named above, or take them out of experiment.toml; then diagnose again.",
         ),
     }
-}
-
-/// A rate to three digits.
-fn rate(mm_per_s: f64) -> String {
-    let digits = 2 - mm_per_s.abs().max(1e-6).log10().floor() as i32;
-    let text = format!("{mm_per_s:.*}", usize::try_from(digits).unwrap_or(0));
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use crate::diagnose::jitter::Posterior;
 use crate::diagnose::margin::{Margin, Variable};
 use crate::diagnose::noise::{Curve, Jitter, Noise, SensorNoise, Source};
 use crate::diagnose::plain::Plain;
+use crate::diagnose::search::Explanation;
 use crate::diagnose::{Evidence, Finding, Stand};
 use crate::experiment::{Base, BaseLaw, Indenter, Length, Sensor, Specimen};
 

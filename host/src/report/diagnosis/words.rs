@@ -182,6 +182,13 @@ pub(super) fn quantity(name: &str) -> (String, &'static str) {
     (name.replace('_', " "), "")
 }
 
+/// A rate to three digits.
+pub(super) fn rate(mm_per_s: f64) -> String {
+    let digits = 2 - mm_per_s.abs().max(1e-6).log10().floor() as i32;
+    let text = format!("{mm_per_s:.*}", usize::try_from(digits).unwrap_or(0));
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

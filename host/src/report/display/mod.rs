@@ -186,7 +186,7 @@ fn less(measured: &[f64], simulated: &[f64]) -> Vec<f64> {
 }
 
 fn parameters(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) {
-    let z = crate::diagnose::Z95;
+    let z = crate::infer::covariance::Z95;
     let interval = |(low, high): (f64, f64)| format!("{} to {}", number(low), number(high));
     let after = evidence.held.first().filter(|_| !channel.findings.is_empty()).map(|e| e.fit.estimates(None, z));
     let mut rows = Vec::new();

@@ -143,7 +143,7 @@ fn a_relaxing_specimen_lets_the_ball_go_on_by_what_the_machine_gave_way() {
     let spec =
         press().with(Effect::Compliance { mm_per_n: SOFT }).with(Effect::Relaxation(vec![PronyTerm::alike(0.4, 0.5)]));
     let step_s = 1.0 / (spec.sample_hz * condition::FINE as f64);
-    let found = condition::conditions(&spec, &SOLVER, &|_, _, _| {}).unwrap();
+    let found = solved::conditions(&spec, &SOLVER, &|_, _, _| {}).unwrap();
     let again = found[0].trajectory(step_s);
     let far = found[0].nominal_mm.iter().zip(&again).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let deepest = again.iter().copied().fold(0.0, f64::max);

@@ -1,7 +1,9 @@
 //! What a force remembers of its path, and what of the path has to be solved for that.
 
+use super::contains::has;
 use super::path::{along, deepest_mm, turns};
-use super::{Curve, Model, has};
+use super::run::Curve;
+use crate::chain::Model;
 use crate::effect::{friction, relaxation, softening};
 
 /// What a force depends on.

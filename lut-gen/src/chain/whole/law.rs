@@ -4,9 +4,11 @@
 //! these marks do not cancel in a ratio: a second term of sixteen standard deviations was missed by ten, and a Poisson's ratio, which is told from smooth
 //! force models, was likelier than the truth. The ratio itself is smooth.
 
+use super::contains::first_term;
+use super::job::Job;
 use super::path::deepest_mm;
+use super::run::{Curve, Detail};
 use super::twin::plain;
-use super::{Curve, Detail, Job, first_term};
 use crate::chain::{Chain, Model, Passage};
 use crate::model::Simulation;
 use crate::model::chebyshev::{clenshaw, least_squares};

@@ -3,10 +3,13 @@
 //! The chain puts effects together stage by stage: a second term is a second force, relaxation a convolution. Finite elements of the same
 //! path at one point of the parameters tell what that misses; near that point the difference hardly changes, so it is added as it is.
 
+mod contains;
+mod follow;
 mod history;
 mod job;
 mod law;
 mod path;
+mod run;
 mod twin;
 mod window;
 
@@ -18,27 +21,18 @@ use super::predict::Chain;
 use super::{Model, Passage};
 use crate::contact::{Ball, Interface};
 use crate::effect::{
-    Effect, adhesion, friction, lag, numerics, poisson, radius, relaxation, second_term, softening, thickness,
+    adhesion, friction, lag, numerics, poisson, radius, relaxation, second_term, softening, thickness,
 };
 use crate::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
 use crate::model::{CLOSER, Resolution, Simulation, Specimen};
 use crate::solve::{Motion, SolveError};
+use contains::has;
 use history::History;
 use job::Job;
 use path::{between, later, smooth, straight_pieces};
+pub use run::Detail;
+use run::{Block, Curve, Fine};
 pub use window::Window;
-
-/// How finely a path is solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Detail {
-    /// A coarse mesh whatever the effects are, to compare places that are far from each other: a third of the time.
-    Valleys,
-    /// As exact as a name asks for.
-    Names,
-}
-
-/// Values by time (s), or by the place on a path.
-type Curve = Vec<(f64, f64)>;
 
 /// Force that the chain misses, run by run, for a model and those near it.
 #[derive(Debug, Clone, PartialEq)]
@@ -137,10 +131,6 @@ fn needs_solve(model: &Model) -> bool {
     model.settings.iter().any(|s| ROUGH.contains(&s.effect.code))
 }
 
-fn has(model: &Model, effect: &Effect) -> bool {
-    model.settings.iter().any(|s| s.effect.code == effect.code)
-}
-
 /// The model without what finite elements of the path do not contain: adhesion is another law there, a base that slides in
 /// part is none, and an error of the numerics is not theirs.
 fn solvable(model: &Model) -> Model {
@@ -150,20 +140,6 @@ fn solvable(model: &Model) -> Model {
     out.whole = None;
     out
 }
-
-/// A run's motion with places for all readings, and what the ball does there.
-struct Fine {
-    run: usize,
-    /// The recorded motion at those places.
-    recorded: Passage,
-    /// The ball's own: time (s) and depth (mm).
-    path: Curve,
-    /// Depth of the ball in earlier presses on the spot, mm; 0 on a fresh one, or where nothing remembers.
-    before_mm: f64,
-}
-
-/// Ball and block: geometry, specimen, ball.
-type Block = (usize, usize, usize);
 
 /// What was solved for the first run of a kind, as another run of it sees it.
 struct Added<'a> {
@@ -331,17 +307,6 @@ const COARSE: f64 = 0.6;
 const FINER: f64 = 0.8;
 /// Least loss that a material point is given.
 const LEAST_LOSS: f64 = 1e-4;
-
-/// What the chain has exactly of a model: its first term, elastic, with the shapes of ball and block.
-fn first_term(model: &Model) -> Model {
-    let settings = model.settings.iter().filter(|s| is_shape(s.effect.code)).cloned().collect();
-    Model { settings, ..model.clone() }
-}
-
-/// Effects that only change the numbers of the elastic solve, which the chain's force models contain exactly.
-fn is_shape(code: &str) -> bool {
-    [poisson::EFFECT.code, thickness::HEIGHT.code, radius::EFFECT.code].contains(&code)
-}
 
 #[cfg(test)]
 mod tests {

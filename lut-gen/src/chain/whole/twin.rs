@@ -2,8 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::job::Job;
 use super::path::deepest_mm;
-use super::{Block, Chain, Curve, Detail, Job, Model};
+use super::run::{Block, Curve, Detail};
+use crate::chain::{Chain, Model};
 use crate::contact::Interface;
 use crate::law::{Hyperfoam, Material, Term};
 use crate::model::{Record, Simulation};
