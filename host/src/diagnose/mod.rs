@@ -12,6 +12,7 @@ pub mod design;
 pub mod display;
 pub mod evidence;
 pub mod fault;
+mod finding;
 pub mod fit;
 pub mod gradient;
 pub mod held_out;
@@ -23,6 +24,7 @@ mod placebo;
 pub mod plain;
 pub mod plan;
 mod prepared;
+mod progress;
 mod quantile;
 mod refusal;
 pub mod ripple;
@@ -54,13 +56,14 @@ use noise::{Curve, Noise, Source};
 use plain::{Plain, Plainly};
 use plan::Proposal;
 use ripple::Ripple;
-use search::{Explanation, Found, Search};
+use search::{Explanation, Found, Search, is_nameless};
 use second::Second;
 
+pub use finding::{Finding, Verdict};
 pub use models::{FOLDER_VARIABLE, Models};
 pub use prepared::Prepared;
+pub use progress::Progress;
 pub use refusal::Refusal;
-pub use verdict::{Finding, Verdict};
 
 /// Why there is no diagnosis at all.
 #[derive(Debug, thiserror::Error)]
@@ -229,13 +232,6 @@ fn holding(best: [Estimate; 2], other: [Estimate; 2]) -> [Estimate; 2] {
         (value, (low.min(its.0), high.max(its.1)))
     })
 }
-
-fn is_nameless(beyond: Option<f64>) -> bool {
-    beyond.is_some_and(|by| by <= 0.0)
-}
-
-/// Progress: what is done, how much of it, of how much.
-pub type Progress<'a> = dyn Fn(&str, usize, usize) + Send + Sync + 'a;
 
 /// Diagnoses every material of an experiment.
 ///

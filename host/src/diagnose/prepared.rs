@@ -2,12 +2,13 @@
 
 use lut_gen::chain::{Chain, Model};
 use nalgebra::DVector;
+use rayon::prelude::*;
 
+use super::coordinate::{Coordinate, coordinates};
 use super::design::{Design, Series};
 use super::fit::{Fit, Problem};
 use super::jitter::Posterior;
 use super::noise::{self, Curve, Jitter, Noise, SensorNoise, Source};
-use super::search;
 use super::spike;
 use super::whiten::Whitening;
 
@@ -50,7 +51,7 @@ impl<'a> Prepared<'a> {
         let curves: Vec<Curve> =
             design.series.iter().map(|s| Curve { force_n: measured(s), slope_n_per_mm: slopes(s) }).collect();
         let problem = placed((design, chain), &noise, &curves, vec![0.0; design.series.len()])?;
-        let base = search::base_fit(&problem, 0.05 * largest.max(1e-6));
+        let base = base_fit(&problem, 0.05 * largest.max(1e-6));
         let mut found = Self { problem, base, noise };
         for _ in 0..ROUNDS {
             found = found.about(&found.base.model, stated_n)?;
@@ -137,4 +138,21 @@ fn slopes(series: &Series) -> Vec<f64> {
     let deepest = nodes.iter().map(|n| n.depth_mm).fold(0.0, f64::max);
     let peak = nodes.iter().map(|n| n.force_n).fold(0.0, f64::max);
     nodes.iter().map(|n| 2.0 * peak / deepest * (n.depth_mm / deepest).clamp(0.0, 1.0)).collect()
+}
+
+/// The base fitted from several exponents.
+fn base_fit(problem: &Problem<'_>, peak_mpa: f64) -> Fit {
+    const ALPHAS: [f64; 3] = [4.0, 9.0, 16.0];
+    let list = coordinates(problem.design, &[]);
+    let fits = ALPHAS.par_iter().map(|alpha| {
+        let x = DVector::from_fn(list.len(), |i, _| match list[i] {
+            Coordinate::LnMu => peak_mpa.ln(),
+            Coordinate::LnAlpha => alpha.ln(),
+            _ => 0.0,
+        });
+        problem.fit(&[], &x)
+    });
+    let mut fits: Vec<Fit> = fits.collect();
+    fits.sort_by(|a, b| a.square.total_cmp(&b.square));
+    fits.swap_remove(0)
 }

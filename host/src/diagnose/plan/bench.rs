@@ -9,7 +9,7 @@ use super::super::design::{Branch, Design};
 use super::super::fit::{self, Fit, Problem};
 use super::super::search::{Search, known_before};
 use super::super::whiten::Whitening;
-use super::Plan;
+use super::motion::Plan;
 use crate::infer::covariance::Factor;
 use crate::infer::lowrank::{Fold, LowRank};
 

@@ -10,7 +10,7 @@ use crate::experiment::Experiment;
 
 use super::super::check::{Check, Coupon};
 use super::super::design::Design;
-use super::{On, Plan, SAMPLE_HZ, significant};
+use super::motion::{On, Plan, SAMPLE_HZ, significant};
 
 /// Shares of its height that a coupon is shortened by: past the plateau, where terms and Poisson's ratios part, and before the cells of a foam lie on each other; less where a rival has
 /// a Poisson's ratio that makes the smallest coupon too strong.

@@ -2,6 +2,7 @@
 
 mod bench;
 mod coupon;
+mod motion;
 
 use lut_gen::chain::{Model, Setting};
 use lut_gen::effect::{Quantity, Spread};
@@ -16,6 +17,8 @@ use super::search::{Explanation, Search};
 use crate::infer::covariance::Factor;
 use crate::infer::product::inner;
 use bench::{Bench, Forecast, distance};
+pub use motion::{On, Plan};
+use motion::{SAMPLE_HZ, significant};
 
 /// A run that could be made.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,52 +34,10 @@ pub struct Proposal {
     pub motion: Plan,
 }
 
-/// What is pressed, or what loads the sensor.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum On {
-    /// The specimen.
-    Specimen,
-    /// A stiff block, to a load in N.
-    Block(f64),
-    /// A known load on the sensor, N.
-    Mass(f64),
-    /// Nothing.
-    Air,
-    /// A coupon of the specimen's foam and height, in a ring that fits it; its diameter in mm.
-    Confined(f64),
-}
-
-/// Motion and condition of a run that could be made; each is made twice, on the specimen on fresh spots.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plan {
-    /// What is pressed.
-    pub on: On,
-    /// Index of the specimen whose material, base and declared height are meant.
-    pub specimen: usize,
-    /// Height, as a factor on that of the specimen.
-    pub height: f64,
-    /// Index of the ball that is used, or scaled.
-    pub indenter: usize,
-    /// Radius, as a factor on that of the ball.
-    pub radius: f64,
-    /// Rate of loading and unloading, mm/s.
-    pub rate_mm_per_s: f64,
-    /// Largest depth, mm; of a coupon, what it is shortened by.
-    pub depth_mm: f64,
-    /// Hold at the deepest point, s.
-    pub hold_s: f64,
-    /// Whether the way back is recorded.
-    pub unload: bool,
-    /// Presses on one spot.
-    pub cycles: usize,
-}
-
 /// Spots that a planned run is made on; coupons.
 const SPOTS: usize = 2;
 /// Time that a load stands on the sensor, s.
 const STANDING_S: f64 = 60.0;
-/// Samples a second that a planned run is recorded with.
-const SAMPLE_HZ: f64 = 50.0;
 /// Nodes of loading, hold and way back.
 const NODES: (usize, usize, usize) = (30, 12, 20);
 /// Proposals that are told.
@@ -290,11 +251,6 @@ impl Plan {
         }
         nodes
     }
-}
-
-fn significant(x: f64) -> f64 {
-    let digits = 10_f64.powf(1.0 - x.abs().max(1e-12).log10().floor());
-    (x * digits).round() / digits
 }
 
 /// Proposals, the best first: between rivals where there are several, else those that show what the design is blind to.

@@ -6,6 +6,7 @@ use nalgebra::DVector;
 
 use super::super::coordinate::{Candidate, Coordinate, coordinates};
 use super::super::fit::{Fit, Problem};
+use super::signature::starts;
 use super::{Search, allowed};
 
 /// Exponent from which a fit begins anew where the one before it may have been bent by what is missing.
@@ -14,20 +15,6 @@ const MIDDLE: f64 = 7.0;
 const STIFFER: f64 = 5.0;
 /// Starts of a candidate's parameters that are followed, the most promising first.
 const DESCENTS: usize = 2;
-
-pub(super) fn starts(candidate: &Candidate, of: impl Fn(&Quantity) -> Vec<f64>) -> Vec<Vec<f64>> {
-    let mut list = vec![Vec::new()];
-    for q in candidate.effect.quantities {
-        let values = of(q);
-        list = list
-            .into_iter()
-            .flat_map(|head: Vec<f64>| {
-                values.iter().map(move |v| head.iter().copied().chain([*v]).collect()).collect::<Vec<_>>()
-            })
-            .collect();
-    }
-    list
-}
 
 /// Where the search for a quantity begins: of an amplitude also close to nothing, since a start that is too large drives the base away; one that begins at nothing is there.
 fn beginnings(q: &Quantity, sizes: &Sizes) -> Vec<f64> {

@@ -1,12 +1,13 @@
 //! Which explanations hold, alone or with rivals that these data do not exclude.
 
-use super::super::{Progress, is_nameless};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::super::coordinate::{Candidate, Coordinate};
 use super::super::fit::{Fit, Problem};
+use super::super::progress::Progress;
 use super::before::Before;
+use super::nameless::is_nameless;
 use super::rounds::{SAME, SETTLES};
 use super::{Aim, Explanation, RATIO_100, Search, allowed, form_error, score, sorted};
 use crate::infer::presence::CHARGE;

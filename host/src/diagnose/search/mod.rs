@@ -2,17 +2,19 @@
 
 mod before;
 mod begin;
+mod explanation;
 mod form_error;
 mod held;
 mod left_out;
 mod nameless;
 mod rounds;
+mod signature;
 mod solve;
+mod state;
 
 use std::sync::OnceLock;
 
-use lut_gen::chain::Setting;
-use lut_gen::effect::{CATALOGUE, Owner, Sizes, Spread, relaxation, sensor_creep, thickness};
+use lut_gen::effect::{CATALOGUE, Owner, relaxation, sensor_creep, thickness};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -21,23 +23,24 @@ use super::coordinate::{Candidate, Coordinate, coordinates};
 use super::design::{Branch, Design};
 use super::evidence::{self, Adequacy, Panel, Spaces};
 use super::fit::{Fit, Problem, freedom};
-use super::margin::{self, Margin};
-use super::noise::{self, Curve, Noise, SensorNoise};
+use super::margin;
+use super::noise::{self, SensorNoise};
 use super::prepared::Prepared;
-use crate::infer::presence::CHARGE;
 use before::Before;
-use begin::starts;
+pub(super) use explanation::score;
+pub use explanation::{Explanation, RATIO_100};
+use explanation::{names, plain, sorted};
 pub(super) use form_error::form_error;
-use form_error::is_rough;
 pub use form_error::{allowed, form_error_range};
 pub(super) use held::Found;
 pub(super) use left_out::known_before;
 use left_out::left_out;
-pub(super) use nameless::rival;
+pub(super) use nameless::{is_nameless, rival};
+pub(super) use signature::changes;
+pub use signature::signature;
 use solve::Aim;
+pub use state::Search;
 
-/// Likelihood ratio of 100 as a difference of sums of squares.
-pub const RATIO_100: f64 = 9.21;
 /// Factor on the errors of effects ([`form_error`]) where the question is whether an explanation leaves more than noise: a tenth more than a strong effect's own error is no
 /// reason to call it unknown.
 const TOLERANT: f64 = 1.5;
@@ -49,93 +52,6 @@ const RIVAL: f64 = 0.25;
 const PARTNERS: usize = 6;
 /// Fits of several effects that are looked at closely, the best first.
 const JUDGED: usize = 12;
-
-/// A fit with what was found out about it.
-#[derive(Debug, Clone)]
-pub struct Explanation {
-    /// The fit.
-    pub fit: Fit,
-    /// What it leaves.
-    pub adequacy: Adequacy,
-    /// It beats the largest of the catalogue in clean twins.
-    pub beats_noise: bool,
-    /// It predicts left-out conditions better.
-    pub predicts: bool,
-    /// It beats placebo effects.
-    pub beats_placebo: bool,
-    /// By how much (sum of squares, parameters charged) it is likelier than what has no cause in its place.
-    pub beyond_causeless: f64,
-    /// By how much its last effect lowers the sum of squares, what those before it may be wrong by discounted.
-    pub gain: f64,
-}
-
-impl Explanation {
-    /// Sum of squares with the charge for parameters.
-    #[must_use]
-    pub fn score(&self) -> f64 {
-        score(&self.fit)
-    }
-
-    /// Every demand on a name is met.
-    #[must_use]
-    pub fn holds(&self) -> bool {
-        self.adequacy.passes() && self.qualifies()
-    }
-
-    /// True when no effect of it is written down roughly only.
-    #[must_use]
-    pub fn is_exact(&self) -> bool {
-        self.fit.candidates.iter().all(|c| !is_rough(c, &self.fit))
-    }
-
-    /// Every demand but that of an adequate residual.
-    #[must_use]
-    pub fn qualifies(&self) -> bool {
-        self.beats_noise && self.predicts && self.beats_placebo && !self.fit.at_bound && !self.fit.is_idle()
-    }
-}
-
-/// Sum of squares of a fit with the charge for its parameters, nothing allowed for.
-pub(super) fn plain(fit: &Fit) -> f64 {
-    fit.square + CHARGE * fit.coordinates.len() as f64
-}
-
-/// The same with what the effects may be wrong by allowed for and paid for, where that is likelier: an effect that is written down exactly needs no such freedom, and the price of that grows with all
-/// that it adds, not with what is seen of it.
-pub(super) fn score(fit: &Fit) -> f64 {
-    fit.discounted.min(fit.square) + CHARGE * fit.coordinates.len() as f64
-}
-
-/// Data, noise and base, with all that a search among effects needs of them.
-#[derive(Debug, Clone)]
-pub struct Search<'a> {
-    /// Data and model.
-    pub problem: Problem<'a>,
-    /// The noise.
-    pub noise: Noise,
-    /// Fit of the base.
-    pub base: Fit,
-    /// What the base predicts.
-    pub curves: Vec<Curve>,
-    /// Margins.
-    pub margins: Vec<Margin>,
-    /// What they measure in clean twins.
-    pub panel: Panel,
-    /// Clean twins.
-    pub twins: DMatrix<f64>,
-    /// What the base leaves.
-    pub adequacy: Adequacy,
-    /// Candidates that this design could have.
-    pub candidates: Vec<Candidate>,
-    /// Signature of every candidate at the base fit; behind them that of an elastic departure without a name.
-    pub signatures: Vec<DMatrix<f64>>,
-    /// What they hold of clean twins.
-    pub spaces: Spaces,
-    /// Score of the likeliest power law of relaxation, once it is asked for.
-    spectral: OnceLock<f64>,
-    /// The likeliest elastic departure without a name, once it is asked for.
-    elastic: OnceLock<Fit>,
-}
 
 impl<'a> Search<'a> {
     /// Of what is prepared.
@@ -249,31 +165,6 @@ pub fn candidates(design: &Design) -> Vec<Candidate> {
         }
     }
     list
-}
-
-/// What a plausible amount of a candidate changes, whitened: a column for every start of its shape.
-#[must_use]
-pub fn signature(problem: &Problem<'_>, at: &Fit, candidate: &Candidate) -> DMatrix<f64> {
-    changes(problem, at, candidate, shapes(&candidate.sizes(problem.design), candidate))
-}
-
-/// What a candidate changes at each of some values of its quantities, whitened, a column each.
-pub(super) fn changes(problem: &Problem<'_>, at: &Fit, candidate: &Candidate, each: Vec<Vec<f64>>) -> DMatrix<f64> {
-    let here = problem.residual(&at.model);
-    let column = |values| {
-        let mut model = at.model.clone();
-        model.settings.push(Setting { effect: candidate.effect, owner: candidate.owner, values });
-        &here - problem.residual(&model)
-    };
-    DMatrix::from_columns(&each.into_iter().map(column).collect::<Vec<DVector<f64>>>())
-}
-
-/// Plausible amplitudes with every start of the shape parameters.
-fn shapes(sizes: &Sizes, candidate: &Candidate) -> Vec<Vec<f64>> {
-    starts(candidate, |q| match q.spread {
-        Spread::Even => vec![q.scaled(q.plausible, sizes)],
-        Spread::Logarithmic => q.starts.to_vec(),
-    })
 }
 
 impl Search<'_> {
@@ -445,13 +336,6 @@ impl Search<'_> {
     }
 }
 
-/// What a fit's effects are, whatever their form.
-fn names(fit: &Fit) -> Vec<(&'static str, usize)> {
-    let mut names: Vec<_> = fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect();
-    names.sort_unstable();
-    names
-}
-
 /// True where a simpler form of the same effects is no worse, parameters charged: what the richer one has beyond it is nothing.
 fn is_idle_form(fit: &Fit, simpler: &Fit) -> bool {
     simpler.x.len() < fit.x.len() && plain(simpler) <= plain(fit) && names(simpler) == names(fit)
@@ -460,27 +344,4 @@ fn is_idle_form(fit: &Fit, simpler: &Fit) -> bool {
 /// A candidate that is not yet among a fit's, nor another form of one of them.
 fn other(candidate: &Candidate, fit: &Fit) -> bool {
     !fit.candidates.iter().any(|c| c.effect.code == candidate.effect.code)
-}
-
-fn sorted(mut list: Vec<Explanation>) -> Vec<Explanation> {
-    list.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    list
-}
-
-/// The base fitted from several exponents.
-#[must_use]
-pub fn base_fit(problem: &Problem<'_>, peak_mpa: f64) -> Fit {
-    const ALPHAS: [f64; 3] = [4.0, 9.0, 16.0];
-    let list = coordinates(problem.design, &[]);
-    let fits = ALPHAS.par_iter().map(|alpha| {
-        let x = DVector::from_fn(list.len(), |i, _| match list[i] {
-            Coordinate::LnMu => peak_mpa.ln(),
-            Coordinate::LnAlpha => alpha.ln(),
-            _ => 0.0,
-        });
-        problem.fit(&[], &x)
-    });
-    let mut fits: Vec<Fit> = fits.collect();
-    fits.sort_by(|a, b| a.square.total_cmp(&b.square));
-    fits.swap_remove(0)
 }

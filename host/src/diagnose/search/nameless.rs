@@ -34,6 +34,11 @@ pub(super) fn departure(problem: &Problem<'_>, at: &Fit) -> DMatrix<f64> {
     changes(problem, at, &NAMELESS, (0..quantities.len()).map(alone).collect())
 }
 
+/// True where a departure without a name explains the data about as well, by [`Search::beyond_nameless`].
+pub(in crate::diagnose) fn is_nameless(beyond: Option<f64>) -> bool {
+    beyond.is_some_and(|by| by <= 0.0)
+}
+
 /// Likelihood ratios of 3 and of 10 as differences of sums of squares.
 const RATIO_3: f64 = 2.2;
 const RATIO_10: f64 = 4.6;

@@ -10,9 +10,9 @@ use lut_gen::effect::Kind;
 use serde_json::{Value, json};
 
 use super::coordinate::Candidate;
+use super::finding::Verdict;
 use super::fit::{explained, freedom};
 use super::search::{Explanation, Search};
-use super::verdict::Verdict;
 use crate::infer::compare::{Beliefs, Set};
 use crate::infer::evidence::{Discrepancy, Sizes};
 use weigh::Weighed;
