@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use crate::experiment::{Recording, Run};
 
-use super::super::design::{Branch, Node, even, growing, node};
+use super::super::design::windows::{Branch, Node, even, growing, node};
 use super::super::scatter::{Jitter, SensorNoise};
 use super::super::variable::Variable;
 

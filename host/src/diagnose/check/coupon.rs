@@ -10,7 +10,8 @@ use crate::experiment::motion::{self, Motion};
 use crate::experiment::{BaseLaw, Experiment, Recording, Run, Test};
 use crate::identify::contact;
 
-use super::super::design::{Branch, LEAST_SAMPLES, MEANT_MM, Node, even, growing, lift, node};
+use super::super::design::usable::{LEAST_SAMPLES, MEANT_MM};
+use super::super::design::windows::{Branch, Node, even, growing, lift, node};
 use super::super::scatter::{Jitter, SensorNoise};
 use super::super::variable::Variable;
 

@@ -1,7 +1,7 @@
 //! What was done in an experiment, and its data thinned to nodes.
 
-mod usable;
-mod windows;
+pub(super) mod usable;
+pub(super) mod windows;
 
 use lut_gen::chain::{Geometry, Passage, RUBBER_NU, Window};
 use lut_gen::effect::{Effect, Owner, Sizes};
@@ -12,10 +12,9 @@ use nalgebra::{DMatrix, DVector};
 use super::Refusal;
 use super::check::{self, Check};
 use crate::experiment::{Base, BaseLaw, Experiment};
-pub(super) use usable::{LEAST_SAMPLES, MEANT_MM};
-use usable::{Raw, contacts, raw_runs};
+pub(super) use usable::LEAST_SAMPLES;
+use usable::{MEANT_MM, Raw, contacts, raw_runs};
 pub use windows::{Branch, Node};
-pub(super) use windows::{even, growing, lift, node};
 use windows::{nodes, path};
 
 /// Rates that differ by less than this share are one rate.

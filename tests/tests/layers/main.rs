@@ -1,8 +1,12 @@
 //! What the sources may import, and that inference is written once.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod imports;
+
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use imports::Crate;
 
 /// Every source file of the host below a folder, without its test modules: path from `host/src`, and text.
 fn sources(below: &str) -> Vec<(String, String)> {
@@ -124,4 +128,29 @@ fn there_is_one_optimiser_of_sums_of_squares_and_one_low_rank_step() {
     let kept: String = sources("infer").into_iter().map(|(_, code)| plain(&code)).collect();
     // the marks are those of what is there: a search for what nobody writes would find nothing
     assert!(kept.contains(marks[0]) && kept.contains(marks[2]));
+}
+
+#[test]
+fn an_arrow_leads_to_the_file_that_defines_a_name() {
+    let file = |module: &[&str], text: &str| (module.iter().map(ToString::to_string).collect(), text.to_owned());
+    let circles = |texts: Vec<(Vec<String>, String)>| Crate::of(texts).circles();
+    let face = || file(&[], "mod a; mod b; pub use a::One; pub fn run() { b::go(); }");
+    let a = || file(&["a"], "pub struct One; #[cfg(test)] mod tests { use super::super::b::go; }");
+    // What the face passes on is not its own, nor are names of tests arrows.
+    assert_eq!(circles(vec![face(), a(), file(&["b"], "use crate::One; pub fn go() {}")]), [[""; 0]; 0]);
+    assert_eq!(circles(vec![face(), a(), file(&["b"], "pub fn go() { crate::run() }")]), [["", "b"]]);
+    let b = file(&["b"], "use super::a; pub(in crate::a) fn go() -> a::One { a::One }");
+    assert_eq!(circles(vec![face(), file(&["a"], "use crate::b; pub struct One;"), b]), [["a", "b"]]);
+}
+
+/// Two files may need each other; a longer circle has no ground floor to begin reading at.
+#[test]
+fn no_circle_of_imports_holds_more_than_two_files() {
+    for folder in ["host/src", "lut-gen/src"] {
+        let circles = Crate::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder)).circles();
+        let longer: Vec<&Vec<String>> = circles.iter().filter(|circle| circle.len() > 2).collect();
+        assert!(longer.is_empty(), "{folder}: {longer:?}");
+        // Nothing found at all would be a search that finds nothing.
+        assert!(!circles.is_empty(), "{folder}");
+    }
 }
