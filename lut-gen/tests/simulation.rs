@@ -327,3 +327,26 @@ fn the_force_of_a_limp_block_is_smooth_in_its_exponent() {
         }
     }
 }
+
+/// So does an elastic press, from which solves are joined: second differences of `ln F / d^1.5` at its nodes are
+/// rounding and what equilibria to 1e-5 leave, where steps by effort jumped by 0.7 %.
+#[test]
+fn a_press_is_smooth_in_its_exponent() {
+    let ramp = |step: usize| -> Vec<f64> {
+        let meat: Material = Ogden::one_term(1.0, 12.44 + 0.02 * step as f64, 0.2929).unwrap().into();
+        let case = Simulation {
+            specimen: Specimen::of_height(11.5),
+            ball: Ball { radius_mm: 5.0 },
+            resolution: Resolution::Standard,
+            ..block(meat, Motion::ramp(3.9, 1.0))
+        };
+        case.press(&[]).unwrap().ramp
+    };
+    let ramps: Vec<Vec<f64>> = (0..7).map(ramp).collect();
+    for three in ramps.windows(3) {
+        let [a, b, c] = three else { panic!("{three:?}") };
+        for ((a, b), c) in a.iter().zip(b).zip(c) {
+            assert!((c - 2.0 * b + a).abs() < 1e-4, "{}", c - 2.0 * b + a);
+        }
+    }
+}

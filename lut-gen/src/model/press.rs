@@ -78,7 +78,7 @@ impl Simulation {
         let (ramp_alone, depth_max_mm, hold_s) = self.ramp_and_hold()?;
         let mut tracker = Tracker::new(parameters);
         let refinement = self.resolution.finest();
-        let (path, unknowns) = self.path(refinement, &mut tracker)?;
+        let (path, unknowns) = self.smooth_path(refinement, &mut tracker)?;
         let record = Record::new(path);
         let slopes = tracker.finish();
         let (profile, scatter) = ramp_alone.ramp_profile(&record, depth_max_mm, refinement);

@@ -44,8 +44,9 @@ const LEAST_STRETCH: f64 = 0.25;
 /// penalty lets a thin or low-exponent surface slide off the ball's flank.
 const STIFFER: f64 = 4.0;
 const ATTEMPTS: i32 = 3;
-/// Residual of an equilibrium that is remembered, as part of the contact force: it costs one correction more.
-const REMEMBERED: f64 = 1e-5;
+/// Residual of an equilibrium that is remembered or compared with its neighbours', as part of the contact force: it
+/// costs one correction more.
+const SMOOTH: f64 = 1e-5;
 /// Steps of a material that relaxes are so many times shorter: the stress is a straight line in time over one. What
 /// that leaves of the force at the end of a ramp over six relaxation times falls from 0.29 to 0.09 %, at the same cost.
 const FINER_IN_TIME: usize = 2;
@@ -196,10 +197,26 @@ impl Simulation {
     /// Solves on the mesh of one refinement, with a stiffer penalty if need be; also returns the
     /// number of unknowns.
     pub(super) fn path(&self, refinement: f64, observer: &mut impl Watcher) -> Result<(Path, usize), SolveError> {
+        let remembers = !self.material.is_elastic() || self.interface.friction > 0.0;
+        self.solved(refinement, remembers, observer)
+    }
+
+    /// The same so that forces move smoothly with every parameter.
+    pub(super) fn smooth_path(
+        &self,
+        refinement: f64,
+        observer: &mut impl Watcher,
+    ) -> Result<(Path, usize), SolveError> {
+        self.solved(refinement, true, observer)
+    }
+
+    fn solved(&self, refinement: f64, smooth: bool, observer: &mut impl Watcher) -> Result<(Path, usize), SolveError> {
         self.check()?;
         let mesh = self.mesh(refinement);
-        let stepping = self.stepping(refinement);
-        let newton = self.newton();
+        let stepping = Stepping { planned: smooth, ..self.stepping(refinement) };
+        // What an equilibrium leaves out of balance is carried on where something remembers, and seen between neighbours.
+        let plain = Newton::default();
+        let newton = if smooth { Newton { tolerance: SMOOTH, ..plain } } else { plain };
         let mut outcome = self.follow(&mesh, 1.0, newton, stepping, observer);
         for attempt in 1..ATTEMPTS {
             if outcome.is_ok() {
@@ -209,14 +226,6 @@ impl Simulation {
             outcome = self.follow(&mesh, STIFFER.powi(attempt), newton, stepping, observer);
         }
         outcome
-    }
-
-    /// How exact equilibria are. Where something remembers, what one leaves out of balance is carried on: the force
-    /// in a hold of a limp block jumped by 0.3 % between neighbouring exponents, by 1e-5 with this.
-    fn newton(&self) -> Newton {
-        let plain = Newton::default();
-        let remembers = !self.material.is_elastic() || self.interface.friction > 0.0;
-        if remembers { Newton { tolerance: REMEMBERED, ..plain } } else { plain }
     }
 
     /// Steps of a path. A force waves as the contact's edge crosses one mesh line after the other, and stations that are no closer than the lines tell a slow wave that is none: those of an elastic

@@ -268,11 +268,12 @@ impl Course<'_> {
         Some((next, used))
     }
 
-    /// True where steps must not follow the effort: something remembers them. An adhesive contact's jumps ask for
-    /// ever shorter ones, and a prescribed force for those that its depth allows.
+    /// True where steps must not follow the effort: it is asked for, or something remembers them. An adhesive
+    /// contact's jumps ask for ever shorter ones, and a prescribed force for those that its depth allows.
     fn is_planned(&self, segment: &Segment) -> bool {
         let by_depth = matches!(segment.end, Target::DepthMm(_));
-        by_depth && remembers(self.system, self.material) && self.adhesion_range_mm().is_none()
+        let moved = self.stepping.planned || remembers(self.system, self.material);
+        by_depth && moved && self.adhesion_range_mm().is_none()
     }
 
     fn adhesion_range_mm(&self) -> Option<f64> {

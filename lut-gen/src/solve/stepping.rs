@@ -26,6 +26,9 @@ pub struct Stepping {
     /// Time in which the stress moves while the ball is held (s), the material's shortest
     /// relaxation time unless given: steps of a hold start at a tenth of it.
     pub settling_s: Option<f64>,
+    /// Steps end where no effort moves them, also where nothing remembers: forces are compared with those of other
+    /// parameters.
+    pub planned: bool,
 }
 
 /// Steps of a hold grow by this factor: the stress moves like a sum of exponentials.
@@ -47,6 +50,7 @@ impl Stepping {
             factorisations: 2000,
             radius_mm,
             settling_s: None,
+            planned: false,
         }
     }
 
