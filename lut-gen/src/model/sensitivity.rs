@@ -156,7 +156,9 @@ impl Observer for Tracker {
         for track in &mut self.tracks {
             track.advance(at, matrix, &rate).ok_or_else(lost)?;
         }
-        self.stations.push(at.station);
+        if !at.station.between {
+            self.stations.push(at.station);
+        }
         Ok(())
     }
 }
@@ -194,9 +196,11 @@ impl Track {
             return None;
         }
         self.history.clone_from(&self.state.history);
-        self.raw.push(self.state.sum.force_n.derivative());
-        self.energy.push(self.state.sum.penalty_energy);
-        self.depth.push(step.depth_mm);
+        if !at.station.between {
+            self.raw.push(self.state.sum.force_n.derivative());
+            self.energy.push(self.state.sum.penalty_energy);
+            self.depth.push(step.depth_mm);
+        }
         Some(())
     }
 }

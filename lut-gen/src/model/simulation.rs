@@ -45,8 +45,8 @@ const LEAST_STRETCH: f64 = 0.25;
 const STIFFER: f64 = 4.0;
 const ATTEMPTS: i32 = 3;
 /// Residual of an equilibrium that is remembered or compared with its neighbours', as part of the contact force: it
-/// costs one correction more.
-const SMOOTH: f64 = 1e-5;
+/// costs two or three corrections by the old factor more.
+const SMOOTH: f64 = 1e-8;
 /// Steps of a material that relaxes are so many times shorter: the stress is a straight line in time over one. What
 /// that leaves of the force at the end of a ramp over six relaxation times falls from 0.29 to 0.09 %, at the same cost.
 const FINER_IN_TIME: usize = 2;

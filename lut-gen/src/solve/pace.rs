@@ -49,6 +49,11 @@ impl Pace {
         ends(even(self.step, rest), rest, plan.goal)
     }
 
+    /// True where a planned step goes on beyond a place.
+    pub(super) fn is_between(&self, to: f64) -> bool {
+        self.plan.is_some_and(|plan| to < plan.goal)
+    }
+
     /// After a step that was taken, to `done`, with so many factorisations.
     pub(super) fn taken(&mut self, take: f64, done: f64, used: usize, stepping: &Stepping) {
         let Some(plan) = &mut self.plan else {

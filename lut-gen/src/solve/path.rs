@@ -37,12 +37,14 @@ pub struct Station {
     pub stable: bool,
     /// True when no equilibrium led here: an adhesive contact snapped in or off since the station before.
     pub jumped: bool,
+    /// True inside a planned step that was taken in pieces: one to pass through, not one to look at.
+    pub between: bool,
 }
 
 /// A solved path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
-    /// Equilibria in order of time, without the one at the motion's start.
+    /// Equilibria in order of time, without the one at the motion's start; of planned steps their ends.
     pub stations: Vec<Station>,
     /// True when material or contact remember: at one depth the force is another on the way back.
     pub remembers: bool,
@@ -106,6 +108,17 @@ pub struct Course<'a> {
     pub hertz: f64,
     /// Names the case in errors.
     pub label: &'a str,
+}
+
+/// What kind of step is taken.
+#[derive(Debug, Clone, Copy)]
+struct Kind {
+    /// What is prescribed stays.
+    held: bool,
+    /// An adhesive contact may jump.
+    jumps: bool,
+    /// A piece of a planned step, not its last.
+    between: bool,
 }
 
 /// Where the path stands.
@@ -182,7 +195,8 @@ impl Course<'_> {
             };
             let held = from == end;
             let jumps = take < JUMPING * self.stepping.smallest && to < 1.0 && self.adhesion_range_mm().is_some();
-            match self.step(index, held, control, jumps, take * segment.duration_s, here, w, observer, out)? {
+            let kind = Kind { held, jumps, between: pace.is_between(to) };
+            match self.step(index, kind, control, take * segment.duration_s, here, w, observer, out)? {
                 Some(used) => {
                     done = to;
                     here.time_s = start_s + done * segment.duration_s;
@@ -217,9 +231,8 @@ impl Course<'_> {
     fn step(
         &self,
         segment: usize,
-        held: bool,
+        Kind { held, jumps, between }: Kind,
         control: Control,
-        jumps: bool,
         dt_s: f64,
         here: &mut Here,
         w: &mut Workspace,
@@ -235,7 +248,7 @@ impl Course<'_> {
         let jumped = self.adhesion_range_mm().is_some_and(|range| Newton::is_jump(range, &here.at, &next));
         let by_force = problem.by_force();
         let reached = self.station(segment, here.time_s + dt_s, next.depth_mm, w);
-        let station = Station { jumped, held, by_force, ..reached };
+        let station = Station { jumped, held, by_force, between, ..reached };
         observer.accepted(&Accepted {
             system: self.system,
             step: &step,
@@ -244,7 +257,9 @@ impl Course<'_> {
             state: &w.state,
             station,
         })?;
-        out.stations.push(station);
+        if !between {
+            out.stations.push(station);
+        }
         here.force_n = station.force_n;
         here.at = next;
         here.history.clone_from(&w.state.history);
@@ -323,6 +338,7 @@ impl Course<'_> {
             by_force: false,
             stable: w.matrix.is_definite(),
             jumped: false,
+            between: false,
         }
     }
 
