@@ -73,6 +73,8 @@ pub struct Workspace {
     /// Residual that the rounding of positions leaves (N).
     rounding: f64,
     factored: bool,
+    /// The factor is that of a place where no equilibrium was found: its tangent leads nowhere.
+    astray: bool,
     /// Corrections so far.
     pub iterations: usize,
     /// Factorisations so far.
@@ -95,6 +97,7 @@ impl Workspace {
             scale: 0.0,
             rounding: 0.0,
             factored: false,
+            astray: false,
             iterations: 0,
             factorisations: 0,
         })
@@ -127,9 +130,20 @@ impl Workspace {
             return false;
         }
         self.factorisations += 1;
+        self.astray = false;
         self.rounding = ROUNDING_OF_POSITIONS * self.matrix.diagonal_norm() * problem.system.height_mm();
         self.rated = false;
         true
+    }
+
+    /// No equilibrium was found: the next step begins with the stiffness where the last one was.
+    pub(super) fn went_astray(&mut self) {
+        self.astray = true;
+    }
+
+    /// True where [`Workspace::went_astray`] was called since the last factorisation.
+    pub(super) fn is_astray(&self) -> bool {
+        self.astray
     }
 
     /// The factor is no longer one of a stiffness to correct with.

@@ -241,7 +241,10 @@ impl Course<'_> {
     ) -> Result<Option<usize>, SolveError> {
         let problem = Problem { system: self.system, material: self.material, old: &here.history, dt_s, control };
         let found = if jumps { self.fallen(&problem, here, w) } else { self.led(&problem, here, w) };
-        let Some((next, used)) = found else { return Ok(None) };
+        let Some((next, used)) = found else {
+            w.went_astray();
+            return Ok(None);
+        };
         let relaxation = self.material.relaxation(dt_s);
         let step = Step { material: self.material, relaxation, old: &here.history, depth_mm: next.depth_mm };
         // Newton's method, too, may find the branch beyond the end of this one
@@ -269,6 +272,9 @@ impl Course<'_> {
     /// The next equilibrium along the path. With adhesion it must be stable: an unstable one is
     /// on a branch that no experiment follows.
     fn led(&self, problem: &Problem, here: &Here, w: &mut Workspace) -> Option<(Configuration, usize)> {
+        if w.is_astray() && !self.newton.refactorise(problem, &here.at, w) {
+            return None;
+        }
         let mut next = self.ahead(problem, here, w)?;
         let used = self.newton.equilibrate(problem, &mut next, w)?;
         let stable = self.adhesion_range_mm().is_none() || self.newton.is_stable(problem, &next, w);
