@@ -57,7 +57,7 @@ pub struct Quantity {
     pub low: f64,
     /// Largest value.
     pub high: f64,
-    /// Standard deviation about the null value of what is there and nobody sees; 0 for a shape parameter. Where it comes from: [`Effect::prior`].
+    /// Standard deviation about the null value of what is there and nobody sees; 0 for a shape parameter. Where it comes from: `Effect::prior` of the catalogue.
     pub prior: f64,
     /// An amount that laboratories meet; what a design cannot see of it is listed as a blind spot.
     pub plausible: f64,

@@ -3,7 +3,7 @@
 //! An elastic law is an energy per unit reference volume `U(l1, l2, l3)` (MPa = N/mm^2) that is
 //! symmetric in the principal stretches: [`Hyperfoam`], [`Ogden`], [`Hencky`]. A [`Material`]
 //! is one of them, relaxing by a [`PronyTerm`] series, softening by [`OgdenRoxburgh`] and expanded by heat or not.
-//! Everything is written over [`Real`], so that the same code carries derivatives by parameters.
+//! Everything is written over [`Real`](crate::scalar::Real), so that the same code carries derivatives by parameters.
 
 mod elastic;
 mod energy;
