@@ -301,6 +301,16 @@ fn senseless_motions_are_refused_by_name() {
     assert_eq!(rough.solve().unwrap_err().to_string(), "friction = -0.1 must lie in 0..2");
 }
 
+/// A block of meat's size under a ball of 5 mm, on the mesh that fits use.
+fn under_ball(height_mm: f64, material: Material, motion: Motion) -> Simulation {
+    Simulation {
+        specimen: Specimen::of_height(height_mm),
+        ball: Ball { radius_mm: 5.0 },
+        resolution: Resolution::Standard,
+        ..block(material, motion)
+    }
+}
+
 /// What remembers its path moves smoothly with every parameter: steps end where no effort moves them. Third differences
 /// of the force over the exponent are what jumps leave; those of a smooth force fall with the cube of the step.
 #[test]
@@ -308,13 +318,8 @@ fn the_force_of_a_limp_block_is_smooth_in_its_exponent() {
     let series = vec![PronyTerm { g: 0.48, k: 0.97, tau_s: 0.667 }];
     let force = |step: usize| -> Vec<f64> {
         let limp: Material = Ogden::one_term(1.0, 15.8 + 0.02 * step as f64, 0.2166).unwrap().into();
-        let case = Simulation {
-            specimen: Specimen::of_height(11.8),
-            ball: Ball { radius_mm: 5.0 },
-            resolution: Resolution::Standard,
-            ..block(limp.relaxing(series.clone()).unwrap(), Motion::ramp(4.17, 1.0).hold(10.0))
-        };
-        let record = case.solve().unwrap();
+        let motion = Motion::ramp(4.17, 1.0).hold(10.0);
+        let record = under_ball(11.8, limp.relaxing(series.clone()).unwrap(), motion).solve().unwrap();
         [2.0, 4.17, 5.0, 14.0].map(|time_s| record.force_at(time_s).ln()).to_vec()
     };
     let forces: Vec<Vec<f64>> = (0..7).map(force).collect();
@@ -334,13 +339,7 @@ fn the_force_of_a_limp_block_is_smooth_in_its_exponent() {
 fn a_press_is_smooth_in_its_exponent() {
     let ramp = |step: usize| -> Vec<f64> {
         let meat: Material = Ogden::one_term(1.0, 12.44 + 0.02 * step as f64, 0.2929).unwrap().into();
-        let case = Simulation {
-            specimen: Specimen::of_height(11.5),
-            ball: Ball { radius_mm: 5.0 },
-            resolution: Resolution::Standard,
-            ..block(meat, Motion::ramp(3.9, 1.0))
-        };
-        case.press(&[]).unwrap().ramp
+        under_ball(11.5, meat, Motion::ramp(3.9, 1.0)).press(&[]).unwrap().ramp
     };
     let ramps: Vec<Vec<f64>> = (0..7).map(ramp).collect();
     for three in ramps.windows(3) {

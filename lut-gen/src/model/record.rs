@@ -170,7 +170,6 @@ mod tests {
             by_force: false,
             stable: true,
             jumped: false,
-            between: false,
         };
         let energy = |depth_mm: f64| (1.0 + depth_mm).powi(2) * 1e-6;
         let path = |depths: &[f64]| Path {

@@ -156,7 +156,7 @@ impl Observer for Tracker {
         for track in &mut self.tracks {
             track.advance(at, matrix, &rate).ok_or_else(lost)?;
         }
-        if !at.station.between {
+        if !at.between {
             self.stations.push(at.station);
         }
         Ok(())
@@ -196,7 +196,7 @@ impl Track {
             return None;
         }
         self.history.clone_from(&self.state.history);
-        if !at.station.between {
+        if !at.between {
             self.raw.push(self.state.sum.force_n.derivative());
             self.energy.push(self.state.sum.penalty_energy);
             self.depth.push(step.depth_mm);

@@ -21,9 +21,12 @@ struct Plan {
     goal: f64,
 }
 
-/// A step of a length, or all of the rest: two equal steps rather than a full one and a sliver.
-fn even(length: f64, rest: f64) -> f64 {
-    if length >= rest { rest } else { length.min(0.5 * rest) }
+/// Length and end of a step on the way to a goal: of a length, or all of the rest; two equal steps rather than a full
+/// one and a sliver.
+fn toward(goal: f64, done: f64, length: f64) -> (f64, f64) {
+    let rest = goal - done;
+    let take = if length >= rest { rest } else { length.min(0.5 * rest) };
+    (take, if take == rest { goal } else { done + take })
 }
 
 impl Pace {
@@ -35,18 +38,14 @@ impl Pace {
 
     /// Length and end of the next step, of which `longest` is allowed at `done`.
     pub(super) fn next(&mut self, done: f64, longest: f64) -> (f64, f64) {
-        let ends = |take: f64, rest: f64, goal: f64| (take, if take == rest { goal } else { done + take });
         let Some(plan) = &mut self.plan else {
             self.step = f64::min(self.step, longest);
-            return ends(even(self.step, 1.0 - done), 1.0 - done, 1.0);
+            return toward(1.0, done, self.step);
         };
         if done >= plan.goal {
-            let length = even(plan.length.min(longest), 1.0 - done);
-            plan.goal = if length == 1.0 - done { 1.0 } else { done + length };
-            plan.length = length;
+            (plan.length, plan.goal) = toward(1.0, done, plan.length.min(longest));
         }
-        let rest = plan.goal - done;
-        ends(even(self.step, rest), rest, plan.goal)
+        toward(plan.goal, done, self.step)
     }
 
     /// True where a planned step goes on beyond a place.
@@ -56,17 +55,14 @@ impl Pace {
 
     /// After a step that was taken, to `done`, with so many factorisations.
     pub(super) fn taken(&mut self, take: f64, done: f64, used: usize, stepping: &Stepping) {
-        let Some(plan) = &mut self.plan else {
-            self.step = take * stepping.stretch(used);
-            return;
-        };
-        if done < plan.goal {
-            self.step = take * stepping.stretch(used);
-            return;
+        match &mut self.plan {
+            // Where it took pieces the next is tried as a whole all the same: what one hard place asks for ends with it.
+            Some(plan) if done >= plan.goal => {
+                plan.length *= stepping.growth;
+                self.step = f64::INFINITY;
+            }
+            _ => self.step = take * stepping.stretch(used),
         }
-        // Where it took pieces the next is tried as a whole all the same: what one hard place asks for ends with it.
-        plan.length *= stepping.growth;
-        self.step = f64::INFINITY;
     }
 
     /// After one that has to be shorter; its new length.

@@ -37,8 +37,6 @@ pub struct Station {
     pub stable: bool,
     /// True when no equilibrium led here: an adhesive contact snapped in or off since the station before.
     pub jumped: bool,
-    /// True inside a planned step that was taken in pieces: one to pass through, not one to look at.
-    pub between: bool,
 }
 
 /// A solved path.
@@ -70,6 +68,8 @@ pub struct Accepted<'a> {
     pub state: &'a State,
     /// The equilibrium in numbers.
     pub station: Station,
+    /// True inside a planned step that was taken in pieces: one to pass through, no station of the path.
+    pub between: bool,
 }
 
 /// Follows a path and takes what it needs from every equilibrium.
@@ -251,7 +251,7 @@ impl Course<'_> {
         let jumped = self.adhesion_range_mm().is_some_and(|range| Newton::is_jump(range, &here.at, &next));
         let by_force = problem.by_force();
         let reached = self.station(segment, here.time_s + dt_s, next.depth_mm, w);
-        let station = Station { jumped, held, by_force, between, ..reached };
+        let station = Station { jumped, held, by_force, ..reached };
         observer.accepted(&Accepted {
             system: self.system,
             step: &step,
@@ -259,6 +259,7 @@ impl Course<'_> {
             u: &next.u,
             state: &w.state,
             station,
+            between,
         })?;
         if !between {
             out.stations.push(station);
@@ -344,7 +345,6 @@ impl Course<'_> {
             by_force: false,
             stable: w.matrix.is_definite(),
             jumped: false,
-            between: false,
         }
     }
 

@@ -27,8 +27,9 @@ const LEAST: f64 = -3.0;
 
 /// The base, what was tried, and what the evidence leads to from there, weighed.
 pub(super) fn led(search: &Search<'_>, tried: &[&Explanation], discrepancy: &Discrepancy) -> Vec<Weighed> {
+    // Some were tried in another noise.
     let first: Vec<&Fit> = std::iter::once(&search.base).chain(tried.iter().map(|e| &e.fit)).collect();
-    let mut all: Vec<Weighed> = first.par_iter().filter_map(|fit| Weighed::of(search, fit, discrepancy)).collect();
+    let mut all: Vec<Weighed> = first.par_iter().filter_map(|fit| Weighed::again(search, fit, discrepancy)).collect();
     for count in 0..MOST {
         let parents = parents(&all, count);
         let partners = |at: &usize| -> Vec<(usize, Candidate)> {
@@ -46,8 +47,7 @@ pub(super) fn led(search: &Search<'_>, tried: &[&Explanation], discrepancy: &Dis
             }
         }
         let fitted = wanted.par_iter().filter_map(|(parent, candidate)| {
-            let fit = search.extended(&all[*parent].fit, candidate);
-            Weighed::of(search, &fit, discrepancy)
+            Weighed::of(search, search.extended(&all[*parent].fit, candidate), discrepancy)
         });
         let fitted: Vec<Weighed> = fitted.collect();
         all.extend(fitted);

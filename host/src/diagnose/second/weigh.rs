@@ -24,11 +24,15 @@ pub(super) struct Weighed {
 }
 
 impl Weighed {
-    /// Of a fit, which may have been made in another noise; none where it has no evidence.
-    pub fn of(search: &Search<'_>, fit: &Fit, discrepancy: &Discrepancy) -> Option<Self> {
-        let own = Problem { whole: fit.model.whole.clone(), ..search.problem.clone() };
-        let fit = own.at(&fit.candidates, &fit.x, &Fold::none());
-        let known = form_error(&own, &fit);
+    /// Of a fit that was made in another noise; none where it has no evidence.
+    pub fn again(search: &Search<'_>, fit: &Fit, discrepancy: &Discrepancy) -> Option<Self> {
+        let here = beside_its_solve(search, fit).at(&fit.candidates, &fit.x, &Fold::none());
+        Self::of(search, here, discrepancy)
+    }
+
+    /// Of a fit in the noise of a search.
+    pub fn of(search: &Search<'_>, fit: Fit, discrepancy: &Discrepancy) -> Option<Self> {
+        let known = form_error(&beside_its_solve(search, &fit), &fit);
         let evidence = evidence(&linearised(&fit, &known), discrepancy)?;
         let odds: f64 = fit.candidates.iter().map(|c| log_odds(c, &search.candidates)).sum();
         let log = evidence.log + odds;
@@ -39,6 +43,11 @@ impl Weighed {
     pub fn linearised(&self) -> Linearised<'_> {
         linearised(&self.fit, &self.known)
     }
+}
+
+/// The problem with the finite elements that a fit is near to.
+fn beside_its_solve<'a>(search: &Search<'a>, fit: &Fit) -> Problem<'a> {
+    Problem { whole: fit.model.whole.clone(), ..search.problem.clone() }
 }
 
 fn linearised<'a>(fit: &'a Fit, known: &'a DMatrix<f64>) -> Linearised<'a> {
