@@ -176,6 +176,13 @@ impl Stand {
         let (parameters, of_noise) = (about(fit.base()), about(fit.base_of_noise()));
         Self { plain, parameters, of_noise, unseen: fit.unseen.clone(), curves }
     }
+
+    /// Widens the intervals to hold others as well.
+    fn reach(&mut self, others: &[(f64, f64); 2]) {
+        for ((_, (low, high)), (least, most)) in self.parameters.iter_mut().zip(others) {
+            (*low, *high) = (low.min(*least), high.max(*most));
+        }
+    }
 }
 
 impl Evidence {
@@ -183,7 +190,10 @@ impl Evidence {
     #[must_use]
     pub fn extended(&self) -> Option<[Estimate; 2]> {
         let best = self.after.as_ref().filter(|_| !self.held.is_empty())?.parameters;
-        Some(self.held.iter().map(|e| e.fit.base()).fold(best, holding))
+        let of_noise = self.held.iter().map(|e| e.fit.base()).fold(best, holding);
+        let Some(second) = &self.second else { return Some(of_noise) };
+        let others = std::array::from_fn(|i| (of_noise[i].0, second.intervals[i]));
+        Some(holding(of_noise, others))
     }
 
     /// The same with the intervals that noise alone makes.
@@ -391,7 +401,12 @@ impl Diagnosis {
             slipping: fault::slipping(&self.faults, design.series.len()),
             nameless: held.first().filter(|_| is_nameless(beyond_nameless)).map(|best| search::rival(best, &design)),
         };
+        let (is_regular, spoils) = (seen.is_regular(), seen.spoils());
         verdict::conclude(self, experiment, seen, &held, held_out.as_ref());
+        let mut second = second;
+        if let Some(second) = second.as_mut().filter(|_| !is_regular) {
+            second.beside_irregular(spoils);
+        }
         // what finite elements did not find cannot be seen
         let unseen = missing.into_iter().filter(|code| !self.findings.iter().any(|f| f.code == *code));
         for code in unseen.collect::<Vec<_>>() {
@@ -402,7 +417,10 @@ impl Diagnosis {
         let compared_square = search.base.square;
         let mut first = first;
         first.base.unseen = unseen::widening(&first.problem, &first.base);
-        let before = Stand::of(&design, &chain, &first.base);
+        let mut before = Stand::of(&design, &chain, &first.base);
+        if let Some(second) = second.as_ref().filter(|_| !self.is_named()) {
+            before.reach(&second.intervals);
+        }
         let after = best.map(|e| Stand::of(&design, &chain, &e.fit));
         // a noise that was told about what does not hold may leave the base anywhere
         let shown = if held.is_empty() { first } else { search };

@@ -55,6 +55,14 @@ impl<'a> Plainly<'a> {
         self.best_of(&|series| !series.hold_out)
     }
 
+    /// Root mean square of what is left with `mu` and `alpha` at their best near those that are given
+    /// and every contact point at the recorded zero, N.
+    #[must_use]
+    pub fn left_of_base_n(&self) -> f64 {
+        let rows = Counted::of(self.design, &|series| !series.hold_out);
+        self.told(&rows, &self.searched(&rows, &self.start(&rows, self.with.alpha), Free::Base).x).rmse_n
+    }
+
     /// Fits the runs that are meant; the others are removed. The least of searches from several exponents.
     #[must_use]
     pub fn best_of(&self, meant: &(dyn Fn(&Series) -> bool + Sync)) -> Plain {
@@ -135,9 +143,10 @@ impl<'a> Plainly<'a> {
     fn region(&self, rows: &Counted, start: &[f64], free: Free) -> Region {
         let reach_mm = if self.design.zero_is_contact { MEANT_MM } else { OTHER_MM };
         let ends = (0..start.len()).map(|j| match (j, free) {
-            (MU, Free::All) => Coordinate::LnMu.bounds(),
-            (ALPHA, Free::All) => Coordinate::LnAlpha.bounds(),
+            (MU, Free::All | Free::Base) => Coordinate::LnMu.bounds(),
+            (ALPHA, Free::All | Free::Base) => Coordinate::LnAlpha.bounds(),
             (MU | ALPHA, Free::Contacts) => (start[j], start[j]),
+            (_, Free::Base) => (start[j], start[j]),
             // what no row tells of stays where it is
             _ if !rows.spots.contains(&(j - CONTACTS)) => (start[j], start[j]),
             _ => (-reach_mm, reach_mm),
@@ -172,6 +181,8 @@ pub fn with(design: &Design, settings: &[Setting]) -> Model {
 enum Free {
     /// Base and contact points.
     All,
+    /// The base.
+    Base,
     /// Contact points.
     Contacts,
 }

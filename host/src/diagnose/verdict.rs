@@ -129,14 +129,28 @@ pub(super) struct Seen<'a> {
     pub nameless: Option<&'static str>,
 }
 
+impl Seen<'_> {
+    /// True where nothing shows that no smooth change of the force is.
+    pub fn is_regular(&self) -> bool {
+        self.ripple.is_none() && self.gradient.is_none() && self.uneven.is_none() && self.slipping.is_none()
+    }
+
+    /// True where the noise is another one than was assumed, and names with it: a large ripple, or slips.
+    pub fn spoils(&self) -> bool {
+        self.ripple.is_some_and(|r| r.share > SPOILS) || self.slipping.is_some()
+    }
+}
+
 /// Fills in verdict and findings.
 pub(super) fn conclude(
     diagnosis: &mut Diagnosis,
     experiment: &Experiment,
-    Seen { visible, ripple, gradient, uneven, slipping, nameless }: Seen<'_>,
+    seen: Seen<'_>,
     held: &[Explanation],
     held_out: Option<&HeldOut>,
 ) {
+    let spoilt = seen.spoils();
+    let Seen { visible, ripple, gradient, uneven, slipping, nameless } = seen;
     // a name that nothing could test is none
     let gains = held_out.is_some_and(|h| h.deviance_after < h.deviance_before);
     if held_out.is_none() && !held.is_empty() {
@@ -175,8 +189,6 @@ pub(super) fn conclude(
              look at the surface and the fixture"
         ));
     }
-    // a large ripple makes the noise another one than was assumed, and names with it; so do slips
-    let spoilt = ripple.is_some_and(|r| r.share > SPOILS) || slipping.is_some();
     if let Some((best, other)) = held.first().zip(nameless) {
         let codes: Vec<&str> = best.fit.codes().collect();
         diagnosis.messages.push(format!(

@@ -143,10 +143,14 @@ fn beside<'a>(rows: usize, parts: impl IntoIterator<Item = &'a DMatrix<f64>>) ->
 pub struct Evidence {
     /// Logarithm of the marginal likelihood, up to what all models of the same rows and base share.
     pub log: f64,
+    /// The same without any discrepancy.
+    pub alone: f64,
     /// Size of every group of discrepancies.
     pub sizes: Vec<f64>,
     /// Where the parameters are with these allowed for.
     pub x: Vec<f64>,
+    /// Their standard deviations there.
+    pub deviations: Vec<f64>,
 }
 
 /// Products of all columns: what an evaluation needs of the rows.
@@ -211,15 +215,16 @@ impl Products {
 pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy) -> Option<Evidence> {
     let products = Products::of(model, &DMatrix::zeros(model.residual.len(), 0), discrepancy);
     let all = &discrepancy.sizes.0;
-    let value = |chosen: &[usize]| -> Option<(f64, Vec<f64>)> {
+    let value = |chosen: &[usize]| -> Option<(f64, Integral)> {
         let sizes: Vec<f64> = chosen.iter().map(|at| all[*at].0).collect();
         let prior: f64 = chosen.iter().map(|at| all[*at].1.ln()).sum();
         let (told, determinant) = products.at(&sizes)?;
-        let (log, x) = integrated(&model.parameters, &told)?;
-        Some((log + prior - 0.5 * determinant, x))
+        let integral = integrated(&model.parameters, &told)?;
+        Some((integral.log + prior - 0.5 * determinant, integral))
     };
     let mut chosen = vec![0; discrepancy.groups];
     let mut best = value(&chosen)?;
+    let alone = best.0;
     for _ in 0..SWEEPS {
         let before = chosen.clone();
         for group in 0..discrepancy.groups {
@@ -239,7 +244,29 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy) -> Option<Evi
         }
     }
     let sizes = chosen.iter().map(|at| all[*at].0).collect();
-    Some(Evidence { log: best.0, sizes, x: best.1 })
+    let (log, Integral { x, hessian, .. }) = best;
+    let factor = Factor::of(&hessian)?;
+    let n = x.len();
+    let unit = |at: usize| DVector::from_fn(n, |i, _| if i == at { 1.0 } else { 0.0 });
+    let deviations = (0..n).map(|at| factor.solve(&unit(at))[at].max(0.0).sqrt()).collect();
+    Some(Evidence { log, alone, sizes, x, deviations })
+}
+
+/// Amounts of the columns of the discrepancy that are likeliest beside a model whose parameters and
+/// sizes are those of its evidence; none where a number is none.
+#[must_use]
+pub fn amounts(model: &Linearised<'_>, evidence: &Evidence, discrepancy: &Discrepancy) -> Option<DVector<f64>> {
+    let products = Products::of(model, &DMatrix::zeros(model.residual.len(), 0), discrepancy);
+    let size = |at: usize| products.group[at].map_or(1.0, |group| evidence.sizes[group]);
+    let n = products.group.len();
+    let scaled = |i: usize, j: usize| size(i) * size(j) * products.errors[(i, j)];
+    let whole = DMatrix::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) + scaled(i, j));
+    // what is left once the parameters are where the evidence has them
+    let steps = model.parameters.iter().zip(&evidence.x).map(|(p, x)| p.x - x).chain([1.0]);
+    let left = &products.across * DVector::from_iterator(products.across.ncols(), steps);
+    let found = Factor::of(&whole)?.solve(&DVector::from_fn(n, |i, _| size(i) * left[i]));
+    let known = n - discrepancy.group.len();
+    Some(DVector::from_fn(discrepancy.group.len(), |i, _| size(known + i) * found[known + i]))
 }
 
 /// What each of some further parameters, a column each, promises to add to the logarithm of the
@@ -259,15 +286,23 @@ pub fn promises(
         let places: Vec<usize> = (0..own).chain(extra.map(|at| own + at)).chain([own + more]).collect();
         let part = DMatrix::from_fn(places.len(), places.len(), |i, j| told[(places[i], places[j])]);
         let all: Vec<Parameter> = model.parameters.iter().copied().chain(extra.map(|at| parameters[at])).collect();
-        integrated(&all, &part).map(|(log, _)| log)
+        integrated(&all, &part).map(|integral| integral.log)
     };
     let Some(without) = with(None) else { return none() };
     (0..more).map(|at| with(Some(at)).map_or(f64::NEG_INFINITY, |log| log - without)).collect()
 }
 
-/// Laplace's integral over the parameters, `told` being `[J r]' C^-1 [J r]`: its logarithm, and
-/// where the parameters are.
-fn integrated(parameters: &[Parameter], told: &DMatrix<f64>) -> Option<(f64, Vec<f64>)> {
+/// An integral over the parameters.
+struct Integral {
+    log: f64,
+    /// Where the parameters are.
+    x: Vec<f64>,
+    /// Information on them, with that of their priors.
+    hessian: DMatrix<f64>,
+}
+
+/// Laplace's integral over the parameters, `told` being `[J r]' C^-1 [J r]`.
+fn integrated(parameters: &[Parameter], told: &DMatrix<f64>) -> Option<Integral> {
     let n = parameters.len();
     let information = told.view((0, 0), (n, n)).into_owned();
     let said = told.view((0, n), (n, 1)).column(0).into_owned();
@@ -294,7 +329,7 @@ fn integrated(parameters: &[Parameter], told: &DMatrix<f64>) -> Option<(f64, Vec
     let prior: f64 = parameters.iter().zip(&x).map(|(p, x)| p.prior.log_density(*x)).sum();
     let volume = n as f64 * std::f64::consts::TAU.ln() - Factor::of(&hessian)?.log_determinant();
     let log = -0.5 * left + prior + 0.5 * volume;
-    log.is_finite().then_some((log, x))
+    log.is_finite().then_some(Integral { log, x, hessian })
 }
 
 /// The least of `d' H d - 2 b' d` in the bounds: what passes one stays on it, the others follow.
@@ -407,6 +442,22 @@ mod tests {
         };
         assert!(gain(DMatrix::from_columns(std::slice::from_ref(&shape))) < 3.0);
         assert!(gain(DMatrix::from_columns(&[10.0 * column(9.0)])) > 50.0);
+    }
+
+    /// A discrepancy that is there is found, less what its prior and the base take of it.
+    #[test]
+    fn amounts_are_those_that_are_there() {
+        let base = DMatrix::from_columns(&[20.0 * column(1.0)]);
+        let residual = DVector::from_fn(ROWS, |i, _| 0.1 * (7.3 * i as f64).sin()) + 5.0 * column(4.0);
+        let none = DMatrix::zeros(ROWS, 0);
+        let flat = Parameter { x: 0.0, bounds: (-1e9, 1e9), prior: Prior::Flat };
+        let model = Linearised { residual: &residual, jacobian: &base, parameters: vec![flat], known: &none };
+        let groups = [DMatrix::from_columns(&[column(4.0)]), DMatrix::from_columns(&[column(9.0)])];
+        let discrepancy = Discrepancy::new(ROWS, &groups, Sizes::about(1.0, 1.0));
+        let found = evidence(&model, &discrepancy).unwrap();
+        let there = amounts(&model, &found, &discrepancy).unwrap();
+        assert_eq!(found.sizes[1], 0.0);
+        assert!((there[0] - 5.0).abs() < 0.3 && there[1] == 0.0, "{there}");
     }
 
     /// What a further parameter promises is what the evidence with it has more, the sizes being the same.

@@ -9,6 +9,7 @@
 //! descent     Levenberg-Marquardt in a box: the one local optimiser of sums of squares
 //! unseen      what amounts that nobody saw add to the errors of parameters
 //! presence    effects that are there or not: intervals over their sets
+//! mixture     quantiles of mixtures of normal distributions
 //! process     shapes of a smooth random function
 //! evidence    marginal likelihood of a model, its discrepancy of unknown size integrated
 //! compare     from evidence of sets of effects to the probability of each
@@ -23,6 +24,7 @@ pub mod descent;
 pub mod eigen;
 pub mod evidence;
 pub mod lowrank;
+pub mod mixture;
 pub mod presence;
 pub mod process;
 pub mod product;

@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::covariance::Factor;
 use super::lowrank::LowRank;
+use super::mixture::{Part, quantile};
 
 /// Charge of an effect with one amount, as a sum of squares: what it must win to be taken for there.
 pub const CHARGE: f64 = 3.0;
@@ -47,14 +48,6 @@ pub struct Span {
     pub low: f64,
     /// Its upper end.
     pub high: f64,
-}
-
-/// A normal part of a mixture.
-#[derive(Debug, Clone, Copy)]
-struct Part {
-    weight: f64,
-    mean: f64,
-    deviation: f64,
 }
 
 /// What is left of some amounts when others have been integrated out.
@@ -173,31 +166,6 @@ fn beside(counts: &[usize]) -> Vec<Range<usize>> {
     counts.iter().scan(0, place).collect()
 }
 
-/// Where a share of a mixture lies below. Weights are logarithms of what is proportional to them.
-fn quantile(parts: &[Part], share: f64) -> f64 {
-    /// Halvings: an interval to its last bits.
-    const HALVINGS: usize = 60;
-    let largest = parts.iter().map(|p| p.weight).fold(f64::NEG_INFINITY, f64::max);
-    let whole: f64 = parts.iter().map(|p| (p.weight - largest).exp()).sum();
-    let below = |x: f64| -> f64 {
-        let each = parts.iter().map(|p| (p.weight - largest).exp() * normal_below((x - p.mean) / p.deviation));
-        each.sum::<f64>() / whole
-    };
-    let reach = |sign: f64| move |p: &Part| p.mean + sign * 8.0 * p.deviation;
-    let mut low = parts.iter().map(reach(-1.0)).fold(f64::INFINITY, f64::min);
-    let mut high = parts.iter().map(reach(1.0)).fold(f64::NEG_INFINITY, f64::max);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if below(middle) < share { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
-}
-
-/// Probability that a standard normal number is smaller.
-fn normal_below(x: f64) -> f64 {
-    0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
-}
-
 /// All columns beside each other with the number of each effect.
 #[must_use]
 pub fn together(effects: &[LowRank], rows: usize) -> (LowRank, Vec<usize>) {
@@ -209,6 +177,7 @@ pub fn together(effects: &[LowRank], rows: usize) -> (LowRank, Vec<usize>) {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::infer::mixture::normal_below;
 
     fn amounts(moved: &[f64], information: f64) -> Amounts {
         let count = moved.len();

@@ -44,6 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scored.sort_by_key(|(at, _)| *at);
     let scored: Vec<Scored> = scored.into_iter().map(|(_, one)| one).collect();
     let mut text = Score { list: &scored }.markdown();
+    text.push_str(&second_edition(&scored));
     text.push_str(&format!(
         "\n{} cases in {:.0} min on {} threads, seeds from {}; {} could not be scored.\n",
         scored.len(),
@@ -62,6 +63,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         std::fs::write(&path, replace_section(&document, "score", &text)?)?;
     }
     if failures.is_empty() { Ok(()) } else { Err(format!("{} cases could not be scored", failures.len()).into()) }
+}
+
+/// The second edition on the same cases, and both side by side.
+fn second_edition(first: &[Scored]) -> String {
+    let second: Vec<Scored> = first.iter().map(Scored::by_second).collect();
+    let score = Score { list: &second };
+    let good = |s: &Scored| s.outcome.is_right();
+    let wrong = |s: &Scored| s.outcome.is_wrong();
+    let only = |a: &[Scored], b: &[Scored], of: &dyn Fn(&Scored) -> bool| {
+        a.iter().zip(b).filter(|(a, b)| of(a) && !of(b)).count()
+    };
+    format!(
+        "\nThe second edition (in shadow, docs/decisions/0005-one-model.md) on the same cases:\n\n{}\n{}\n{}\nRight: {} cases by the second only, {} by the first only. Wrong names and false alarms: {} by the second only, {} by the first only.\n",
+        score.by_design(),
+        score.confusion(),
+        score.mistakes(),
+        only(&second, first, &good),
+        only(first, &second, &good),
+        only(&second, first, &wrong),
+        only(first, &second, &wrong),
+    )
 }
 
 /// Scores cases on as many threads as there are cores; results with the places of their cases, in any order.

@@ -18,6 +18,8 @@ pub struct Arguments {
     pub verbose: bool,
     /// Where every world is written.
     pub json: Option<PathBuf>,
+    /// Where every world is written as an experiment.
+    pub folders: Option<PathBuf>,
     /// Whether the document is rewritten.
     pub write: bool,
 }
@@ -28,7 +30,8 @@ impl Arguments {
     /// # Errors
     /// A word that is not known, or a value that is missing or none.
     pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Self, String> {
-        let mut asked = Self { cases: 24, first_seed: 1, design: None, verbose: false, json: None, write: false };
+        let mut asked =
+            Self { cases: 24, first_seed: 1, design: None, verbose: false, json: None, folders: None, write: false };
         while let Some(word) = words.next() {
             let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
             match word.as_str() {
@@ -36,10 +39,13 @@ impl Arguments {
                 "--seed" => asked.first_seed = number(&word, &value()?)?,
                 "--design" => asked.design = Some(design(&value()?)?),
                 "--json" => asked.json = Some(PathBuf::from(value()?)),
+                "--folders" => asked.folders = Some(PathBuf::from(value()?)),
                 "--verbose" => asked.verbose = true,
                 "--write" => asked.write = true,
                 _ => {
-                    return Err(format!("{word}: expected --cases, --seed, --design, --json, --verbose or --write"));
+                    return Err(format!(
+                        "{word}: expected --cases, --seed, --design, --json, --folders, --verbose or --write"
+                    ));
                 }
             }
         }

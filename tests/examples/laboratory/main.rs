@@ -3,7 +3,8 @@
 //!
 //! A seed draws its design, unless `--design D18` (D36, D60, own) names one; `--cases` is the
 //! number of seeds (24 unless stated), `--seed` the first of them. `--verbose` tells every world on
-//! a line, `--json FILE` writes every one, `--write` puts the tables into docs/hidden-effects.md.
+//! a line, `--json FILE` writes every one, `--folders FOLDER` their experiments, `--write` puts the
+//! tables into docs/hidden-effects.md.
 
 mod arguments;
 
@@ -32,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (solver, models) = (Solver::new(), Models::default());
     let yardstick = Yardstick { solver: &solver, models: &models };
     let (mut scored, mut discarded, mut failures) = (Vec::new(), 0, Vec::new());
-    for (world, result) in score_all(&worlds, &yardstick, arguments.verbose) {
+    for (world, result) in score_all(&worlds, &yardstick, &arguments) {
         match result {
             Ok(Some(one)) => scored.push(one),
             Ok(None) => discarded += 1,
@@ -91,18 +92,23 @@ fn second_edition(first: &[Scored], discarded: usize) -> String {
 fn score_all<'a>(
     worlds: &'a [World],
     yardstick: &Yardstick<'_>,
-    verbose: bool,
+    arguments: &Arguments,
 ) -> Vec<(&'a World, Result<Option<Scored>, ScoreError>)> {
     let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let scored = |world: &World| match world.make(yardstick)? {
-        Some(made) => Scored::of(world, &made, yardstick).map(Some),
+        Some(made) => {
+            if let Some(folder) = &arguments.folders {
+                made.experiment.write(&folder.join(format!("{}-{}", world.design.name(), world.seed)))?;
+            }
+            Scored::of(world, &made, yardstick).map(Some)
+        }
         None => Ok(None),
     };
     let work = || {
         while let Some(world) = worlds.get(next.fetch_add(1, Ordering::Relaxed)) {
             let begin = Instant::now();
             let result = scored(world);
-            if verbose {
+            if arguments.verbose {
                 let line = match &result {
                     Ok(Some(one)) => one.line(),
                     Ok(None) => format!("{} {} {} is no world", world.design.name(), world.seed, world.what().word()),
@@ -156,6 +162,7 @@ fn record(s: &Scored) -> Value {
         "shows_in": s.answer.shows_in,
         "mark": s.mark.word(),
         "second": s.second.as_ref().map(Answer::line),
+        "beliefs": s.beliefs,
         "mark_second": s.by_second().mark.word(),
         "intervals": hits,
         "seconds": s.answer.seconds,

@@ -1,6 +1,5 @@
 //! How good an answer about a world is.
 
-use palpate::diagnose::second::Second;
 use palpate::diagnose::{self, Finding, Verdict};
 
 use super::{Kind, Made, Truth, What, World};
@@ -132,6 +131,8 @@ pub struct Scored {
     pub hits: Vec<Hit>,
     /// The second edition's answer, where it made one.
     pub second: Option<Answer>,
+    /// All that it believes, as `palpate diagnose --json` tells it.
+    pub beliefs: Option<serde_json::Value>,
 }
 
 impl Scored {
@@ -145,8 +146,10 @@ impl Scored {
         let answer = Answer::of(diagnosis);
         let mark = Mark::of(&made.truth, &answer);
         let hits = coverage::of_foam(&made.truth.foam, diagnosis);
-        let second = diagnosis.evidence.as_ref().and_then(|e| e.second.as_ref()).map(|second| told(second, &answer));
-        Ok(Self { world: *world, truth: made.truth.clone(), answer, mark, hits, second })
+        let second = diagnosis.evidence.as_ref().and_then(|e| e.second.as_ref());
+        let beliefs = second.map(diagnose::second::json);
+        let second = second.map(|s| answer.by_second(s));
+        Ok(Self { world: *world, truth: made.truth.clone(), answer, mark, hits, second, beliefs })
     }
 
     /// The same world as the second edition answers it; what that does not judge stays as it is.
@@ -190,25 +193,6 @@ impl Scored {
             second.mark.word().to_uppercase(),
         )
     }
-}
-
-/// The second edition's answer in the words of the first.
-fn told(second: &Second, first: &Answer) -> Answer {
-    let finding = |names: &[&'static str]| Finding {
-        code: names[0],
-        form: "",
-        owner: 0,
-        of: Vec::new(),
-        parameters: Vec::new(),
-        ambiguous_with: names[1..].to_vec(),
-    };
-    let findings = match (second.verdict, second.names.as_slice()) {
-        (_, []) => Vec::new(),
-        (Verdict::Ambiguous, names) => vec![finding(names)],
-        (_, names) => names.chunks(1).map(finding).collect(),
-    };
-    let shows_in = second.remainder.iter().map(|(over, _)| *over).collect();
-    Answer { verdict: second.verdict, findings, shows_in, ..first.clone() }
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ pub fn hits(truth: &Truth, outcome: &Outcome, diagnosis: &Diagnosis, experiment:
 pub fn of_foam(foam: &Foam, diagnosis: &Diagnosis) -> Vec<Hit> {
     let Some(evidence) = diagnosis.evidence.as_deref() else { return Vec::new() };
     let named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous);
-    let told = if named { evidence.extended() } else { Some(evidence.base.base()) };
+    let told = if named { evidence.extended() } else { Some(evidence.before.parameters) };
     let Some([mu, alpha]) = told else { return Vec::new() };
     let each = [("mu_MPa", foam.mu_mpa, mu), ("alpha", foam.alpha, alpha)];
     each.into_iter()

@@ -17,6 +17,7 @@ pub mod table;
 
 use lut_gen::chain::LibraryError;
 use palpate::diagnose::search::Explanation;
+use palpate::diagnose::second::Second;
 use palpate::diagnose::{self, DiagnoseError, Diagnosis, Evidence, Finding, Models, Verdict};
 use palpate::experiment::Experiment;
 use palpate::identify;
@@ -41,6 +42,9 @@ pub enum ScoreError {
     /// The force models could not be made.
     #[error("no force model: {0}")]
     Model(#[from] LibraryError),
+    /// The data could not be written.
+    #[error("not written: {0}")]
+    Written(#[from] std::io::Error),
     /// An experiment of one material has one answer.
     #[error("{0} answers to an experiment of one material")]
     Answers(usize),
@@ -75,6 +79,22 @@ impl Answer {
             reason: diagnosis.refusal.as_ref().map(ToString::to_string),
             seconds: diagnosis.seconds,
         }
+    }
+
+    /// The second edition's answer, in the words of the first.
+    #[must_use]
+    pub fn by_second(&self, second: &Second) -> Self {
+        let finding = |names: &[&'static str]| Finding {
+            code: names[0],
+            form: "",
+            owner: 0,
+            of: Vec::new(),
+            parameters: Vec::new(),
+            ambiguous_with: names[1..].to_vec(),
+        };
+        let findings = second.findings.iter().map(|set| finding(set)).collect();
+        let shows_in = second.remainder.iter().map(|(over, _)| *over).collect();
+        Self { verdict: second.verdict, findings, shows_in, ..self.clone() }
     }
 
     /// Verdict, names with their rivals and parameters, on one line.
@@ -112,6 +132,8 @@ pub struct Scored {
     pub answer: Answer,
     /// How good that is.
     pub outcome: Outcome,
+    /// The second edition's answer, where it made one.
+    pub second: Option<Answer>,
     /// Held-out errors with the base, with what was found, and with what an oracle would have found; where something shows.
     pub gain: Option<Gain>,
     /// What became of an ambiguous answer when its plan was followed.
@@ -149,6 +171,7 @@ impl Scored {
         let of = |which: fn(&Strength) -> f64| strength.as_ref().map(|each| each.iter().map(which).collect::<Vec<_>>());
         let (strength, told) = (of(|s| s.known), of(|s| s.told));
         let outcome = Outcome::of(&truth, strength.as_deref(), &answer);
+        let second = diagnosis.evidence.as_ref().and_then(|e| e.second.as_ref()).map(|s| answer.by_second(s));
         let gain = oracle::gain(&truth, diagnosis, &experiment, models);
         let followed =
             if diagnosis.verdict == Verdict::Ambiguous && matches!(truth.what, What::Catalogue(..) | What::Pair(..)) {
@@ -167,12 +190,21 @@ impl Scored {
             told,
             answer,
             outcome,
+            second,
             gain,
             followed,
             hits,
             detail,
             other_s,
         })
+    }
+
+    /// The same case as the second edition answers it; what that does not judge stays as it is.
+    #[must_use]
+    pub fn by_second(&self) -> Self {
+        let answer = self.second.clone().unwrap_or_else(|| self.answer.clone());
+        let outcome = Outcome::of(&self.truth, self.strength.as_deref(), &answer);
+        Self { outcome, answer, followed: None, ..self.clone() }
     }
 
     /// True when every effect shows; false when there is none.
@@ -214,8 +246,9 @@ impl Scored {
             )
         });
         let strength: Vec<String> = self.strength.iter().flatten().map(|s| format!("{s:.1}")).collect();
+        let second = self.by_second();
         format!(
-            "{} {} {:?} {:?} [{}] strength {} -> {} -> {}{followed} | {} | true mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
+            "{} {} {:?} {:?} [{}] strength {} -> {} -> {}{followed}; second edition: {} -> {} | {} | true mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
             self.design.name(),
             self.seed,
             self.truth.what,
@@ -224,6 +257,8 @@ impl Scored {
             strength.join(" "),
             self.answer.line(),
             self.outcome.word().to_uppercase(),
+            second.answer.line(),
+            second.outcome.word().to_uppercase(),
             self.detail,
             self.truth.foam.mu_mpa,
             self.truth.foam.alpha,

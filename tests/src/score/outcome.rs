@@ -71,6 +71,27 @@ impl Outcome {
         }
     }
 
+    /// True where nothing better can be said.
+    #[must_use]
+    pub fn is_right(self) -> bool {
+        matches!(
+            self,
+            Self::CleanRight
+                | Self::Exact
+                | Self::SilentRight
+                | Self::InSet
+                | Self::OutsideUnknown
+                | Self::OtherForm
+                | Self::Both
+        )
+    }
+
+    /// True where something is said that is not so.
+    #[must_use]
+    pub fn is_wrong(self) -> bool {
+        matches!(self, Self::Wrong | Self::FalseAlarm)
+    }
+
     /// The word in tables.
     #[must_use]
     pub fn word(self) -> &'static str {

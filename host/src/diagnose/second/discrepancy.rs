@@ -9,6 +9,7 @@
 //! | session | the start of a run on the clock | every run, as a gain |
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use crate::diagnose::design::{Branch, Design, Node, Series};
 use crate::diagnose::fit::Problem;
@@ -27,13 +28,15 @@ const SESSION: f64 = 0.3;
 pub(super) struct Group {
     /// What it varies with, for reports.
     pub over: &'static str,
-    /// Whitened columns for a size of one force.
+    /// Columns for a size of one force, N.
+    pub forces_n: DMatrix<f64>,
+    /// The same whitened.
     pub columns: DMatrix<f64>,
 }
 
 /// Place of a node in [0, 1], and the level that has shapes of its own; none where the group is
 /// nothing.
-type Place<'a> = Box<dyn Fn(&Series, &Node) -> Option<(f64, usize)> + 'a>;
+type Place<'a> = Box<dyn Fn(&Series, &Node) -> Option<(f64, usize)> + Send + Sync + 'a>;
 
 /// What runs of one level share.
 type Level = fn(&Series) -> i64;
@@ -44,7 +47,7 @@ type Varied<'a> = (&'static str, f64, usize, Place<'a>);
 pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Group> {
     let design = problem.design;
     let smooth: Vec<Vec<f64>> = (0..design.series.len()).map(|s| design.smooth_n(s, &curves[s].force_n)).collect();
-    let made = places(design).into_iter().map(|(over, length, levels, place)| {
+    let made = |(over, length, levels, place): Varied<'_>| {
         let shapes = Shapes::new(length);
         let mut columns = DMatrix::zeros(problem.whitening.residuals(), levels * shapes.len());
         for (s, series) in design.series.iter().enumerate() {
@@ -56,10 +59,11 @@ pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Group> {
                 }
             }
         }
+        let forces_n = columns.clone();
         problem.whitening.apply_to(&mut columns);
-        Group { over, columns }
-    });
-    made.filter(|group| group.columns.amax() > 0.0).collect()
+        Group { over, forces_n, columns }
+    };
+    places(design).into_par_iter().map(made).filter(|group| group.columns.amax() > 0.0).collect()
 }
 
 fn places(design: &Design) -> Vec<Varied<'_>> {

@@ -19,7 +19,7 @@ const MOST: usize = 3;
 /// Sets of one size that are extended, and how far (in the logarithm) behind the likeliest set they
 /// may lie: one in a million.
 const EXTENDED: usize = 3;
-const BEHIND: f64 = 14.0;
+pub(super) const BEHIND: f64 = 14.0;
 /// Partners that each is fitted with, the most promising first, and what the least of them must
 /// promise, its odds included: a linear promise may be short by that much.
 const PARTNERS: usize = 6;

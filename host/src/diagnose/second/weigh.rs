@@ -46,7 +46,7 @@ impl Weighed {
 }
 
 /// The problem with the finite elements that a fit is near to.
-fn beside_its_solve<'a>(search: &Search<'a>, fit: &Fit) -> Problem<'a> {
+pub(super) fn beside_its_solve<'a>(search: &Search<'a>, fit: &Fit) -> Problem<'a> {
     Problem { whole: fit.model.whole.clone(), ..search.problem.clone() }
 }
 

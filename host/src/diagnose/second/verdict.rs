@@ -1,0 +1,143 @@
+//! From what is believed of effects to a verdict.
+
+use super::Belief;
+use crate::diagnose::finding::Verdict;
+
+/// Probability from which the first effect has its name, and each further one; below which an
+/// effect is of no account.
+const NAMED: f64 = 0.99;
+const NAMED_TOO: f64 = 0.999;
+const NO_ACCOUNT: f64 = 0.5;
+/// Share of the misfit that what is named must explain, and what each further name must add:
+/// evidence alone is not importance.
+const EXPLAINS: f64 = 0.7;
+const ADDS: f64 = 0.05;
+/// Names that may stand for one cause.
+const MOST_TWINS: usize = 3;
+
+/// What is said of what is believed.
+#[derive(Debug, PartialEq)]
+pub(super) struct Conclusion {
+    pub verdict: Verdict,
+    /// Names that hold, each with its twins.
+    pub findings: Vec<Vec<&'static str>>,
+    /// The same of what is there and explains too little.
+    pub partly: Vec<Vec<&'static str>>,
+    pub explains: Option<f64>,
+}
+
+/// The verdict of what is believed, the likeliest first. `share` is what the best set of some
+/// effects explains of the misfit, `any` the probability that one of them is there; `is_discrepant`
+/// where a discrepancy is there for certain.
+pub(super) fn concluded(
+    told: &[Belief],
+    is_discrepant: bool,
+    share: impl Fn(&[&'static str]) -> Option<f64>,
+    any: impl Fn(&[&'static str]) -> f64,
+) -> Conclusion {
+    let mut found: Vec<Vec<&'static str>> = certain(told);
+    let least = if found.is_empty() { NAMED } else { NAMED_TOO };
+    found.extend(twins(told, least, any));
+    let of = |sets: &[Vec<&'static str>]| share(&sets.concat()).unwrap_or(0.0);
+    drop_small(&mut found, of);
+    let explains = share(&found.concat());
+    if found.is_empty() {
+        let likely = told.first().is_some_and(|b| b.probability > NO_ACCOUNT);
+        let verdict = if likely || is_discrepant { Verdict::Unknown } else { Verdict::Clean };
+        return Conclusion { verdict, findings: Vec::new(), partly: Vec::new(), explains: None };
+    }
+    if explains.is_none_or(|share| share < EXPLAINS) {
+        return Conclusion { verdict: Verdict::Unknown, findings: Vec::new(), partly: found, explains };
+    }
+    let verdict = if found.iter().all(|set| set.len() == 1) { Verdict::Named } else { Verdict::Ambiguous };
+    Conclusion { verdict, findings: found, partly: Vec::new(), explains }
+}
+
+/// Effects that are there, what explains most alone first.
+fn certain(told: &[Belief]) -> Vec<Vec<&'static str>> {
+    let mut believed: Vec<&Belief> = told.iter().filter(|b| b.probability > NAMED).collect();
+    believed.sort_by(|a, b| b.explains.unwrap_or(0.0).total_cmp(&a.explains.unwrap_or(0.0)));
+    let is_named = |(at, b): &(usize, &Belief)| *at == 0 || b.probability > NAMED_TOO;
+    believed.into_iter().enumerate().filter(is_named).map(|(_, b)| vec![b.code]).collect()
+}
+
+/// The fewest effects of which one is there, though none for certain.
+fn twins(told: &[Belief], least: f64, any: impl Fn(&[&'static str]) -> f64) -> Option<Vec<&'static str>> {
+    let uncertain = told.iter().filter(|b| b.probability <= NAMED);
+    let list: Vec<&'static str> = uncertain.take(MOST_TWINS).map(|b| b.code).collect();
+    (2..=list.len()).map(|count| list[..count].to_vec()).find(|few| any(few) > least)
+}
+
+/// Takes out findings behind the first that add next to nothing, or less than what stays without a
+/// name: what has no name may be any of that size.
+fn drop_small(found: &mut Vec<Vec<&'static str>>, share: impl Fn(&[Vec<&'static str>]) -> f64) {
+    while found.len() > 1 {
+        let whole = share(found);
+        let adds = |at: usize| {
+            let others: Vec<_> =
+                found.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, set)| set.clone()).collect();
+            whole - share(&others)
+        };
+        let least = (1..found.len()).map(|at| (at, adds(at))).min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((at, _)) = least.filter(|(_, adds)| *adds < ADDS.max(1.0 - whole)) else { return };
+        found.remove(at);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn belief(code: &'static str, probability: f64) -> Belief {
+        Belief { code, probability, explains: None }
+    }
+
+    #[test]
+    fn names_need_belief_and_a_share() {
+        let lag = [belief("lag", 0.999), belief("drift", 0.1)];
+        let said = |told: &[Belief], share: f64, any: f64| {
+            let found = concluded(told, false, |of| (!of.is_empty()).then_some(share), |_| any);
+            (found.verdict, found.findings, found.partly)
+        };
+        assert_eq!(said(&lag, 0.9, 0.5), (Verdict::Named, vec![vec!["lag"]], vec![]));
+        assert_eq!(said(&lag, 0.5, 0.5), (Verdict::Unknown, vec![], vec![vec!["lag"]]));
+        let twins = [belief("lag", 0.6), belief("drift", 0.395), belief("radius", 0.001)];
+        assert_eq!(said(&twins, 0.9, 0.999), (Verdict::Ambiguous, vec![vec!["lag", "drift"]], vec![]));
+        assert_eq!(said(&twins, 0.9, 0.98).0, Verdict::Unknown);
+    }
+
+    #[test]
+    fn a_further_name_adds_more_than_stays_without_one() {
+        let two = [belief("lag", 0.9999), belief("drift", 0.9999)];
+        let of = |first: f64, second: f64| {
+            let share = move |of: &[&str]| {
+                let each = of.iter().map(|code| if *code == "lag" { first } else { second });
+                Some(each.sum::<f64>())
+            };
+            concluded(&two, false, share, |_| 0.0).findings.len()
+        };
+        assert_eq!(of(0.45, 0.45), 2);
+        // evidence is not importance
+        assert_eq!(of(0.95, 0.02), 1);
+        // a fifth of the misfit has no name
+        assert_eq!(of(0.72, 0.08), 1);
+    }
+
+    #[test]
+    fn one_may_be_certain_beside_twins() {
+        let told = [belief("relaxation", 1.0), belief("lag", 0.6), belief("drift", 0.3999)];
+        let share = |of: &[&str]| Some(0.3 + 0.3 * of.len() as f64);
+        let found = concluded(&told, false, share, |_| 0.9999);
+        assert_eq!(found.verdict, Verdict::Ambiguous);
+        assert_eq!(found.findings, [vec!["relaxation"], vec!["lag", "drift"]]);
+    }
+
+    #[test]
+    fn without_a_likely_effect_the_remainder_decides() {
+        let none = [belief("lag", 0.2)];
+        let said = |told: &[Belief], is_discrepant| concluded(told, is_discrepant, |_| None, |_| 0.0).verdict;
+        assert_eq!(said(&none, false), Verdict::Clean);
+        assert_eq!(said(&none, true), Verdict::Unknown);
+        assert_eq!(said(&[], false), Verdict::Clean);
+    }
+}
