@@ -418,7 +418,8 @@ impl Diagnosis {
         let mut first = first;
         first.base.unseen = unseen::widening(&first.problem, &first.base);
         let mut before = Stand::of(&design, &chain, &first.base);
-        if let Some(second) = second.as_ref().filter(|_| !self.is_named()) {
+        // where nothing is visible, unseen effects are what intervals have to hold
+        if let Some(second) = second.as_ref().filter(|_| self.verdict == Verdict::Unknown) {
             before.reach(&second.intervals);
         }
         let after = best.map(|e| Stand::of(&design, &chain, &e.fit));

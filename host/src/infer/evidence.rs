@@ -166,7 +166,9 @@ struct Products {
 }
 
 /// Rounds over the groups in which their sizes follow each other.
-const SWEEPS: usize = 3;
+const SWEEPS: usize = 8;
+/// Sizes, by number, at which one that is not there yet is looked for.
+const FIRST: [usize; 3] = [1, 3, 5];
 /// Steps in which parameters and their priors' squares follow each other.
 const STEPS: usize = 8;
 
@@ -210,9 +212,10 @@ impl Products {
 }
 
 /// Evidence of a model; `None` where a number is none or a parameter with a flat prior is not told
-/// of at all.
+/// of at all. Sizes are searched from those that are given: those of a like model are near, and
+/// without any the search begins at none.
 #[must_use]
-pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy) -> Option<Evidence> {
+pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64]) -> Option<Evidence> {
     let products = Products::of(model, &DMatrix::zeros(model.residual.len(), 0), discrepancy);
     let all = &discrepancy.sizes.0;
     let value = |chosen: &[usize]| -> Option<(f64, Integral)> {
@@ -222,18 +225,25 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy) -> Option<Evi
         let integral = integrated(&model.parameters, &told)?;
         Some((integral.log + prior - 0.5 * determinant, integral))
     };
-    let mut chosen = vec![0; discrepancy.groups];
+    let place = |group: usize| {
+        let size = from.get(group).copied().unwrap_or(0.0);
+        all.iter().position(|(known, _)| *known == size).unwrap_or(0)
+    };
+    let none = vec![0; discrepancy.groups];
+    let mut chosen: Vec<usize> = (0..discrepancy.groups).map(place).collect();
+    let alone = value(&none)?.0;
     let mut best = value(&chosen)?;
-    let alone = best.0;
     for _ in 0..SWEEPS {
         let before = chosen.clone();
         for group in 0..discrepancy.groups {
-            for size in 0..all.len() {
+            // what is not there is looked for at few sizes; what is moves to a neighbour
+            let near = match chosen[group] {
+                0 => FIRST.to_vec(),
+                at => vec![0, at - 1, at + 1],
+            };
+            for size in near.into_iter().filter(|size| *size < all.len()) {
                 let mut there = chosen.clone();
                 there[group] = size;
-                if there == chosen {
-                    continue;
-                }
                 if let Some(found) = value(&there).filter(|found| found.0 > best.0) {
                     (best, chosen) = (found, there);
                 }
@@ -401,7 +411,7 @@ mod tests {
                 Linearised { residual: &residual, jacobian: &jacobian, parameters: vec![flat, own], known: &none };
             let sizes = Sizes(vec![(0.7, 1.0)]);
             let groups = [z.clone()];
-            let found = evidence(&model, &Discrepancy::new(ROWS, &groups, sizes)).unwrap();
+            let found = evidence(&model, &Discrepancy::new(ROWS, &groups, sizes), &[]).unwrap();
             let (wide, fine) = ((0.8, 0.002), (6.0, 0.02));
             let mut sum = 0.0;
             let grid = |(reach, step): (f64, f64), around: f64| {
@@ -436,7 +446,8 @@ mod tests {
             let groups = [z];
             let discrepancy = Discrepancy::new(ROWS, &groups, sizes.clone());
             let of = |jacobian, parameters| {
-                evidence(&Linearised { residual: &residual, jacobian, parameters, known: &none }, &discrepancy).unwrap()
+                evidence(&Linearised { residual: &residual, jacobian, parameters, known: &none }, &discrepancy, &[])
+                    .unwrap()
             };
             of(&both, vec![flat, own]).log - of(&base, vec![flat]).log
         };
@@ -454,7 +465,7 @@ mod tests {
         let model = Linearised { residual: &residual, jacobian: &base, parameters: vec![flat], known: &none };
         let groups = [DMatrix::from_columns(&[column(4.0)]), DMatrix::from_columns(&[column(9.0)])];
         let discrepancy = Discrepancy::new(ROWS, &groups, Sizes::about(1.0, 1.0));
-        let found = evidence(&model, &discrepancy).unwrap();
+        let found = evidence(&model, &discrepancy, &[]).unwrap();
         let there = amounts(&model, &found, &discrepancy).unwrap();
         assert_eq!(found.sizes[1], 0.0);
         assert!((there[0] - 5.0).abs() < 0.3 && there[1] == 0.0, "{there}");
@@ -474,7 +485,7 @@ mod tests {
         // The sizes of a search begin at the first.
         let at_once = |jacobian: &DMatrix<f64>, parameters| {
             let model = Linearised { residual: &residual, jacobian, parameters, known: &known };
-            evidence(&model, &discrepancy).unwrap().log
+            evidence(&model, &discrepancy, &[]).unwrap().log
         };
         let model = Linearised { residual: &residual, jacobian: &base, parameters: vec![flat], known: &known };
         let further = DMatrix::from_columns(&[shape.clone(), column(9.0)]);

@@ -28,8 +28,10 @@ const LEAST: f64 = -3.0;
 /// The base, what was tried, and what the evidence leads to from there, weighed.
 pub(super) fn led(search: &Search<'_>, tried: &[&Explanation], discrepancy: &Discrepancy) -> Vec<Weighed> {
     // Some were tried in another noise.
-    let first: Vec<&Fit> = std::iter::once(&search.base).chain(tried.iter().map(|e| &e.fit)).collect();
-    let mut all: Vec<Weighed> = first.par_iter().filter_map(|fit| Weighed::again(search, fit, discrepancy)).collect();
+    let Some(base) = Weighed::again(search, &search.base, discrepancy, &[]) else { return Vec::new() };
+    let again = |e: &&Explanation| Weighed::again(search, &e.fit, discrepancy, &base.evidence.sizes);
+    let mut all: Vec<Weighed> = tried.par_iter().filter_map(again).collect();
+    all.push(base);
     for count in 0..MOST {
         let parents = parents(&all, count);
         let partners = |at: &usize| -> Vec<(usize, Candidate)> {
@@ -47,7 +49,8 @@ pub(super) fn led(search: &Search<'_>, tried: &[&Explanation], discrepancy: &Dis
             }
         }
         let fitted = wanted.par_iter().filter_map(|(parent, candidate)| {
-            Weighed::of(search, search.extended(&all[*parent].fit, candidate), discrepancy)
+            let parent = &all[*parent];
+            Weighed::of(search, search.extended(&parent.fit, candidate), discrepancy, &parent.evidence.sizes)
         });
         let fitted: Vec<Weighed> = fitted.collect();
         all.extend(fitted);

@@ -25,15 +25,15 @@ pub(super) struct Weighed {
 
 impl Weighed {
     /// Of a fit that was made in another noise; none where it has no evidence.
-    pub fn again(search: &Search<'_>, fit: &Fit, discrepancy: &Discrepancy) -> Option<Self> {
+    pub fn again(search: &Search<'_>, fit: &Fit, discrepancy: &Discrepancy, sizes: &[f64]) -> Option<Self> {
         let here = beside_its_solve(search, fit).at(&fit.candidates, &fit.x, &Fold::none());
-        Self::of(search, here, discrepancy)
+        Self::of(search, here, discrepancy, sizes)
     }
 
-    /// Of a fit in the noise of a search.
-    pub fn of(search: &Search<'_>, fit: Fit, discrepancy: &Discrepancy) -> Option<Self> {
+    /// Of a fit in the noise of a search; `sizes` are those of the discrepancies of a like fit, if any.
+    pub fn of(search: &Search<'_>, fit: Fit, discrepancy: &Discrepancy, sizes: &[f64]) -> Option<Self> {
         let known = form_error(&beside_its_solve(search, &fit), &fit);
-        let evidence = evidence(&linearised(&fit, &known), discrepancy)?;
+        let evidence = evidence(&linearised(&fit, &known), discrepancy, sizes)?;
         let odds: f64 = fit.candidates.iter().map(|c| log_odds(c, &search.candidates)).sum();
         let log = evidence.log + odds;
         Some(Self { fit, known, evidence, log })
