@@ -43,10 +43,11 @@ type Level = fn(&Series) -> i64;
 /// A group: its name, the length of its shapes, its levels, and where a node lies.
 type Varied<'a> = (&'static str, f64, usize, Place<'a>);
 
-/// Groups that a design has, at forces that a base predicts.
+/// Groups that a design has, at forces that a base predicts. They scale with these and not with a
+/// curve through the data: `mu` and a size of one against each other would then be what the data
+/// differ by from the prediction, and explain themselves.
 pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Group> {
     let design = problem.design;
-    let smooth: Vec<Vec<f64>> = (0..design.series.len()).map(|s| design.smooth_n(s, &curves[s].force_n)).collect();
     let made = |(over, length, levels, place): Varied<'_>| {
         let shapes = Shapes::new(length);
         let mut columns = DMatrix::zeros(problem.whitening.residuals(), levels * shapes.len());
@@ -55,7 +56,7 @@ pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Group> {
                 let row = problem.whitening.first(s) + k;
                 let Some((u, level)) = place(series, node).filter(|_| problem.used[row]) else { continue };
                 for shape in 0..shapes.len() {
-                    columns[(row, level * shapes.len() + shape)] = smooth[s][k] * shapes.at(shape, u);
+                    columns[(row, level * shapes.len() + shape)] = curves[s].force_n[k] * shapes.at(shape, u);
                 }
             }
         }
