@@ -34,14 +34,24 @@ pub(super) struct Group {
     pub columns: DMatrix<f64>,
 }
 
-/// Place of a node in [0, 1], and the level that has shapes of its own; none where the group is
-/// nothing.
-type Place<'a> = Box<dyn Fn(&Series, &Node) -> Option<(f64, usize)> + Send + Sync + 'a>;
+/// Where a node lies in a group.
+struct Place {
+    /// In [0, 1].
+    u: f64,
+    /// Where the group begins from nothing: forces are continuous, and so is what a model may be
+    /// wrong by when the indenter stops or turns.
+    from: Option<f64>,
+    /// The level that has shapes of its own.
+    level: usize,
+}
+
+/// The place of a node; none where the group is nothing.
+type Placed<'a> = Box<dyn Fn(&Series, &Node) -> Option<Place> + Send + Sync + 'a>;
 
 /// What runs of one level share.
 type Level = fn(&Series) -> i64;
 /// A group: its name, the length of its shapes, its levels, and where a node lies.
-type Varied<'a> = (&'static str, f64, usize, Place<'a>);
+type Varied<'a> = (&'static str, f64, usize, Placed<'a>);
 
 /// Groups that a design has, at forces that a base predicts. They scale with these and not with a
 /// curve through the data: `mu` and a size of one against each other would then be what the data
@@ -54,9 +64,13 @@ pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Group> {
         for (s, series) in design.series.iter().enumerate() {
             for (k, node) in series.nodes.iter().enumerate() {
                 let row = problem.whitening.first(s) + k;
-                let Some((u, level)) = place(series, node).filter(|_| problem.used[row]) else { continue };
+                let Some(Place { u, from, level }) = place(series, node).filter(|_| problem.used[row]) else {
+                    continue;
+                };
                 for shape in 0..shapes.len() {
-                    columns[(row, level * shapes.len() + shape)] = curves[s].force_n[k] * shapes.at(shape, u);
+                    let before = from.map_or(0.0, |from| shapes.at(shape, from));
+                    let own = shapes.at(shape, u) - before;
+                    columns[(row, level * shapes.len() + shape)] = curves[s].force_n[k] * own;
                 }
             }
         }
@@ -65,6 +79,15 @@ pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Group> {
         Group { over, forces_n, columns }
     };
     places(design).into_par_iter().map(made).filter(|group| group.columns.amax() > 0.0).collect()
+}
+
+fn everywhere(u: f64, level: usize) -> Option<Place> {
+    Some(Place { u, from: None, level })
+}
+
+/// On one branch only, from where it begins.
+fn from(node: &Node, branch: Branch, u: f64, from: f64) -> Option<Place> {
+    (node.branch == branch).then_some(Place { u, from: Some(from), level: 0 })
 }
 
 fn places(design: &Design) -> Vec<Varied<'_>> {
@@ -79,12 +102,13 @@ fn places(design: &Design) -> Vec<Varied<'_>> {
     let started = |s: &Series| s.start_s.unwrap_or(0.0);
     let session = most(&|s, _| started(s));
     let depth = move |n: &Node| n.depth_mm / deepest;
+    let turn = move |s: &Series| s.nodes.iter().map(depth).fold(0.0, f64::max);
     let mut all: Vec<Varied<'_>> = vec![
-        ("depth", COMMON, 1, Box::new(move |_, n| Some((depth(n), 0)))),
-        ("contact size", COMMON, 1, Box::new(move |s, n| Some((size(s, n) / largest, 0)))),
-        ("way back", COMMON, 1, Box::new(move |_, n| (n.branch == Branch::Unloading).then(|| (depth(n), 0)))),
-        ("hold", COMMON, 1, Box::new(move |_, n| (n.branch == Branch::Hold).then(|| (late(n.held_s) / latest, 0)))),
-        ("session", SESSION, 1, Box::new(move |s, _| Some((started(s) / session, 0)))),
+        ("depth", COMMON, 1, Box::new(move |_, n| everywhere(depth(n), 0))),
+        ("contact size", COMMON, 1, Box::new(move |s, n| everywhere(size(s, n) / largest, 0))),
+        ("way back", COMMON, 1, Box::new(move |s, n| from(n, Branch::Unloading, depth(n), turn(s)))),
+        ("hold", COMMON, 1, Box::new(move |_, n| from(n, Branch::Hold, late(n.held_s) / latest, 0.0))),
+        ("session", SESSION, 1, Box::new(move |s, _| everywhere(started(s) / session, 0))),
     ];
     let each: [(&'static str, Level); 5] = [
         ("rate", |s| s.rate as i64),
@@ -100,7 +124,7 @@ fn places(design: &Design) -> Vec<Varied<'_>> {
         if levels.len() > 1 {
             let count = levels.len();
             let level = move |s: &Series| levels.binary_search(&of(s)).unwrap_or(0);
-            all.push((over, EACH, count, Box::new(move |s, n| Some((depth(n), level(s))))));
+            all.push((over, EACH, count, Box::new(move |s, n| everywhere(depth(n), level(s)))));
         }
     }
     all

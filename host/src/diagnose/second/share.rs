@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::discrepancy::Group;
 use super::weigh::{Weighed, beside_its_solve};
+use crate::diagnose::coordinate::Coordinate;
 use crate::diagnose::design::Design;
 use crate::diagnose::fit::{explained, freedom, predicted};
 use crate::diagnose::plain::Plainly;
@@ -67,10 +68,26 @@ impl<'a> Shares<'a> {
 
     fn misfits<'s>(&'s self, set: &'s Weighed) -> Misfits<'s> {
         let problem = beside_its_solve(self.search, &set.fit);
-        let x = DVector::from_column_slice(&set.evidence.x);
-        let model = problem.model(&set.fit.coordinates, &set.fit.candidates, &x);
+        let (fit, found) = (&set.fit, &set.evidence.x);
+        // the discrepancy takes most of a step of the base back: told together they stay small
+        let is_base = |at: usize| !matches!(fit.coordinates[at], Coordinate::Of(..));
+        let x = DVector::from_fn(found.len(), |at, _| if is_base(at) { fit.x[at] } else { found[at] });
+        let model = problem.model(&fit.coordinates, &fit.candidates, &x);
         let amounts = amounts(&set.linearised(), &set.evidence, self.discrepancy);
-        let beside_n = amounts.map_or_else(|| DVector::zeros(self.forces_n.nrows()), |of| &self.forces_n * of);
+        let mut beside_n = amounts.map_or_else(|| DVector::zeros(self.forces_n.nrows()), |of| &self.forces_n * of);
+        let forces_n = |model: &Model| predicted(problem.design, problem.chain, model, &problem.contacts_mm).concat();
+        let here_n = forces_n(&model);
+        for at in (0..found.len()).filter(|at| is_base(*at)) {
+            let mut moved = x.clone();
+            let step = fit.coordinates[at].step();
+            moved[at] += step;
+            let there_n = forces_n(&problem.model(&fit.coordinates, &fit.candidates, &moved));
+            let by = (found[at] - fit.x[at]) / step;
+            beside_n
+                .iter_mut()
+                .zip(there_n.iter().zip(&here_n))
+                .for_each(|(n, (there, here))| *n += by * (there - here));
+        }
         let effects = set.fit.candidates.len();
         let misfit_n = self.left_n(&model, &beside_n);
         Misfits { shares: self, effects, model, beside_n, misfit_n }
