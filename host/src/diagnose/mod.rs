@@ -176,13 +176,6 @@ impl Stand {
         let (parameters, of_noise) = (about(fit.base()), about(fit.base_of_noise()));
         Self { plain, parameters, of_noise, unseen: fit.unseen.clone(), curves }
     }
-
-    /// Widens the intervals to hold others as well.
-    fn reach(&mut self, others: &[(f64, f64); 2]) {
-        for ((_, (low, high)), (least, most)) in self.parameters.iter_mut().zip(others) {
-            (*low, *high) = (low.min(*least), high.max(*most));
-        }
-    }
 }
 
 impl Evidence {
@@ -190,17 +183,15 @@ impl Evidence {
     #[must_use]
     pub fn extended(&self) -> Option<[Estimate; 2]> {
         let best = self.after.as_ref().filter(|_| !self.held.is_empty())?.parameters;
-        let of_noise = self.held.iter().map(|e| e.fit.base()).fold(best, holding);
-        let Some(second) = &self.second else { return Some(of_noise) };
-        let others = std::array::from_fn(|i| (of_noise[i].0, second.intervals[i]));
-        Some(holding(of_noise, others))
+        let own = self.held.iter().map(|e| e.fit.base().map(|p| p.1));
+        Some(own.chain(self.second.as_ref().map(|second| second.intervals)).fold(best, holding))
     }
 
     /// The same with the intervals that noise alone makes.
     #[must_use]
     pub fn extended_of_noise(&self) -> Option<[Estimate; 2]> {
         let best = self.after.as_ref().filter(|_| !self.held.is_empty())?.of_noise;
-        Some(self.held.iter().map(|e| e.fit.base_of_noise()).fold(best, holding))
+        Some(self.held.iter().map(|e| e.fit.base_of_noise().map(|p| p.1)).fold(best, holding))
     }
 
     /// Sentences that say what widened the intervals of `mu` and `alpha`: of the likeliest explanation where one is named, of the base else.
@@ -235,10 +226,10 @@ impl Evidence {
     }
 }
 
-/// Intervals that hold those of two explanations, about the values of the first.
-fn holding(best: [Estimate; 2], other: [Estimate; 2]) -> [Estimate; 2] {
+/// Estimates in intervals that hold others as well.
+fn holding(best: [Estimate; 2], others: [(f64, f64); 2]) -> [Estimate; 2] {
     std::array::from_fn(|i| {
-        let ((value, (low, high)), (_, its)) = (best[i], other[i]);
+        let ((value, (low, high)), its) = (best[i], others[i]);
         (value, (low.min(its.0), high.max(its.1)))
     })
 }
@@ -378,7 +369,7 @@ impl Diagnosis {
         };
         let Found { search, singles, pairs, mut held, beyond_nameless } = found;
         let tried: Vec<&Explanation> = singles.iter().chain(&pairs).collect();
-        let second = second::judged(&search, &tried);
+        let mut second = second::judged(&search, &tried);
         for explanation in &mut held {
             explanation.fit.unseen = unseen::widening(&search.problem, &explanation.fit);
         }
@@ -403,7 +394,6 @@ impl Diagnosis {
         };
         let (is_regular, spoils) = (seen.is_regular(), seen.spoils());
         verdict::conclude(self, experiment, seen, &held, held_out.as_ref());
-        let mut second = second;
         if let Some(second) = second.as_mut().filter(|_| !is_regular) {
             second.beside_irregular(spoils);
         }
@@ -420,7 +410,7 @@ impl Diagnosis {
         let mut before = Stand::of(&design, &chain, &first.base);
         // where nothing is visible, unseen effects are what intervals have to hold
         if let Some(second) = second.as_ref().filter(|_| self.verdict == Verdict::Unknown) {
-            before.reach(&second.intervals);
+            before.parameters = holding(before.parameters, second.intervals);
         }
         let after = best.map(|e| Stand::of(&design, &chain, &e.fit));
         // a noise that was told about what does not hold may leave the base anywhere

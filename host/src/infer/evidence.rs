@@ -12,8 +12,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::covariance::Factor;
-use super::product::inner;
+use super::covariance::{Factor, standard_errors};
+use super::product::{beside, inner};
 
 /// What is known of a parameter before the data.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,24 +118,13 @@ pub struct Discrepancy {
 impl Discrepancy {
     /// Of the columns of every group, with the sizes that each may have.
     #[must_use]
-    pub fn new(rows: usize, groups: &[DMatrix<f64>], sizes: Sizes) -> Self {
-        let columns = beside(rows, groups);
-        let of = |(at, z): (usize, &DMatrix<f64>)| std::iter::repeat_n(at, z.ncols());
+    pub fn new<'a>(rows: usize, groups: impl IntoIterator<Item = &'a DMatrix<f64>>, sizes: Sizes) -> Self {
+        let groups: Vec<&DMatrix<f64>> = groups.into_iter().collect();
+        let columns = beside(rows, groups.iter().copied());
+        let of = |(at, z): (usize, &&DMatrix<f64>)| std::iter::repeat_n(at, z.ncols());
         let group = groups.iter().enumerate().flat_map(of).collect();
         Self { products: inner(&columns, &columns), columns, group, groups: groups.len(), sizes }
     }
-}
-
-/// Columns beside each other.
-fn beside<'a>(rows: usize, parts: impl IntoIterator<Item = &'a DMatrix<f64>>) -> DMatrix<f64> {
-    let parts: Vec<&DMatrix<f64>> = parts.into_iter().collect();
-    let mut all = DMatrix::zeros(rows, parts.iter().map(|p| p.ncols()).sum());
-    let mut at = 0;
-    for part in parts {
-        all.columns_mut(at, part.ncols()).copy_from(part);
-        at += part.ncols();
-    }
-    all
 }
 
 /// What a model comes to.
@@ -193,22 +182,36 @@ impl Products {
         Self { own: inner(&told, &told), across, errors, group }
     }
 
-    /// `[J r]' C^-1 [J r]` and `ln det C` at some sizes; `None` where a number is none.
-    fn at(&self, sizes: &[f64]) -> Option<(DMatrix<f64>, f64)> {
+    /// The errors of some sizes, as they stand in `I + W' W`; `None` where a number is none.
+    fn scaled(&self, sizes: &[f64]) -> Option<Scaled> {
         let size = |at: usize| self.group[at].map_or(1.0, |group| sizes[group]);
-        let there: Vec<usize> = (0..self.group.len()).filter(|at| size(*at) > 0.0).collect();
-        if there.is_empty() {
-            return Some((self.own.clone(), 0.0));
-        }
+        let there: Vec<(usize, f64)> =
+            (0..self.group.len()).map(|at| (at, size(at))).filter(|(_, a)| *a > 0.0).collect();
         let n = there.len();
         let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
         let whole = DMatrix::from_fn(n, n, |i, j| {
-            unit(i, j) + size(there[i]) * size(there[j]) * self.errors[(there[i], there[j])]
+            let ((own, a), (other, b)) = (there[i], there[j]);
+            unit(i, j) + a * b * self.errors[(own, other)]
         });
-        let across = DMatrix::from_fn(n, self.across.ncols(), |i, j| size(there[i]) * self.across[(there[i], j)]);
-        let factor = Factor::of(&whole)?;
+        let across = DMatrix::from_fn(n, self.across.ncols(), |i, j| there[i].1 * self.across[(there[i].0, j)]);
+        Some(Scaled { factor: Factor::of(&whole)?, there, across })
+    }
+
+    /// `[J r]' C^-1 [J r]` and `ln det C` at some sizes; `None` where a number is none.
+    fn at(&self, sizes: &[f64]) -> Option<(DMatrix<f64>, f64)> {
+        let Scaled { across, factor, .. } = self.scaled(sizes)?;
         Some((&self.own - across.tr_mul(&factor.solve_all(&across)), factor.log_determinant()))
     }
+}
+
+/// Errors of some sizes.
+struct Scaled {
+    /// Columns of `[K Z]` that are there, by number, with their sizes.
+    there: Vec<(usize, f64)>,
+    /// Of these columns with `[J r]`.
+    across: DMatrix<f64>,
+    /// Of `I + W' W`.
+    factor: Factor,
 }
 
 /// Evidence of a model; `None` where a number is none or a parameter with a flat prior is not told
@@ -255,11 +258,7 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64])
     }
     let sizes = chosen.iter().map(|at| all[*at].0).collect();
     let (log, Integral { x, hessian, .. }) = best;
-    let factor = Factor::of(&hessian)?;
-    let n = x.len();
-    let unit = |at: usize| DVector::from_fn(n, |i, _| if i == at { 1.0 } else { 0.0 });
-    let deviations = (0..n).map(|at| factor.solve(&unit(at))[at].max(0.0).sqrt()).collect();
-    Some(Evidence { log, alone, sizes, x, deviations })
+    Some(Evidence { log, alone, sizes, x, deviations: standard_errors(&hessian) })
 }
 
 /// Amounts of the columns of the discrepancy that are likeliest beside a model whose parameters and
@@ -267,16 +266,16 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64])
 #[must_use]
 pub fn amounts(model: &Linearised<'_>, evidence: &Evidence, discrepancy: &Discrepancy) -> Option<DVector<f64>> {
     let products = Products::of(model, &DMatrix::zeros(model.residual.len(), 0), discrepancy);
-    let size = |at: usize| products.group[at].map_or(1.0, |group| evidence.sizes[group]);
-    let n = products.group.len();
-    let scaled = |i: usize, j: usize| size(i) * size(j) * products.errors[(i, j)];
-    let whole = DMatrix::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) + scaled(i, j));
+    let Scaled { there, across, factor } = products.scaled(&evidence.sizes)?;
     // what is left once the parameters are where the evidence has them
     let steps = model.parameters.iter().zip(&evidence.x).map(|(p, x)| p.x - x).chain([1.0]);
-    let left = &products.across * DVector::from_iterator(products.across.ncols(), steps);
-    let found = Factor::of(&whole)?.solve(&DVector::from_fn(n, |i, _| size(i) * left[i]));
-    let known = n - discrepancy.group.len();
-    Some(DVector::from_fn(discrepancy.group.len(), |i, _| size(known + i) * found[known + i]))
+    let found = factor.solve(&(&across * DVector::from_iterator(across.ncols(), steps)));
+    let known = products.group.len() - discrepancy.group.len();
+    let mut amounts = DVector::zeros(discrepancy.group.len());
+    for ((at, size), found) in there.iter().zip(found.iter()).filter(|((at, _), _)| *at >= known) {
+        amounts[at - known] = size * found;
+    }
+    Some(amounts)
 }
 
 /// What each of some further parameters, a column each, promises to add to the logarithm of the

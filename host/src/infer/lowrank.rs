@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::covariance::Factor;
 use super::eigen;
-use super::product::inner;
+use super::product::{beside, inner};
 
 /// Columns of an error with the standard deviation of each amount.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,12 +49,8 @@ impl LowRank {
     /// When the numbers of rows differ.
     #[must_use]
     pub fn and(&self, other: &Self) -> Self {
-        let (own, more) = (self.columns.ncols(), other.columns.ncols());
-        let mut columns = DMatrix::zeros(self.columns.nrows(), own + more);
-        columns.columns_mut(0, own).copy_from(&self.columns);
-        columns.columns_mut(own, more).copy_from(&other.columns);
         Self {
-            columns,
+            columns: beside(self.columns.nrows(), [&self.columns, &other.columns]),
             deviations: [self.deviations.as_slice(), &other.deviations].concat(),
             meanings: [self.meanings.as_slice(), &other.meanings].concat(),
         }

@@ -15,6 +15,22 @@ pub fn inner(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     out
 }
 
+/// Columns beside each other.
+///
+/// # Panics
+/// When one has another number of rows.
+#[must_use]
+pub fn beside<'a>(rows: usize, parts: impl IntoIterator<Item = &'a DMatrix<f64>>) -> DMatrix<f64> {
+    let parts: Vec<&DMatrix<f64>> = parts.into_iter().collect();
+    let mut all = DMatrix::zeros(rows, parts.iter().map(|p| p.ncols()).sum());
+    let mut at = 0;
+    for part in parts {
+        all.columns_mut(at, part.ncols()).copy_from(part);
+        at += part.ncols();
+    }
+    all
+}
+
 /// Puts a square matrix times some rows of another one in the place of these rows.
 ///
 /// # Panics

@@ -18,7 +18,7 @@ use palpate::diagnose::Models;
 use palpate::simulate::Solver;
 use tests::document::replace_section;
 use tests::hidden::Case;
-use tests::score::{ScoreError, Scored, suite, table::Score};
+use tests::score::{ScoreError, Scored, rate::paired, suite, table::Score};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::parse(std::env::args().skip(1))?;
@@ -71,18 +71,13 @@ fn second_edition(first: &[Scored]) -> String {
     let score = Score { list: &second };
     let good = |s: &Scored| s.outcome.is_right();
     let wrong = |s: &Scored| s.outcome.is_wrong();
-    let only = |a: &[Scored], b: &[Scored], of: &dyn Fn(&Scored) -> bool| {
-        a.iter().zip(b).filter(|(a, b)| of(a) && !of(b)).count()
-    };
     format!(
-        "\nThe second edition (in shadow, docs/decisions/0005-one-model.md) on the same cases:\n\n{}\n{}\n{}\nRight: {} cases by the second only, {} by the first only. Wrong names and false alarms: {} by the second only, {} by the first only.\n",
+        "\nThe second edition (in shadow, docs/decisions/0005-one-model.md) on the same cases:\n\n{}\n{}\n{}\n{} {}\n",
         score.by_design(),
         score.confusion(),
         score.mistakes(),
-        only(&second, first, &good),
-        only(first, &second, &good),
-        only(&second, first, &wrong),
-        only(first, &second, &wrong),
+        paired("Right", first, &second, good),
+        paired("Wrong names and false alarms", first, &second, wrong),
     )
 }
 

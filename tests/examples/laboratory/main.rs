@@ -21,6 +21,7 @@ use tests::document::replace_section;
 use tests::laboratory::World;
 use tests::laboratory::score::{Mark, Scored};
 use tests::laboratory::table::Score;
+use tests::score::rate::paired;
 use tests::score::share::Yardstick;
 use tests::score::{Answer, ScoreError};
 
@@ -71,19 +72,14 @@ fn second_edition(first: &[Scored], discarded: usize) -> String {
     let second: Vec<Scored> = first.iter().map(Scored::by_second).collect();
     let score = Score { list: &second, discarded };
     let good = |s: &Scored| matches!(s.mark, Mark::Right | Mark::InSet | Mark::RightKind);
-    let only = |a: &[Scored], b: &[Scored], of: &dyn Fn(&Scored) -> bool| {
-        a.iter().zip(b).filter(|(a, b)| of(a) && !of(b)).count()
-    };
     let wrong = |s: &Scored| s.mark == Mark::Wrong;
     format!(
-        "\nThe second edition (in shadow, docs/decisions/0005-one-model.md) on the same worlds:\n\n{}\n{}\n{}\nRight, in a set or of the right kind: {} worlds by the second only, {} by the first only. Wrong names: {} by the second only, {} by the first only.\n",
+        "\nThe second edition (in shadow, docs/decisions/0005-one-model.md) on the same worlds:\n\n{}\n{}\n{}\n{} {}\n",
         score.by_design(),
         score.by_code(),
         score.mistakes(),
-        only(&second, first, &good),
-        only(first, &second, &good),
-        only(&second, first, &wrong),
-        only(first, &second, &wrong),
+        paired("Right, in a set or of the right kind", first, &second, good),
+        paired("Wrong names", first, &second, wrong),
     )
 }
 

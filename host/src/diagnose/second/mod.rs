@@ -17,7 +17,6 @@ use super::search::{Explanation, Search};
 use crate::infer::compare::{Beliefs, Set};
 use crate::infer::evidence::{Discrepancy, Sizes};
 use crate::infer::mixture::{Part, quantile};
-use search::BEHIND;
 use share::Shares;
 use verdict::{Conclusion, concluded};
 use weigh::Weighed;
@@ -52,7 +51,7 @@ pub struct Second {
     pub beliefs: Vec<Belief>,
     /// Kinds of effects with the probability that one of them is there, the likeliest first.
     pub kinds: Vec<(Kind, f64)>,
-    /// The same of what is there and explains too little to be the name.
+    /// Names of what is there and explains too little, each with its twins.
     pub partly: Vec<Vec<&'static str>>,
     /// Share of the misfit that the names or these explain.
     pub explains: Option<f64>,
@@ -66,24 +65,24 @@ pub struct Second {
 #[must_use]
 pub fn judged(search: &Search<'_>, tried: &[&Explanation]) -> Option<Second> {
     let groups = discrepancy::groups(&search.problem, &search.curves);
-    let columns: Vec<_> = groups.iter().map(|group| group.columns.clone()).collect();
     let rows = search.problem.whitening.residuals();
-    let discrepancy = Discrepancy::new(rows, &columns, Sizes::about(SIZE.0, SIZE.1));
-    let shares = Shares::new(search, &groups, &discrepancy);
-    let compared = sound(search::led(search, tried, &discrepancy), &shares);
+    let columns = groups.iter().map(|group| &group.columns);
+    let discrepancy = Discrepancy::new(rows, columns, Sizes::about(SIZE.0, SIZE.1));
+    let shares = Shares::new(search, &groups, &discrepancy, search::led(search, tried, &discrepancy));
+    let compared = shares.sets();
+    let best = compared.first()?;
     let codes = codes(&search.candidates);
     let number = |c: &Candidate| codes.iter().position(|code| *code == c.effect.code).unwrap_or(codes.len());
     let members = |set: &Weighed| set.fit.candidates.iter().map(number).collect();
     let sets: Vec<Set> = compared.iter().map(|set| Set { members: members(set), log: set.log }).collect();
     let beliefs = Beliefs::of(&sets, codes.len());
-    let best = compared.iter().max_by(|a, b| a.log.total_cmp(&b.log))?;
     let mut told: Vec<Belief> = codes
         .iter()
         .zip(&beliefs.members)
         .map(|(code, probability)| Belief {
             code,
             probability: *probability,
-            explains: (*probability > OF_NOTE).then(|| shares.of(&compared, &[*code])).flatten(),
+            explains: (*probability > OF_NOTE).then(|| shares.of(&[*code])).flatten(),
         })
         .collect();
     told.sort_by(|a, b| b.probability.total_cmp(&a.probability));
@@ -99,8 +98,7 @@ pub fn judged(search: &Search<'_>, tried: &[&Explanation]) -> Option<Second> {
         let numbers: Vec<usize> = codes.iter().enumerate().filter(|(_, c)| of.contains(c)).map(|(at, _)| at).collect();
         beliefs.any(&sets, &numbers)
     };
-    let Conclusion { verdict, findings, partly, explains } =
-        concluded(&told, is_sure, |of| shares.of(&compared, of), any);
+    let Conclusion { verdict, findings, partly, explains } = concluded(&told, is_sure, |of| shares.of(of), any);
     let kinds = kinds(&search.candidates, any);
     Some(Second {
         verdict,
@@ -109,7 +107,7 @@ pub fn judged(search: &Search<'_>, tried: &[&Explanation]) -> Option<Second> {
         kinds,
         partly,
         explains,
-        intervals: intervals(&compared),
+        intervals: intervals(compared),
         remainder,
     })
 }
@@ -127,21 +125,6 @@ impl Second {
             _ => {}
         }
     }
-}
-
-/// Sets without those likely ones in which an effect and the discrepancy cancel, the likeliest first.
-fn sound(mut sets: Vec<Weighed>, shares: &Shares<'_>) -> Vec<Weighed> {
-    sets.sort_by(|a, b| b.log.total_cmp(&a.log));
-    let mut best = f64::NEG_INFINITY;
-    sets.retain(|set| {
-        // what is unlikely anyway counts for nothing
-        let is_kept = set.fit.candidates.is_empty() || set.log < best - BEHIND || !shares.cancels(set);
-        if is_kept {
-            best = best.max(set.log);
-        }
-        is_kept
-    });
-    sets
 }
 
 /// 95 % intervals of `mu` (MPa) and `alpha`: of the mixture of all sets, discrepancies allowed for.

@@ -27,8 +27,8 @@ const LEAST: f64 = -3.0;
 
 /// The base, what was tried, and what the evidence leads to from there, weighed.
 pub(super) fn led(search: &Search<'_>, tried: &[&Explanation], discrepancy: &Discrepancy) -> Vec<Weighed> {
-    // Some were tried in another noise.
-    let Some(base) = Weighed::again(search, &search.base, discrepancy, &[]) else { return Vec::new() };
+    let Some(base) = Weighed::of(search, search.base.clone(), discrepancy, &[]) else { return Vec::new() };
+    // some were tried in another noise
     let again = |e: &&Explanation| Weighed::again(search, &e.fit, discrepancy, &base.evidence.sizes);
     let mut all: Vec<Weighed> = tried.par_iter().filter_map(again).collect();
     all.push(base);
