@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 
-use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models};
+use crate::diagnose::{self, Asked, Diagnosis, Edition, Evidence, Finding, Models};
 use crate::experiment::{self, Experiment};
 use crate::extended::ExtendedModel;
 use crate::report::{self, number};
@@ -23,9 +23,20 @@ pub struct Arguments {
     /// Folder of the HTML report with figures [default: out/diagnose; with --json none]
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// Way of coming to a verdict; the second, in trial, weighs sets of effects by their evidence
+    #[arg(long, value_name = "first|second", default_value = "first", value_parser = edition)]
+    edition: Edition,
     /// File for the extended model, if anything is named [default: model.toml beside the report]
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+}
+
+fn edition(name: &str) -> Result<Edition, String> {
+    match name {
+        "first" => Ok(Edition::First),
+        "second" => Ok(Edition::Second),
+        _ => Err("expected first or second".to_owned()),
+    }
 }
 
 /// Reads, diagnoses, tells.
@@ -47,7 +58,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let progress = Progress::new();
     let models = Models::kept();
-    let found = diagnose::diagnose(&experiment, &models, &|what: &str, done, total| progress.set(what, done, total));
+    let asked = Asked { edition: arguments.edition, ..Asked::default() };
+    let tell = |what: &str, done: usize, total: usize| progress.set(what, done, total);
+    let found = diagnose::diagnose_as(asked, &experiment, &models, &tell);
     progress.end();
     let found = found.map_err(|cause| miette::miette!("{cause}"))?;
     let mut written = None;

@@ -5,6 +5,7 @@
 //! tell apart; what the extended model is; what it gains on conditions that no fit has seen ([`held_out`]); and what this design cannot see.
 
 pub mod answer;
+mod asked;
 pub mod check;
 pub mod coordinate;
 mod correlated;
@@ -59,6 +60,7 @@ use ripple::Ripple;
 use search::{Explanation, Found, Search, is_nameless};
 use second::Second;
 
+pub use asked::{Asked, Edition};
 pub use finding::{Finding, Verdict};
 pub use models::{FOLDER_VARIABLE, Models};
 pub use prepared::Prepared;
@@ -243,26 +245,26 @@ pub fn diagnose(
     models: &Models,
     progress: &Progress<'_>,
 ) -> Result<Vec<Diagnosis>, DiagnoseError> {
-    diagnose_without(&[], experiment, models, progress)
+    diagnose_as(Asked::default(), experiment, models, progress)
 }
 
-/// The same with a catalogue that lacks some codes: what they would explain should then be "unknown".
+/// The same as it is asked for.
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_without(
-    codes: &[&str],
+pub fn diagnose_as(
+    asked: Asked<'_>,
     experiment: &Experiment,
     models: &Models,
     progress: &Progress<'_>,
 ) -> Result<Vec<Diagnosis>, DiagnoseError> {
     let each = identify::materials(experiment);
-    each.iter().map(|material| one(experiment, (material, codes), models, progress)).collect()
+    each.iter().map(|material| one(experiment, (material, asked), models, progress)).collect()
 }
 
 fn one(
     experiment: &Experiment,
-    (material, without): (&str, &[&str]),
+    (material, asked): (&str, Asked<'_>),
     models: &Models,
     progress: &Progress<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
@@ -277,7 +279,7 @@ fn one(
                 diagnosis.verdict = Verdict::TooFewData;
                 diagnosis.refusal = Some(refusal);
             }
-            Ok(design) => diagnosis.examine(experiment, (design, without), models, progress)?,
+            Ok(design) => diagnosis.examine(experiment, (design, asked), models, progress)?,
         }
     }
     diagnosis.seconds = start.elapsed().as_secs_f64();
@@ -330,14 +332,15 @@ impl Diagnosis {
     fn examine(
         &mut self,
         experiment: &Experiment,
-        (design, without): (Design, &[&str]),
+        (design, asked): (Design, Asked<'_>),
         models: &Models,
         progress: &Progress<'_>,
     ) -> Result<(), DiagnoseError> {
         // faults were told before
         let new = design.messages.iter().filter(|message| !self.messages.contains(message));
         self.messages.extend(new.cloned().collect::<Vec<_>>());
-        if !has_replicates(&design) && experiment.sensor.noise_n.is_none() {
+        let stated_n = experiment.sensor.noise_n;
+        if !has_replicates(&design) && stated_n.is_none() {
             self.refusal = Some(Refusal::NoNoise);
             return Ok(());
         }
@@ -347,7 +350,7 @@ impl Diagnosis {
         self.messages.extend(library.missing().map(ToString::to_string));
         let chain = Chain { library, passages: design.passages() };
         progress("base", 0, 1);
-        let Some(prepared) = Prepared::new(&design, &chain, experiment.sensor.noise_n) else {
+        let Some(prepared) = Prepared::new(&design, &chain, stated_n) else {
             self.refusal = Some(Refusal::NoSuchNoise);
             return Ok(());
         };
@@ -357,23 +360,18 @@ impl Diagnosis {
             );
         }
         let mut candidates = search::candidates(&design);
-        candidates.retain(|c| !without.contains(&c.effect.code));
+        candidates.retain(|c| !asked.without.contains(&c.effect.code));
         let first = Search::new(prepared, candidates);
         self.blind_to = verdict::blind_spots(&first);
-        let visible = !first.adequacy.passes() || first.catalogue() > first.spaces.threshold;
         self.shows_in = first.adequacy.shows_in.iter().map(|v| v.word()).collect();
-        let found = if visible {
-            Found::of(first.clone(), experiment.sensor.noise_n, progress)
-        } else {
-            Found::nothing(first.clone())
-        };
+        let Searched { visible, found, mut second } = Searched::by(asked.edition, &first, stated_n, progress);
         let Found { search, singles, pairs, mut held, beyond_nameless } = found;
-        let tried: Vec<&Explanation> = singles.iter().chain(&pairs).collect();
-        let mut second = second::judged(&search, &tried);
         for explanation in &mut held {
             explanation.fit.unseen = unseen::widening(&search.problem, &explanation.fit);
         }
-        let best = held.first().or(singles.first());
+        let together = pairs.iter().filter(|_| asked.edition == Edition::Second);
+        let likeliest = singles.iter().chain(together).min_by(|a, b| a.score().total_cmp(&b.score()));
+        let best = held.first().or(likeliest);
         let curves_of =
             |problem: &Problem<'_>| best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
         let explained = curves_of(&search.problem);
@@ -436,6 +434,37 @@ impl Diagnosis {
             solves,
         }));
         Ok(())
+    }
+}
+
+/// What a search came to, whichever edition made it.
+struct Searched<'a> {
+    /// The simulation is wrong.
+    visible: bool,
+    found: Found<'a>,
+    second: Option<Second>,
+}
+
+impl<'a> Searched<'a> {
+    fn by(edition: Edition, first: &Search<'a>, stated_n: Option<f64>, progress: &Progress<'_>) -> Self {
+        match edition {
+            Edition::Second => match second::found(first.clone(), stated_n, progress) {
+                Some((found, second)) => {
+                    Self { visible: second.verdict != Verdict::Clean, found, second: Some(second) }
+                }
+                None => Self { visible: false, found: Found::nothing(first.clone()), second: None },
+            },
+            Edition::First => {
+                let visible = !first.adequacy.passes() || first.catalogue() > first.spaces.threshold;
+                let found = match visible {
+                    true => Found::of(first.clone(), stated_n, progress),
+                    false => Found::nothing(first.clone()),
+                };
+                let tried: Vec<&Explanation> = found.singles.iter().chain(&found.pairs).collect();
+                let second = second::judged(&found.search, &tried);
+                Self { visible, found, second }
+            }
+        }
     }
 }
 

@@ -170,6 +170,14 @@ impl Whitening {
         Some(Self { whole: Some(whole), ..masked })
     }
 
+    /// Logarithm of the determinant of the covariance of the rows that count.
+    #[must_use]
+    pub fn log_determinant(&self) -> f64 {
+        let sensor = self.runs.iter().flat_map(|run| run.diagonal().iter().copied().collect::<Vec<_>>());
+        let sensor: f64 = sensor.filter(|d| *d > 0.0).map(|d| -2.0 * d.ln()).sum();
+        sensor + self.spots.iter().map(|spot| spot.jitter.price()).sum::<f64>() + self.shared.price()
+    }
+
     /// Number of residuals.
     #[must_use]
     pub fn residuals(&self) -> usize {

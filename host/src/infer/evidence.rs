@@ -4,8 +4,8 @@
 //! ```text
 //! r = J d + K b + sum_g a_g Z_g c_g + e,     b, c, e ~ N(0, I)
 //! ```
-//! `K b` is error of known size; `Z_g c_g` are smooth discrepancies whose sizes `a_g` have a prior
-//! that allows for none at all. Parameters have flat or heavy-tailed priors. The integral over
+//! `K b` is error of known size that may be there or not; `Z_g c_g` are smooth discrepancies whose
+//! sizes `a_g` have a prior that allows for none at all. Parameters have flat or heavy-tailed priors. The integral over
 //! parameters is Laplace's, at the point that the linearised model puts them at once the
 //! discrepancy is allowed for. Sizes are those of the highest posterior on a grid, again for each
 //! model.
@@ -103,6 +103,21 @@ impl Sizes {
     }
 }
 
+impl Sizes {
+    /// Of the errors that a model is known for, in their units: none with even chances, for what is
+    /// written down may be right, else half of them or all.
+    fn of_errors() -> Self {
+        Self(vec![(0.0, NONE), (0.5, 0.5 * (1.0 - NONE)), (1.0, 0.5 * (1.0 - NONE))])
+    }
+}
+
+impl Sizes {
+    /// Logarithm of the prior probability of one of them.
+    fn log(&self, size: f64) -> f64 {
+        self.0.iter().find(|(known, _)| *known == size).map_or(f64::NEG_INFINITY, |(_, weight)| weight.ln())
+    }
+}
+
 /// Discrepancies: whitened columns a group, for a size of one, beside each other.
 #[derive(Debug, Clone)]
 pub struct Discrepancy {
@@ -124,6 +139,18 @@ impl Discrepancy {
         let of = |(at, z): (usize, &&DMatrix<f64>)| std::iter::repeat_n(at, z.ncols());
         let group = groups.iter().enumerate().flat_map(of).collect();
         Self { products: inner(&columns, &columns), columns, group, groups: groups.len(), sizes }
+    }
+
+    /// Sizes of every group, and of the errors of a model behind them where it has any.
+    fn sizes_beside(&self, model: &Linearised<'_>) -> Vec<Sizes> {
+        let errors = (model.known.ncols() > 0).then(Sizes::of_errors);
+        std::iter::repeat_n(self.sizes.clone(), self.groups).chain(errors).collect()
+    }
+
+    /// Number of groups.
+    #[must_use]
+    pub fn groups(&self) -> usize {
+        self.groups
     }
 }
 
@@ -150,8 +177,8 @@ struct Products {
     across: DMatrix<f64>,
     /// Of `[K Z]` among themselves.
     errors: DMatrix<f64>,
-    /// Group of every column of `[K Z]`; none for `K`.
-    group: Vec<Option<usize>>,
+    /// Group of every column of `[K Z]`; errors of the model itself are the last.
+    group: Vec<usize>,
 }
 
 /// Rounds over the groups in which their sizes follow each other.
@@ -178,13 +205,13 @@ impl Products {
         errors.view_mut((0, k), (k, z.ncols())).copy_from(&mixed);
         errors.view_mut((k, 0), (z.ncols(), k)).copy_from(&mixed.transpose());
         errors.view_mut((k, k), (z.ncols(), z.ncols())).copy_from(&discrepancy.products);
-        let group = std::iter::repeat_n(None, k).chain(discrepancy.group.iter().map(|at| Some(*at))).collect();
+        let group = std::iter::repeat_n(discrepancy.groups, k).chain(discrepancy.group.iter().copied()).collect();
         Self { own: inner(&told, &told), across, errors, group }
     }
 
     /// The errors of some sizes, as they stand in `I + W' W`; `None` where a number is none.
     fn scaled(&self, sizes: &[f64]) -> Option<Scaled> {
-        let size = |at: usize| self.group[at].map_or(1.0, |group| sizes[group]);
+        let size = |at: usize| sizes[self.group[at]];
         let there: Vec<(usize, f64)> =
             (0..self.group.len()).map(|at| (at, size(at))).filter(|(_, a)| *a > 0.0).collect();
         let n = there.len();
@@ -220,31 +247,32 @@ struct Scaled {
 #[must_use]
 pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64]) -> Option<Evidence> {
     let products = Products::of(model, &DMatrix::zeros(model.residual.len(), 0), discrepancy);
-    let all = &discrepancy.sizes.0;
+    let grids = discrepancy.sizes_beside(model);
+    let all = |group: usize| &grids[group].0;
     let value = |chosen: &[usize]| -> Option<(f64, Integral)> {
-        let sizes: Vec<f64> = chosen.iter().map(|at| all[*at].0).collect();
-        let prior: f64 = chosen.iter().map(|at| all[*at].1.ln()).sum();
+        let sizes: Vec<f64> = chosen.iter().enumerate().map(|(group, at)| all(group)[*at].0).collect();
+        let prior: f64 = chosen.iter().enumerate().map(|(group, at)| all(group)[*at].1.ln()).sum();
         let (told, determinant) = products.at(&sizes)?;
         let integral = integrated(&model.parameters, &told)?;
         Some((integral.log + prior - 0.5 * determinant, integral))
     };
     let place = |group: usize| {
         let size = from.get(group).copied().unwrap_or(0.0);
-        all.iter().position(|(known, _)| *known == size).unwrap_or(0)
+        all(group).iter().position(|(known, _)| *known == size).unwrap_or(0)
     };
-    let none = vec![0; discrepancy.groups];
-    let mut chosen: Vec<usize> = (0..discrepancy.groups).map(place).collect();
+    let none = vec![0; grids.len()];
+    let mut chosen: Vec<usize> = (0..none.len()).map(place).collect();
     let alone = value(&none)?.0;
     let mut best = value(&chosen)?;
     for _ in 0..SWEEPS {
         let before = chosen.clone();
-        for group in 0..discrepancy.groups {
+        for group in 0..none.len() {
             // what is not there is looked for at few sizes; what is moves to a neighbour
             let near = match chosen[group] {
-                0 => FIRST.to_vec(),
-                at => vec![0, at - 1, at + 1],
+                0 if group < discrepancy.groups => FIRST.to_vec(),
+                at => vec![0, at.saturating_sub(1), at + 1],
             };
-            for size in near.into_iter().filter(|size| *size < all.len()) {
+            for size in near.into_iter().filter(|size| *size < all(group).len()) {
                 let mut there = chosen.clone();
                 there[group] = size;
                 if let Some(found) = value(&there).filter(|found| found.0 > best.0) {
@@ -256,7 +284,7 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64])
             break;
         }
     }
-    let sizes = chosen.iter().map(|at| all[*at].0).collect();
+    let sizes: Vec<f64> = chosen.iter().enumerate().map(|(group, at)| all(group)[*at].0).collect();
     let (log, Integral { x, hessian, .. }) = best;
     Some(Evidence { log, alone, sizes, x, deviations: standard_errors(&hessian) })
 }
@@ -279,7 +307,8 @@ pub fn amounts(model: &Linearised<'_>, evidence: &Evidence, discrepancy: &Discre
 }
 
 /// What each of some further parameters, a column each, promises to add to the logarithm of the
-/// evidence, the discrepancy staying of some sizes; minus infinity where that is no number.
+/// evidence; minus infinity where that is no number. Sizes of the discrepancy stay, or one group of
+/// it, or all, is none or little: what had no name may be what a further parameter stands for.
 #[must_use]
 pub fn promises(
     model: &Linearised<'_>,
@@ -289,16 +318,45 @@ pub fn promises(
 ) -> Vec<f64> {
     let (columns, parameters) = further;
     let (own, more) = (model.jacobian.ncols(), columns.ncols());
-    let none = || vec![f64::NEG_INFINITY; more];
-    let Some((told, _)) = Products::of(model, columns, discrepancy).at(sizes) else { return none() };
-    let with = |extra: Option<usize>| {
+    let products = Products::of(model, columns, discrepancy);
+    let grids = discrepancy.sizes_beside(model);
+    let log = |sizes: &[f64], told: &DMatrix<f64>, determinant: f64, extra: Option<usize>| {
         let places: Vec<usize> = (0..own).chain(extra.map(|at| own + at)).chain([own + more]).collect();
         let part = DMatrix::from_fn(places.len(), places.len(), |i, j| told[(places[i], places[j])]);
         let all: Vec<Parameter> = model.parameters.iter().copied().chain(extra.map(|at| parameters[at])).collect();
-        integrated(&all, &part).map(|integral| integral.log)
+        let prior: f64 = sizes.iter().zip(&grids).map(|(size, grid)| grid.log(*size)).sum();
+        integrated(&all, &part).map(|integral| integral.log + prior - 0.5 * determinant)
     };
-    let Some(without) = with(None) else { return none() };
-    (0..more).map(|at| with(Some(at)).map_or(f64::NEG_INFINITY, |log| log - without)).collect()
+    let mut best = vec![f64::NEG_INFINITY; more];
+    let mut without = None;
+    for sizes in lessened(sizes, &grids) {
+        let Some((told, determinant)) = products.at(&sizes) else { continue };
+        let Some(before) = *without.get_or_insert(log(&sizes, &told, determinant, None)) else { return best };
+        for (at, best) in best.iter_mut().enumerate() {
+            let with = log(&sizes, &told, determinant, Some(at));
+            *best = best.max(with.map_or(f64::NEG_INFINITY, |with| with - before));
+        }
+    }
+    best
+}
+
+/// Sizes as they are, each of those that are there as none or as the least, and all as that.
+fn lessened(sizes: &[f64], grids: &[Sizes]) -> Vec<Vec<f64>> {
+    let there: Vec<usize> = (0..sizes.len()).filter(|at| sizes[*at] > 0.0).collect();
+    let mut all = vec![sizes.to_vec()];
+    for size in [0, 1] {
+        let less = |which: &[usize]| {
+            let of = |(at, own): (usize, &f64)| {
+                if which.contains(&at) { grids[at].0.get(size).map_or(*own, |(less, _)| less.min(*own)) } else { *own }
+            };
+            sizes.iter().enumerate().map(of).collect::<Vec<_>>()
+        };
+        all.extend(there.iter().map(|at| less(&[*at])));
+        if there.len() > 1 {
+            all.push(less(&there));
+        }
+    }
+    all
 }
 
 /// An integral over the parameters.
@@ -476,7 +534,7 @@ mod tests {
         let shape = 3.0 * column(4.0);
         let residual = 2.0 * &shape + DVector::from_fn(ROWS, |i, _| 0.5 * (7.3 * i as f64).sin());
         let base = DMatrix::from_columns(&[20.0 * column(1.0)]);
-        let known = DMatrix::from_columns(&[0.3 * column(5.0)]);
+        let known = DMatrix::zeros(ROWS, 0);
         let flat = Parameter { x: 0.0, bounds: (-1e9, 1e9), prior: Prior::Flat };
         let own = Parameter { prior: Prior::Cauchy { null: 0.0, scale: 0.3 }, ..flat };
         let z = [DMatrix::from_columns(&[column(2.5)])];
@@ -495,6 +553,25 @@ mod tests {
             assert!((promise - kept).abs() < 1e-9, "{at}: {promise} {kept}");
         }
         assert!(promised[0] > 10.0 && promised[1] < 0.0, "{promised:?}");
+    }
+
+    /// What had no name may be what a further parameter stands for: it is promised in its place.
+    #[test]
+    fn a_promise_may_take_the_place_of_a_discrepancy() {
+        let shape = column(4.0);
+        let residual = 9.0 * &shape + DVector::from_fn(ROWS, |i, _| 0.5 * (7.3 * i as f64).sin());
+        let base = DMatrix::from_columns(&[20.0 * column(1.0)]);
+        let known = DMatrix::zeros(ROWS, 0);
+        let flat = Parameter { x: 0.0, bounds: (-1e9, 1e9), prior: Prior::Flat };
+        let own = Parameter { prior: Prior::Cauchy { null: 0.0, scale: 9.0 }, ..flat };
+        let z = [DMatrix::from_columns(&[shape.clone(), column(7.0), column(10.0)])];
+        let discrepancy = Discrepancy::new(ROWS, &z, Sizes::about(2.0, 1.0));
+        let model = Linearised { residual: &residual, jacobian: &base, parameters: vec![flat], known: &known };
+        let sizes = evidence(&model, &discrepancy, &[]).unwrap().sizes;
+        assert!(sizes[0] > 0.0);
+        let further = DMatrix::from_columns(&[shape]);
+        let promised = promises(&model, &sizes, &discrepancy, (&further, &[own]))[0];
+        assert!(promised > 1.0, "{promised}");
     }
 
     #[test]

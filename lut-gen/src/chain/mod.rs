@@ -15,7 +15,7 @@ pub use coupon::{Shortening, Sides};
 pub use library::{Geometry, Library, LibraryError, Missing, Need, RUBBER_NU};
 pub use passage::Passage;
 pub use predict::{Chain, Prediction};
-pub use whole::{Detail, Whole, Window, is_rough};
+pub use whole::{Detail, ROUGH, Whole, Window, is_rough};
 
 use std::sync::Arc;
 

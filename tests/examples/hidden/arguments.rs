@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use palpate::diagnose::Edition;
 use tests::hidden::Design;
 use tests::score::suite::FIRST_SEED;
 
@@ -20,6 +21,8 @@ pub struct Arguments {
     pub only: Option<String>,
     /// Seed of the first case of each design.
     pub first_seed: u64,
+    /// The one edition that answers, else both do.
+    pub edition: Option<Edition>,
     /// A line a case.
     pub verbose: bool,
     /// Where every case is written.
@@ -43,6 +46,7 @@ impl Arguments {
             designs: Vec::new(),
             only: None,
             first_seed: FIRST_SEED,
+            edition: None,
             verbose: false,
             json: None,
             folders: None,
@@ -59,13 +63,14 @@ impl Arguments {
                 "--seed" => asked.first_seed = number(&word, &value()?)?,
                 "--design" => asked.designs.push(design(&value()?)?),
                 "--only" => asked.only = Some(value()?),
+                "--edition" => asked.edition = Some(edition(&value()?)?),
                 "--json" => asked.json = Some(PathBuf::from(value()?)),
                 "--folders" => asked.folders = Some(PathBuf::from(value()?)),
                 "--verbose" => asked.verbose = true,
                 "--write" => asked.write = true,
                 _ => {
                     return Err(format!(
-                        "{word}: expected --cases, --skip, --these, --seed, --design, --only, --json, --folders, --verbose or --write"
+                        "{word}: expected --cases, --skip, --these, --seed, --design, --only, --edition, --json, --folders, --verbose or --write"
                     ));
                 }
             }
@@ -79,6 +84,14 @@ impl Arguments {
 
 fn number<T: std::str::FromStr>(word: &str, value: &str) -> Result<T, String> {
     value.parse().map_err(|_| format!("{word} {value}: expected a whole number"))
+}
+
+fn edition(name: &str) -> Result<Edition, String> {
+    match name {
+        "first" => Ok(Edition::First),
+        "second" => Ok(Edition::Second),
+        _ => Err(format!("--edition {name}: expected first or second")),
+    }
 }
 
 fn design(name: &str) -> Result<Design, String> {

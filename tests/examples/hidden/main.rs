@@ -2,7 +2,7 @@
 //!
 //! Without `--design` all four designs are scored, with `--cases` of each (100 unless stated). `--only CODE` scores one code, or several with commas between them ("clean",
 //! "matched", "mismatched", "pairs", "placebos", "deleted" or an effect) at all levels by turns, `--seed` moves the first seed, `--skip` leaves
-//! out the first cases of each design, `--these 20003,20027` all but those seeds, `--verbose` tells every case on a line, `--json FILE` writes every case, `--folders FOLDER` every experiment, `--write` puts the tables into docs/hidden-effects.md.
+//! out the first cases of each design, `--these 20003,20027` all but those seeds, `--edition second` (first) asks one edition only, `--verbose` tells every case on a line, `--json FILE` writes every case, `--folders FOLDER` every experiment, `--write` puts the tables into docs/hidden-effects.md.
 
 mod arguments;
 mod record;
@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use arguments::Arguments;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use palpate::diagnose::Models;
+use palpate::diagnose::{Edition, Models};
 use palpate::simulate::Solver;
 use tests::document::replace_section;
 use tests::hidden::Case;
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bar = bar(cases.len())?;
     let mut scored: Vec<(usize, Scored)> = Vec::new();
     let mut failures: Vec<String> = Vec::new();
-    for (at, result) in score_all(&cases, &solver, &models, &bar, arguments.verbose) {
+    for (at, result) in score_all(&cases, &solver, &models, &bar, (arguments.edition, arguments.verbose)) {
         match result {
             Ok(one) => scored.push((at, one)),
             Err(error) => failures.push(format!("{} {}: {error}", cases[at].design.name(), cases[at].seed)),
@@ -44,7 +44,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scored.sort_by_key(|(at, _)| *at);
     let scored: Vec<Scored> = scored.into_iter().map(|(_, one)| one).collect();
     let mut text = Score { list: &scored }.markdown();
-    text.push_str(&second_edition(&scored));
+    if arguments.edition.is_none() {
+        text.push_str(&second_edition(&scored));
+    }
     text.push_str(&format!(
         "\n{} cases in {:.0} min on {} threads, seeds from {}; {} could not be scored.\n",
         scored.len(),
@@ -90,12 +92,15 @@ fn score_all(
     solver: &Solver,
     models: &Models,
     bar: &ProgressBar,
-    verbose: bool,
+    (edition, verbose): (Option<Edition>, bool),
 ) -> Vec<(usize, Result<Scored, ScoreError>)> {
     let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         while let Some((at, case)) = next_of(cases, &next) {
-            let result = Scored::of(case, solver, models);
+            let result = match edition {
+                Some(edition) => Scored::by(edition, case, solver, models),
+                None => Scored::of(case, solver, models),
+            };
             bar.inc(1);
             if let (true, Ok(scored)) = (verbose, &result) {
                 bar.suspend(|| println!("{}", scored.line()));

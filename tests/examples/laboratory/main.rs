@@ -3,7 +3,8 @@
 //!
 //! A seed draws its design, unless `--design D18` (D36, D60, own) names one; `--cases` is the
 //! number of seeds (24 unless stated), `--seed` the first of them. `--verbose` tells every world on
-//! a line, `--json FILE` writes every one, `--folders FOLDER` their experiments, `--write` puts the
+//! a line, `--json FILE` writes every one, `--folders FOLDER` their experiments, `--edition
+//! second` (first) asks one edition only, `--write` puts the
 //! tables into docs/hidden-effects.md.
 
 mod arguments;
@@ -21,9 +22,9 @@ use tests::document::replace_section;
 use tests::laboratory::World;
 use tests::laboratory::score::{Mark, Scored};
 use tests::laboratory::table::Score;
+use tests::score::ScoreError;
 use tests::score::rate::paired;
 use tests::score::share::Yardstick;
-use tests::score::{Answer, ScoreError};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::parse(std::env::args().skip(1))?;
@@ -44,7 +45,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     failures.iter().for_each(|line| eprintln!("{line}"));
     scored.sort_by_key(|one| one.world.seed);
     let mut text = Score { list: &scored, discarded }.markdown();
-    text.push_str(&second_edition(&scored, discarded));
+    if arguments.edition.is_none() {
+        text.push_str(&second_edition(&scored, discarded));
+    }
     text.push_str(&format!(
         "\n{} worlds of {} seeds from {} in {:.0} min on {} threads; {} could not be scored.\n",
         scored.len(),
@@ -96,7 +99,10 @@ fn score_all<'a>(
             if let Some(folder) = &arguments.folders {
                 made.experiment.write(&folder.join(format!("{}-{}", world.design.name(), world.seed)))?;
             }
-            Scored::of(world, &made, yardstick).map(Some)
+            match arguments.edition {
+                Some(edition) => Scored::by(edition, world, &made, yardstick).map(Some),
+                None => Scored::of(world, &made, yardstick).map(Some),
+            }
         }
         None => Ok(None),
     };
@@ -157,7 +163,7 @@ fn record(s: &Scored) -> Value {
         "findings": findings,
         "shows_in": s.answer.shows_in,
         "mark": s.mark.word(),
-        "second": s.second.as_ref().map(Answer::line),
+        "second": s.second.as_ref().map(|second| second.answer.line()),
         "beliefs": s.beliefs,
         "mark_second": s.by_second().mark.word(),
         "intervals": hits,

@@ -1,6 +1,6 @@
 //! How good an answer about a world is.
 
-use palpate::diagnose::{self, Finding, Verdict};
+use palpate::diagnose::{self, Asked, Edition, Finding, Verdict};
 
 use super::{Kind, Made, Truth, What, World};
 use crate::score::coverage::{self, Hit};
@@ -129,34 +129,42 @@ pub struct Scored {
     pub mark: Mark,
     /// Whether the intervals of `mu` and `alpha` hold the truth, whatever was answered.
     pub hits: Vec<Hit>,
-    /// The second edition's answer, where it made one.
-    pub second: Option<Answer>,
-    /// All that it believes, as `palpate diagnose --json` tells it.
+    /// All that is believed, as `palpate diagnose --json` tells it; of the second edition.
     pub beliefs: Option<serde_json::Value>,
+    /// The same world as the second edition answers it, where both were asked.
+    pub second: Option<Box<Scored>>,
 }
 
 impl Scored {
-    /// Has a world diagnosed and judges the answer.
+    /// Has a world diagnosed by both editions and judges the answers.
     ///
     /// # Errors
     /// [`ScoreError`]: when a solve fails.
     pub fn of(world: &World, made: &Made, yardstick: &Yardstick<'_>) -> Result<Self, ScoreError> {
-        let found = diagnose::diagnose(&made.experiment.experiment(), yardstick.models, &|_, _, _| {})?;
+        let second = Self::by(Edition::Second, world, made, yardstick)?;
+        Ok(Self { second: Some(Box::new(second)), ..Self::by(Edition::First, world, made, yardstick)? })
+    }
+
+    /// The same by one edition.
+    ///
+    /// # Errors
+    /// As [`Scored::of`].
+    pub fn by(edition: Edition, world: &World, made: &Made, yardstick: &Yardstick<'_>) -> Result<Self, ScoreError> {
+        let asked = Asked { edition, ..Asked::default() };
+        let experiment = made.experiment.experiment();
+        let found = diagnose::diagnose_as(asked, &experiment, yardstick.models, &|_, _, _| {})?;
         let [diagnosis] = found.as_slice() else { return Err(ScoreError::Answers(found.len())) };
         let answer = Answer::of(diagnosis);
         let mark = Mark::of(&made.truth, &answer);
         let hits = coverage::of_foam(&made.truth.foam, diagnosis);
-        let second = diagnosis.evidence.as_ref().and_then(|e| e.second.as_ref());
-        let beliefs = second.map(diagnose::second::json);
-        let second = second.map(|s| answer.by_second(s));
-        Ok(Self { world: *world, truth: made.truth.clone(), answer, mark, hits, second, beliefs })
+        let beliefs = diagnosis.evidence.as_ref().and_then(|e| e.second.as_ref()).map(diagnose::second::json);
+        Ok(Self { world: *world, truth: made.truth.clone(), answer, mark, hits, beliefs, second: None })
     }
 
-    /// The same world as the second edition answers it; what that does not judge stays as it is.
+    /// The same world as the second edition answers it, where that was asked.
     #[must_use]
     pub fn by_second(&self) -> Self {
-        let answer = self.second.clone().unwrap_or_else(|| self.answer.clone());
-        Self { mark: Mark::of(&self.truth, &answer), answer, ..self.clone() }
+        self.second.as_deref().unwrap_or(self).clone()
     }
 
     /// World, truth, answer and mark on one line.
@@ -174,9 +182,11 @@ impl Scored {
         let minors: Vec<String> = truth.minors.iter().map(plain).collect();
         let rests: Vec<String> =
             truth.rests.iter().map(|rest| plain(&palpate::simulate::Effect::Rest(*rest))).collect();
-        let second = self.by_second();
+        let second = self.second.as_ref().map_or_else(String::new, |second| {
+            format!("; second edition: {} -> {}", second.answer.line(), second.mark.word().to_uppercase())
+        });
         format!(
-            "{} {} {} [{}] together {:.2} beside [{}] and rests of {:.2} % [{}], mu {:.4} alpha {:.2} -> {} -> {}; second edition: {} -> {}",
+            "{} {} {} [{}] together {:.2} beside [{}] and rests of {:.2} % [{}], mu {:.4} alpha {:.2} -> {} -> {}{second}",
             self.world.design.name(),
             self.world.seed,
             truth.what.word(),
@@ -189,8 +199,6 @@ impl Scored {
             truth.foam.alpha,
             self.answer.line(),
             self.mark.word().to_uppercase(),
-            second.answer.line(),
-            second.mark.word().to_uppercase(),
         )
     }
 }

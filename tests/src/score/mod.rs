@@ -17,8 +17,7 @@ pub mod table;
 
 use lut_gen::chain::LibraryError;
 use palpate::diagnose::search::Explanation;
-use palpate::diagnose::second::Second;
-use palpate::diagnose::{self, DiagnoseError, Diagnosis, Evidence, Finding, Models, Verdict};
+use palpate::diagnose::{self, Asked, DiagnoseError, Diagnosis, Edition, Evidence, Finding, Models, Verdict};
 use palpate::experiment::Experiment;
 use palpate::identify;
 use palpate::simulate::{SimulateError, Solver, Spec};
@@ -81,22 +80,6 @@ impl Answer {
         }
     }
 
-    /// The second edition's answer, in the words of the first.
-    #[must_use]
-    pub fn by_second(&self, second: &Second) -> Self {
-        let finding = |names: &[&'static str]| Finding {
-            code: names[0],
-            form: "",
-            owner: 0,
-            of: Vec::new(),
-            parameters: Vec::new(),
-            ambiguous_with: names[1..].to_vec(),
-        };
-        let findings = second.findings.iter().map(|set| finding(set)).collect();
-        let shows_in = second.remainder.iter().map(|(over, _)| *over).collect();
-        Self { verdict: second.verdict, findings, shows_in, ..self.clone() }
-    }
-
     /// Verdict, names with their rivals and parameters, on one line.
     #[must_use]
     pub fn line(&self) -> String {
@@ -132,8 +115,8 @@ pub struct Scored {
     pub answer: Answer,
     /// How good that is.
     pub outcome: Outcome,
-    /// The second edition's answer, where it made one.
-    pub second: Option<Answer>,
+    /// The same case as the second edition answers it, where both were asked.
+    pub second: Option<Box<Scored>>,
     /// Held-out errors with the base, with what was found, and with what an oracle would have found; where something shows.
     pub gain: Option<Gain>,
     /// What became of an ambiguous answer when its plan was followed.
@@ -147,11 +130,20 @@ pub struct Scored {
 }
 
 impl Scored {
-    /// Makes a case, has it diagnosed, and scores the answer.
+    /// Makes a case, has it diagnosed by both editions, and scores the answers.
     ///
     /// # Errors
     /// [`ScoreError`]: when a solve fails.
     pub fn of(case: &Case, solver: &Solver, models: &Models) -> Result<Self, ScoreError> {
+        let second = Self::by(Edition::Second, case, solver, models)?;
+        Ok(Self { second: Some(Box::new(second)), ..Self::by(Edition::First, case, solver, models)? })
+    }
+
+    /// The same by one edition.
+    ///
+    /// # Errors
+    /// As [`Scored::of`].
+    pub fn by(edition: Edition, case: &Case, solver: &Solver, models: &Models) -> Result<Self, ScoreError> {
         let start = std::time::Instant::now();
         let truth = case.truth();
         let without: Vec<&str> = match truth.what {
@@ -161,7 +153,8 @@ impl Scored {
         let made = case.make(solver)?;
         let experiment = made.experiment();
         known_models(&experiment, models)?;
-        let diagnoses = diagnose::diagnose_without(&without, &experiment, models, &|_, _, _| {})?;
+        let diagnoses =
+            diagnose::diagnose_as(Asked { without: &without, edition }, &experiment, models, &|_, _, _| {})?;
         let [diagnosis] = diagnoses.as_slice() else { return Err(ScoreError::Answers(diagnoses.len())) };
         let answer = Answer::of(diagnosis);
         let strength = match &diagnosis.evidence {
@@ -171,7 +164,6 @@ impl Scored {
         let of = |which: fn(&Strength) -> f64| strength.as_ref().map(|each| each.iter().map(which).collect::<Vec<_>>());
         let (strength, told) = (of(|s| s.known), of(|s| s.told));
         let outcome = Outcome::of(&truth, strength.as_deref(), &answer);
-        let second = diagnosis.evidence.as_ref().and_then(|e| e.second.as_ref()).map(|s| answer.by_second(s));
         let gain = oracle::gain(&truth, diagnosis, &experiment, models);
         let followed =
             if diagnosis.verdict == Verdict::Ambiguous && matches!(truth.what, What::Catalogue(..) | What::Pair(..)) {
@@ -190,7 +182,7 @@ impl Scored {
             told,
             answer,
             outcome,
-            second,
+            second: None,
             gain,
             followed,
             hits,
@@ -199,12 +191,10 @@ impl Scored {
         })
     }
 
-    /// The same case as the second edition answers it; what that does not judge stays as it is.
+    /// The same case as the second edition answers it, where that was asked.
     #[must_use]
     pub fn by_second(&self) -> Self {
-        let answer = self.second.clone().unwrap_or_else(|| self.answer.clone());
-        let outcome = Outcome::of(&self.truth, self.strength.as_deref(), &answer);
-        Self { outcome, answer, followed: None, ..self.clone() }
+        self.second.as_deref().unwrap_or(self).clone()
     }
 
     /// True when every effect shows; false when there is none.
@@ -246,9 +236,11 @@ impl Scored {
             )
         });
         let strength: Vec<String> = self.strength.iter().flatten().map(|s| format!("{s:.1}")).collect();
-        let second = self.by_second();
+        let second = self.second.as_ref().map_or_else(String::new, |second| {
+            format!("; second edition: {} -> {}", second.answer.line(), second.outcome.word().to_uppercase())
+        });
         format!(
-            "{} {} {:?} {:?} [{}] strength {} -> {} -> {}{followed}; second edition: {} -> {} | {} | true mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
+            "{} {} {:?} {:?} [{}] strength {} -> {} -> {}{followed}{second} | {} | true mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
             self.design.name(),
             self.seed,
             self.truth.what,
@@ -257,8 +249,6 @@ impl Scored {
             strength.join(" "),
             self.answer.line(),
             self.outcome.word().to_uppercase(),
-            second.answer.line(),
-            second.outcome.word().to_uppercase(),
             self.detail,
             self.truth.foam.mu_mpa,
             self.truth.foam.alpha,

@@ -64,7 +64,7 @@ pub(in crate::diagnose) fn score(fit: &Fit) -> f64 {
 }
 
 /// What a fit's effects are, whatever their form.
-pub(super) fn names(fit: &Fit) -> Vec<(&'static str, usize)> {
+pub(in crate::diagnose) fn names(fit: &Fit) -> Vec<(&'static str, usize)> {
     let mut names: Vec<_> = fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect();
     names.sort_unstable();
     names

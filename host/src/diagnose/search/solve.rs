@@ -1,6 +1,6 @@
 //! Finite elements of whole paths for the explanations that may be named.
 
-use lut_gen::chain::Detail;
+use lut_gen::chain::{Detail, ROUGH, Whole};
 use lut_gen::effect::{friction, second_term, softening};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -82,6 +82,16 @@ impl Search<'_> {
     /// The same, not to the end where that would not come near a score.
     fn solved_against(&self, fit: &Fit, best: f64) -> Option<Fit> {
         self.look(fit).and_then(|looked| self.follow(&fit.candidates, looked, best))
+    }
+
+    /// True where the chain has a fit only roughly, and no finite elements of its rough effects were
+    /// solved near by.
+    pub(in crate::diagnose) fn needs_solve(&self, fit: &Fit) -> bool {
+        let near = |whole: &Whole| {
+            let is_near = whole.detail() == Detail::Names && whole.moved(&fit.model) < MOVED;
+            is_near && fit.codes().all(|code| !ROUGH.contains(&code) || whole.covers(code))
+        };
+        lut_gen::chain::is_rough(&fit.model) && !fit.model.whole.as_deref().is_some_and(near)
     }
 
     /// True where a fit has finite elements of other effects than its own, and of another exponent.
@@ -195,6 +205,11 @@ impl Search<'_> {
         {
             explanation.fit = settled;
         }
+    }
+
+    /// A fit with solves at its own place until it stays there.
+    pub(in crate::diagnose) fn ended(&self, fit: &Fit, rounds: usize) -> Option<Fit> {
+        self.rounds_of(fit, (rounds, SAME))
     }
 
     /// The same of an explanation that is to be named, until its parameters stay: what they are is told with errors that know nothing of a solve elsewhere.

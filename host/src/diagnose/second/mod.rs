@@ -3,8 +3,10 @@
 //! (`docs/decisions/0005-one-model.md`).
 
 mod discrepancy;
+mod found;
 mod search;
 mod share;
+mod solve;
 mod verdict;
 mod weigh;
 
@@ -13,12 +15,15 @@ use serde_json::{Value, json};
 
 use super::coordinate::Candidate;
 use super::finding::Verdict;
+use super::fit::Fit;
 use super::search::{Explanation, Search};
 use crate::infer::compare::{Beliefs, Set};
 use crate::infer::evidence::{Discrepancy, Sizes};
 use crate::infer::mixture::{Part, quantile};
 use share::Shares;
 use verdict::{Conclusion, concluded};
+
+pub(super) use found::found;
 use weigh::Weighed;
 
 /// Size of a discrepancy, as a share of the force: as often above as below, and a factor of 2.7 to
@@ -61,14 +66,24 @@ pub struct Second {
     pub remainder: Vec<(&'static str, f64)>,
 }
 
+fn of_groups(search: &Search<'_>, groups: &[discrepancy::Group]) -> Discrepancy {
+    let rows = search.problem.whitening.residuals();
+    let columns = groups.iter().map(|group| &group.columns);
+    Discrepancy::new(rows, columns, Sizes::about(SIZE.0, SIZE.1))
+}
+
 /// Judges what was tried and what the evidence leads to; none where nothing can be compared.
 #[must_use]
 pub fn judged(search: &Search<'_>, tried: &[&Explanation]) -> Option<Second> {
     let groups = discrepancy::groups(&search.problem, &search.curves);
-    let rows = search.problem.whitening.residuals();
-    let columns = groups.iter().map(|group| &group.columns);
-    let discrepancy = Discrepancy::new(rows, columns, Sizes::about(SIZE.0, SIZE.1));
-    let shares = Shares::new(search, &groups, &discrepancy, search::led(search, tried, &discrepancy));
+    let discrepancy = of_groups(search, &groups);
+    let tried: Vec<&Fit> = tried.iter().map(|e| &e.fit).collect();
+    let leading = search::Leading { search, discrepancy: &discrepancy, is_thorough: false };
+    let shares = Shares::new(search, &groups, &discrepancy, leading.led(&tried, &mut Vec::new()));
+    verdict_of(search, &groups, &shares)
+}
+
+fn verdict_of(search: &Search<'_>, groups: &[discrepancy::Group], shares: &Shares<'_>) -> Option<Second> {
     let compared = shares.sets();
     let best = compared.first()?;
     let codes = codes(&search.candidates);

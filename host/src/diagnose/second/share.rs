@@ -102,8 +102,18 @@ impl<'a> Shares<'a> {
     /// True where the discrepancy takes an effect of a set back, at least in part. The two know nothing
     /// of each other, and large ones that cancel are two wrongs.
     fn cancels(&self, at: usize) -> bool {
-        let Some(misfit) = self.misfit(at) else { return false };
-        (0..self.sets[at].fit.candidates.len()).any(|own| self.share(at, misfit, |effect| effect == own) < CANCELLED)
+        let set = &self.sets[at];
+        let smooth = set.evidence.sizes.iter().take(self.discrepancy.groups());
+        let is_alone = smooth.fold(0.0_f64, |most, size| most.max(*size)) == 0.0;
+        let Some(misfit) = self.misfit(at).filter(|_| !is_alone) else { return false };
+        let effects = set.fit.candidates.len();
+        let left_n = |own: Option<usize>| {
+            let model = only(&misfit.model, |setting| setting >= effects || Some(setting) == own);
+            self.left_n(&model, &self.forces_n(&model), &misfit.beside_n)
+        };
+        let without_n = left_n(None);
+        // of what effects do to each other this says nothing
+        (0..effects).any(|own| 1.0 - (without_n / left_n(Some(own))).powi(2) < CANCELLED)
     }
 
     /// Share of a set's misfit that goes without some of its effects.

@@ -4,8 +4,9 @@ use lut_gen::effect::Spread;
 use nalgebra::DMatrix;
 
 use crate::diagnose::coordinate::{Candidate, Coordinate};
+use crate::diagnose::evidence::Adequacy;
 use crate::diagnose::fit::{Fit, Problem};
-use crate::diagnose::search::{Search, form_error};
+use crate::diagnose::search::{Explanation, Search, form_error};
 use crate::infer::evidence::{Discrepancy, Evidence, Linearised, Parameter, Prior, evidence};
 use crate::infer::lowrank::Fold;
 use crate::infer::presence;
@@ -42,6 +43,21 @@ impl Weighed {
     /// The model about its fit.
     pub fn linearised(&self) -> Linearised<'_> {
         linearised(&self.fit, &self.known)
+    }
+}
+
+/// A set as reports tell it.
+pub(super) fn explanation(search: &Search<'_>, set: &Weighed) -> Explanation {
+    let fit = set.fit.clone();
+    let wrong = form_error(&search.problem, &fit);
+    Explanation {
+        adequacy: Adequacy::of(&fit, &search.margins, &search.panel, &wrong, &search.twins),
+        beats_noise: true,
+        predicts: true,
+        beats_placebo: true,
+        beyond_causeless: f64::INFINITY,
+        gain: search.base.square - fit.square,
+        fit,
     }
 }
 

@@ -116,7 +116,7 @@ fn size(model: &Model) -> Option<(&'static str, f64)> {
 }
 
 /// Codes of what finite elements of the path are needed for.
-const ROUGH: [&str; 4] =
+pub const ROUGH: [&str; 4] =
     [relaxation::ONE.code, second_term::EFFECT.code, softening::EFFECT.code, friction::EFFECT.code];
 /// Least size of an effect that others are compared with.
 const LEAST_SIZE: f64 = 1e-4;

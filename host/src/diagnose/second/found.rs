@@ -1,0 +1,113 @@
+//! The search of the second edition: sets of effects, and the noise that each is judged in.
+//!
+//! Jitter is estimated from repeats about a model. Where that is wrong by a tenth of the force, jitter
+//! passes for many times what it is, and hides whatever else is there. So the noise is told about the
+//! likeliest sets, one after the other, and that is kept in which the data as a whole are likeliest.
+
+use super::search::Leading;
+use super::solve::solved;
+use super::weigh::{Weighed, explanation};
+use super::{Second, Shares, discrepancy, of_groups, verdict_of};
+use crate::diagnose::coordinate::Candidate;
+use crate::diagnose::finding::Verdict;
+use crate::diagnose::fit::Fit;
+use crate::diagnose::progress::Progress;
+use crate::diagnose::search::{Found, Search};
+use crate::infer::evidence::Discrepancy;
+
+/// How far behind the likeliest (logarithm) a set without a discrepancy may lie for the noise to be
+/// told about it, and how often that is done.
+const TOLD: f64 = 25.0;
+const TELLS: usize = 4;
+
+/// A search in one noise.
+struct State<'a> {
+    search: Search<'a>,
+    groups: Vec<discrepancy::Group>,
+    discrepancy: Discrepancy,
+    /// The likeliest first.
+    sets: Vec<Weighed>,
+    /// Logarithm of the evidence of the likeliest for the data as they were measured, so that noises
+    /// compare.
+    log: f64,
+}
+
+impl<'a> State<'a> {
+    fn of(search: Search<'a>, known: &[Fit], seen: &mut Vec<Vec<Candidate>>) -> Option<Self> {
+        let groups = discrepancy::groups(&search.problem, &search.curves);
+        let discrepancy = of_groups(&search, &groups);
+        let tried: Vec<&Fit> = known.iter().filter(|fit| !fit.candidates.is_empty()).collect();
+        let leading = Leading { search: &search, discrepancy: &discrepancy, is_thorough: true };
+        let sets = solved(&search, leading.led(&tried, seen), &discrepancy);
+        let sets = Shares::new(&search, &groups, &discrepancy, sets).sets().to_vec();
+        let log = sets.first()?.log - 0.5 * search.problem.whitening.log_determinant();
+        Some(Self { search, groups, discrepancy, sets, log })
+    }
+
+    /// The set that the noise is to be told about next: the likeliest, or the likeliest without a
+    /// discrepancy, in which it may be another one.
+    fn next(&self, told: &[Vec<Candidate>]) -> Option<&Fit> {
+        let is_new = |set: &&Weighed| !told.contains(&set.fit.candidates);
+        let groups = self.discrepancy.groups();
+        let is_alone = |set: &&Weighed| set.evidence.sizes.iter().take(groups).all(|size| *size == 0.0);
+        let near = self.sets.iter().filter(|set| set.log > self.sets[0].log - TOLD);
+        let mut alone = near.filter(is_alone).take(1);
+        self.sets.iter().take(1).find(is_new).or(alone.find(is_new)).map(|set| &set.fit)
+    }
+}
+
+/// Searches for what explains the data, and judges it; none where nothing can be compared.
+pub fn found<'a>(search: Search<'a>, stated_n: Option<f64>, progress: &Progress<'_>) -> Option<(Found<'a>, Second)> {
+    progress("effects", 0, TELLS);
+    let mut seen = Vec::new();
+    let mut state = State::of(search, &[], &mut seen)?;
+    let mut told: Vec<Vec<Candidate>> = vec![Vec::new()];
+    for tell in 0..TELLS {
+        progress("effects", tell, TELLS);
+        let Some(next) = state.next(&told).cloned() else { break };
+        told.push(next.candidates.clone());
+        let known: Vec<Fit> = state.sets.iter().map(|set| set.fit.clone()).collect();
+        let other = state.search.about(&next, stated_n).and_then(|search| State::of(search, &known, &mut seen));
+        if let Some(other) = other.filter(|other| other.log > state.log) {
+            state = other;
+        }
+    }
+    let State { search, groups, discrepancy, sets, .. } = state;
+    let second = verdict_of(&search, &groups, &Shares::new(&search, &groups, &discrepancy, sets.clone()))?;
+    let told = |is: &dyn Fn(usize) -> bool| {
+        let some = sets.iter().filter(|set| is(set.fit.candidates.len()));
+        some.map(|set| explanation(&search, set)).collect::<Vec<_>>()
+    };
+    let (singles, pairs) = (told(&|count| count == 1), told(&|count| count > 1));
+    let mut held: Vec<_> = holding(&second, &sets).into_iter().map(|set| explanation(&search, set)).collect();
+    held.iter_mut().for_each(|e| e.fit.reach_in(&search.twins));
+    Some((Found { search, singles, pairs, held, beyond_nameless: None }, second))
+}
+
+/// The likeliest sets of what is named, one for each twin.
+fn holding<'b>(second: &Second, sets: &'b [Weighed]) -> Vec<&'b Weighed> {
+    if !matches!(second.verdict, Verdict::Named | Verdict::Ambiguous) {
+        return Vec::new();
+    }
+    let mut held: Vec<&Weighed> = Vec::new();
+    for codes in choices(&second.findings) {
+        let is_that = |set: &&Weighed| {
+            let its: Vec<&str> = set.fit.codes().collect();
+            its.iter().all(|code| codes.contains(code)) && codes.iter().all(|code| its.contains(code))
+        };
+        held.extend(sets.iter().find(is_that));
+    }
+    held.sort_by(|a, b| b.log.total_cmp(&a.log));
+    held
+}
+
+/// Every choice of one code of each finding.
+fn choices(findings: &[Vec<&'static str>]) -> Vec<Vec<&'static str>> {
+    findings.iter().fold(vec![Vec::new()], |heads, twins| {
+        let with = |head: &Vec<&'static str>| {
+            let head = head.clone();
+            twins.iter().map(move |code| head.iter().copied().chain([*code]).collect::<Vec<_>>()).collect::<Vec<_>>()
+        };
+        heads.iter().flat_map(with).collect()
+    })
+}
