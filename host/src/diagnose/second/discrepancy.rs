@@ -23,11 +23,16 @@ const EACH: f64 = 0.5;
 /// Of a gain over the session.
 const SESSION: f64 = 0.3;
 
+/// Name of what is anew for each spot.
+const SPOT: &str = "spot";
+
 /// One group of discrepancies with a size of its own.
 #[derive(Debug, Clone)]
 pub(super) struct Group {
     /// What it varies with, for reports.
     pub over: &'static str,
+    /// True for what differs between spots of one specimen: scatter, which is no misfit of the model.
+    pub is_scatter: bool,
     /// Columns for a size of one force, N.
     pub forces_n: DMatrix<f64>,
     /// The same whitened.
@@ -76,7 +81,7 @@ pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Vec<Group> {
         }
         let forces_n = columns.clone();
         problem.whitening.apply_to(&mut columns);
-        Group { over, forces_n, columns }
+        Group { over, is_scatter: over == SPOT, forces_n, columns }
     };
     places(design).into_par_iter().map(made).filter(|group| group.columns.amax() > 0.0).collect()
 }
@@ -115,7 +120,7 @@ fn places(design: &Design) -> Vec<Varied<'_>> {
         ("ball", |s| s.indenter as i64),
         ("specimen", |s| s.specimen as i64),
         ("cycle", |s| s.cycle),
-        ("spot", |s| s.spot as i64),
+        (SPOT, |s| s.spot as i64),
     ];
     for (over, of) in each {
         let mut levels: Vec<i64> = design.series.iter().map(of).collect();

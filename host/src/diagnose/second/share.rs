@@ -33,7 +33,7 @@ const CANCELLED: f64 = -0.5;
 pub(super) struct Shares<'a> {
     search: &'a Search<'a>,
     discrepancy: &'a Discrepancy,
-    /// Columns of the discrepancy, N.
+    /// Columns of the discrepancy, N; nothing of what differs between spots.
     forces_n: DMatrix<f64>,
     /// The likeliest first.
     sets: Vec<Weighed>,
@@ -56,7 +56,14 @@ impl<'a> Shares<'a> {
     /// effect and the discrepancy cancel.
     pub fn new(search: &'a Search<'a>, groups: &[Group], discrepancy: &'a Discrepancy, mut sets: Vec<Weighed>) -> Self {
         sets.sort_by(|a, b| b.log.total_cmp(&a.log));
-        let forces_n = beside(search.problem.whitening.residuals(), groups.iter().map(|group| &group.forces_n));
+        let mut forces_n = beside(search.problem.whitening.residuals(), groups.iter().map(|group| &group.forces_n));
+        let mut at = 0;
+        for group in groups {
+            if group.is_scatter {
+                forces_n.columns_mut(at, group.forces_n.ncols()).fill(0.0);
+            }
+            at += group.forces_n.ncols();
+        }
         let misfits = sets.iter().map(|_| OnceCell::new()).collect();
         Self { search, discrepancy, forces_n, sets, misfits }.sound()
     }
