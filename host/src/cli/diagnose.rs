@@ -24,19 +24,11 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// Way of coming to a verdict; the second, in trial, weighs sets of effects by their evidence
-    #[arg(long, value_name = "first|second", default_value = "first", value_parser = edition)]
+    #[arg(long, value_name = "first|second", default_value = "first")]
     edition: Edition,
     /// File for the extended model, if anything is named [default: model.toml beside the report]
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-}
-
-fn edition(name: &str) -> Result<Edition, String> {
-    match name {
-        "first" => Ok(Edition::First),
-        "second" => Ok(Edition::Second),
-        _ => Err("expected first or second".to_owned()),
-    }
 }
 
 /// Reads, diagnoses, tells.

@@ -136,7 +136,7 @@ pub struct Evidence {
     /// By how much (sum of squares, parameters charged) the likeliest of these is likelier than it must be against a departure without a name, elastic or in more times of
     /// relaxation than two; none where neither is a question.
     pub beyond_nameless: Option<f64>,
-    /// The second edition's verdict, in shadow.
+    /// The second edition's verdict; beside that of the first in shadow.
     pub second: Option<Second>,
     /// Error on conditions that were left out.
     pub held_out: Option<HeldOut>,

@@ -5,10 +5,10 @@
 //! r = J d + K b + sum_g a_g Z_g c_g + e,     b, c, e ~ N(0, I)
 //! ```
 //! `K b` is error of known size that may be there or not; `Z_g c_g` are smooth discrepancies whose
-//! sizes `a_g` have a prior that allows for none at all. Parameters have flat or heavy-tailed priors. The integral over
-//! parameters is Laplace's, at the point that the linearised model puts them at once the
-//! discrepancy is allowed for. Sizes are those of the highest posterior on a grid, again for each
-//! model.
+//! sizes `a_g` have a prior that allows for none at all. Parameters have flat or heavy-tailed
+//! priors. The integral over parameters is Laplace's, at the point that the linearised model puts
+//! them at once the discrepancy is allowed for. Sizes are those of the highest posterior on a grid,
+//! again for each model.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -101,17 +101,13 @@ impl Sizes {
         let sizes = steps.iter().zip(weights).map(|(z, w)| (median * (spread * z).exp(), (1.0 - NONE) * w / sum));
         Self(std::iter::once((0.0, NONE)).chain(sizes).collect())
     }
-}
 
-impl Sizes {
     /// Of the errors that a model is known for, in their units: none with even chances, for what is
     /// written down may be right, else half of them or all.
     fn of_errors() -> Self {
         Self(vec![(0.0, NONE), (0.5, 0.5 * (1.0 - NONE)), (1.0, 0.5 * (1.0 - NONE))])
     }
-}
 
-impl Sizes {
     /// Logarithm of the prior probability of one of them.
     fn log(&self, size: f64) -> f64 {
         self.0.iter().find(|(known, _)| *known == size).map_or(f64::NEG_INFINITY, |(_, weight)| weight.ln())
@@ -249,9 +245,12 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64])
     let products = Products::of(model, &DMatrix::zeros(model.residual.len(), 0), discrepancy);
     let grids = discrepancy.sizes_beside(model);
     let all = |group: usize| &grids[group].0;
+    let told_of = |chosen: &[usize]| -> (Vec<f64>, Vec<f64>) {
+        chosen.iter().enumerate().map(|(group, at)| all(group)[*at]).unzip()
+    };
     let value = |chosen: &[usize]| -> Option<(f64, Integral)> {
-        let sizes: Vec<f64> = chosen.iter().enumerate().map(|(group, at)| all(group)[*at].0).collect();
-        let prior: f64 = chosen.iter().enumerate().map(|(group, at)| all(group)[*at].1.ln()).sum();
+        let (sizes, weights) = told_of(chosen);
+        let prior: f64 = weights.iter().map(|weight| weight.ln()).sum();
         let (told, determinant) = products.at(&sizes)?;
         let integral = integrated(&model.parameters, &told)?;
         Some((integral.log + prior - 0.5 * determinant, integral))
@@ -284,7 +283,7 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64])
             break;
         }
     }
-    let sizes: Vec<f64> = chosen.iter().enumerate().map(|(group, at)| all(group)[*at].0).collect();
+    let (sizes, _) = told_of(&chosen);
     let (log, Integral { x, hessian, .. }) = best;
     Some(Evidence { log, alone, sizes, x, deviations: standard_errors(&hessian) })
 }

@@ -74,7 +74,7 @@ fn second_edition(first: &[Scored]) -> String {
     let good = |s: &Scored| s.outcome.is_right();
     let wrong = |s: &Scored| s.outcome.is_wrong();
     format!(
-        "\nThe second edition (in shadow, docs/decisions/0005-one-model.md) on the same cases:\n\n{}\n{}\n{}\n{} {}\n",
+        "\nThe second edition (in trial, docs/decisions/0005-one-model.md) on the same cases:\n\n{}\n{}\n{}\n{} {}\n",
         score.by_design(),
         score.confusion(),
         score.mistakes(),

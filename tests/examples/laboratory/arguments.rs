@@ -70,11 +70,7 @@ fn number<T: std::str::FromStr>(word: &str, value: &str) -> Result<T, String> {
 }
 
 fn edition(name: &str) -> Result<Edition, String> {
-    match name {
-        "first" => Ok(Edition::First),
-        "second" => Ok(Edition::Second),
-        _ => Err(format!("--edition {name}: expected first or second")),
-    }
+    name.parse().map_err(|expected| format!("--edition {name}: {expected}"))
 }
 
 fn design(name: &str) -> Result<Design, String> {

@@ -4,8 +4,7 @@
 //! A seed draws its design, unless `--design D18` (D36, D60, own) names one; `--cases` is the
 //! number of seeds (24 unless stated), `--seed` the first of them. `--verbose` tells every world on
 //! a line, `--json FILE` writes every one, `--folders FOLDER` their experiments, `--edition
-//! second` (first) asks one edition only, `--write` puts the
-//! tables into docs/hidden-effects.md.
+//! second` (first) asks one edition only, `--write` puts the tables into docs/hidden-effects.md.
 
 mod arguments;
 
@@ -77,7 +76,7 @@ fn second_edition(first: &[Scored], discarded: usize) -> String {
     let good = |s: &Scored| matches!(s.mark, Mark::Right | Mark::InSet | Mark::RightKind);
     let wrong = |s: &Scored| s.mark == Mark::Wrong;
     format!(
-        "\nThe second edition (in shadow, docs/decisions/0005-one-model.md) on the same worlds:\n\n{}\n{}\n{}\n{} {}\n",
+        "\nThe second edition (in trial, docs/decisions/0005-one-model.md) on the same worlds:\n\n{}\n{}\n{}\n{} {}\n",
         score.by_design(),
         score.by_code(),
         score.mistakes(),

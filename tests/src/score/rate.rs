@@ -71,13 +71,13 @@ pub fn percent(hits: usize, cases: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// None of n: 1 - 0.05^(1/n). One of 20: the 95 % quantile of a beta distribution of 2 and 19, 0.21611 (R: qbeta(0.95, 2, 19)).
     #[test]
     fn what_one_of_two_says_is_counted() {
         let told = paired("Right", &[true, true, false, false], &[true, false, true, true], |right| *right);
         assert_eq!(told, "Right: 2 by the second only, 1 by the first only.");
     }
 
+    /// None of n: 1 - 0.05^(1/n). One of 20: the 95 % quantile of a beta distribution of 2 and 19, 0.21611 (R: qbeta(0.95, 2, 19)).
     #[test]
     fn bounds_are_those_of_clopper_and_pearson() {
         for cases in [1, 10, 100, 400] {

@@ -1,6 +1,6 @@
-//! The second edition of the verdict, in shadow beside the first: every explanation that was tried,
-//! compared by its evidence, a discrepancy of unknown size in each of them, the base included
-//! (`docs/decisions/0005-one-model.md`).
+//! The second edition of the verdict: explanations compared by their evidence, a discrepancy of
+//! unknown size in each of them, the base included (`docs/decisions/0005-one-model.md`). It searches
+//! on its own (`found`), or judges in shadow what the first edition tried ([`judged`]).
 
 mod discrepancy;
 mod found;

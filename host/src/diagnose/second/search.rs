@@ -54,14 +54,9 @@ impl Leading<'_, '_> {
             let fitted: Vec<Weighed> = fitted.collect();
             all.extend(fitted);
             let idle: Vec<bool> = all.iter().map(|set| is_idle(set, &all)).collect();
-            let mut each = idle.iter();
-            all.retain(|set| {
-                let is_idle = each.next().is_some_and(|idle| *idle);
-                if is_idle {
-                    seen.push(set.fit.candidates.clone());
-                }
-                !is_idle
-            });
+            let (gone, kept): (Vec<_>, Vec<_>) = all.into_iter().zip(idle).partition(|(_, is_idle)| *is_idle);
+            seen.extend(gone.into_iter().map(|(set, _)| set.fit.candidates));
+            all = kept.into_iter().map(|(set, _)| set).collect();
             let best = |is: &dyn Fn(usize) -> bool| {
                 let own = all.iter().filter(|set| is(set.fit.candidates.len()));
                 own.map(|set| set.log).fold(f64::NEG_INFINITY, f64::max)
