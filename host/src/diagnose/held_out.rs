@@ -1,33 +1,32 @@
-//! Error on conditions that no fit has seen, with the base and with what was found.
+//! Error on what no fit has seen, with the base and with what was found.
 
 use rayon::prelude::*;
 
 use crate::experiment::Experiment;
 
-use super::design::Series;
+use super::design::{Branch, Design, Node, Series};
 use super::fit::{Fit, Problem};
 use super::plain::{Plain, Plainly};
-use super::prepared::used;
 use super::search::{self, Explanation, Search};
 use crate::infer::covariance::Factor;
 use crate::infer::lowrank::Fold;
 use crate::infer::product::inner;
 
-/// Root mean square errors over conditions that were left out of fit and choice alike, and what the verdict makes of them.
+/// Root mean square errors over what was left out of fit and choice alike, and what the verdict makes of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOut {
     /// Of the [plain best fit](Plain) of the base, N, over the samples of whole paths.
     pub rmse_before_n: f64,
     /// The same with the effects.
     pub rmse_after_n: f64,
-    /// Largest force of the runs that were left out, N.
+    /// Largest force that was left out, N.
     pub peak_n: f64,
     /// Minus twice the logarithm of the density that was predicted with the base, less what base and effects have in common: whitened errors, weighed by what the other
     /// conditions left open of the parameters.
     pub deviance_before: f64,
     /// The same with the effects.
     pub deviance_after: f64,
-    /// Their names.
+    /// What was left out, in words.
     pub conditions: Vec<String>,
 }
 
@@ -40,53 +39,120 @@ impl HeldOut {
     }
 }
 
+/// What is left out at a time.
+#[derive(Debug, Clone, Copy)]
+enum Left {
+    /// Runs that were marked `hold_out`.
+    Marked,
+    /// A group of conditions.
+    Group(usize),
+    /// A part of the path of every run.
+    Part(Part),
+}
+
+/// Parts of a path that others may predict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    /// The deepest third of the way down.
+    Deep,
+    /// The later half of the hold.
+    LateHold,
+    /// The way back.
+    WayBack,
+}
+
+impl Part {
+    const ALL: [Self; 3] = [Self::Deep, Self::LateHold, Self::WayBack];
+
+    fn holds(self, series: &Series, node: &Node) -> bool {
+        let most = |of: fn(&Node) -> f64| series.nodes.iter().map(of).fold(0.0, f64::max);
+        match self {
+            Self::Deep => node.branch == Branch::Loading && node.depth_mm > most(|n| n.depth_mm) * 2.0 / 3.0,
+            Self::LateHold => node.branch == Branch::Hold && node.held_s > 0.5 * most(|n| n.held_s),
+            Self::WayBack => node.branch == Branch::Unloading,
+        }
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::Deep => "the deepest third of the way down",
+            Self::LateHold => "the later half of the hold",
+            Self::WayBack => "the way back",
+        }
+    }
+}
+
+impl Left {
+    /// Marked runs where there are any, else every group of conditions; parts of the path where there is one condition only.
+    fn of(design: &Design) -> Vec<Self> {
+        let has = |part: &Part| design.series.iter().any(|s| s.nodes.iter().any(|n| !n.lifted && part.holds(s, n)));
+        match design.groups {
+            _ if design.series.iter().any(|s| s.hold_out) => vec![Self::Marked],
+            0 | 1 => Part::ALL.into_iter().filter(has).map(Self::Part).collect(),
+            groups => (0..groups).map(Self::Group).collect(),
+        }
+    }
+
+    /// True for what is predicted.
+    fn holds(self, series: &Series, node: &Node) -> bool {
+        match self {
+            Self::Marked => series.hold_out,
+            Self::Group(group) => series.group == group && !series.hold_out,
+            Self::Part(part) => part.holds(series, node),
+        }
+    }
+
+    /// True for what is fitted.
+    fn keeps(self, series: &Series, node: &Node) -> bool {
+        !series.hold_out && !self.holds(series, node)
+    }
+
+    fn name(self, experiment: &Experiment, design: &Design) -> String {
+        match self {
+            Self::Marked => "runs marked hold_out".to_owned(),
+            Self::Group(group) => design.group_name(experiment, group),
+            Self::Part(part) => part.words().to_owned(),
+        }
+    }
+}
+
 /// Leaves every group of conditions out in turn, refits the base and the rivals on the others, takes the likeliest rival there and predicts
-/// the group with it; runs that were marked `hold_out` are predicted instead where there are any. `None` with a single group, or where what is left of a covariance is
-/// not positive definite.
+/// the group with it. Runs that were marked `hold_out` are predicted instead where there are any; where there is one condition only, parts of the path.
+/// `None` where what is left of a covariance is not positive definite.
 #[must_use]
 pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) -> Option<HeldOut> {
     let design = search.problem.design;
-    let marked = design.series.iter().any(|s| s.hold_out);
-    let groups: Vec<Option<usize>> = if marked { vec![None] } else { (0..design.groups).map(Some).collect() };
-    if !marked && groups.len() < 2 {
-        return None;
-    }
-    let each: Option<Vec<Each>> = groups
+    let all = Left::of(design);
+    let each: Option<Vec<Each>> = all
         .par_iter()
-        .map(|group| {
-            let problem = search.problem.for_rows(used(design, *group))?;
+        .map(|left| {
+            let kept = rows_of(&search.problem, &|s, n| left.keeps(s, n), true);
+            let problem = search.problem.for_rows(kept)?;
             let base = problem.fit(&[], &search.base.x);
             let refits = held.iter().map(|e| problem.refit(&e.fit, &search::allowed(&problem, &e.fit)));
             let best = refits.min_by(|a, b| search::score(a).total_cmp(&search::score(b)));
-            let predicted = |s: &Series| match group {
-                Some(group) => s.group == *group && !s.hold_out,
-                None => s.hold_out,
-            };
-            let before = miss(&search.problem, &base, &predicted)?;
-            let after = best.map_or(Some(before), |fit| miss(&search.problem, &fit, &predicted))?;
+            let before = miss(&search.problem, &base, *left)?;
+            let after = best.map_or(Some(before), |fit| miss(&search.problem, &fit, *left))?;
             Some(Each { before, after })
         })
         .collect();
-    let each = each?;
+    let each = each.filter(|each| !each.is_empty())?;
     let sum = |of: fn(&Each) -> f64| each.iter().map(of).sum::<f64>();
     let count = sum(|e| e.before.samples).max(1.0);
-    let left_out = design.series.iter().filter(|s| s.hold_out == marked);
-    let peak_n = left_out.flat_map(|s| &s.nodes).map(|n| n.force_n).fold(0.0, f64::max);
-    let conditions = groups.iter().map(|group| match group {
-        Some(group) => design.group_name(experiment, *group),
-        None => "runs marked hold_out".to_owned(),
-    });
+    let nodes = design.series.iter().flat_map(|s| s.nodes.iter().map(move |n| (s, n)));
+    let left_out = nodes.filter(|(s, n)| all.iter().any(|left| left.holds(s, n)));
+    let peak_n = left_out.map(|(_, n)| n.force_n).fold(0.0, f64::max);
     Some(HeldOut {
         rmse_before_n: (sum(|e| e.before.square_n2) / count).sqrt(),
         rmse_after_n: (sum(|e| e.after.square_n2) / count).sqrt(),
         peak_n,
         deviance_before: sum(|e| e.before.deviance),
         deviance_after: sum(|e| e.after.deviance),
-        conditions: conditions.collect(),
+        conditions: all.iter().map(|left| left.name(experiment, design)).collect(),
     })
 }
 
-/// One group of conditions with base and effects.
+/// What was left out at a time, with base and effects.
 struct Each {
     before: Miss,
     after: Miss,
@@ -100,12 +166,17 @@ struct Miss {
     samples: f64,
 }
 
-/// Of a fit's effects: their plain best fit to the other runs in newtons, the fit itself in the noise of the verdict.
-fn miss(problem: &Problem<'_>, fit: &Fit, predicted: &(dyn Fn(&Series) -> bool + Sync)) -> Option<Miss> {
-    let own = Problem { whole: fit.model.whole.clone(), ..problem.for_rows(used_of(problem, predicted))? };
+/// Of a fit's effects: their plain best fit to the others in newtons, the fit itself in the noise of the verdict. Contact points of runs that were left out whole are at their
+/// best, for they belong to a run; those of runs that were fitted in part stay.
+fn miss(problem: &Problem<'_>, fit: &Fit, left: Left) -> Option<Miss> {
+    let predicted = |s: &Series, n: &Node| left.holds(s, n);
+    let own = Problem { whole: fit.model.whole.clone(), ..problem.for_rows(rows_of(problem, &predicted, false))? };
     let plainly = Plainly { design: problem.design, chain: problem.chain, with: &fit.model };
-    let known: Plain = plainly.best_of(&|s| !s.hold_out && !predicted(s));
-    let (square_n2, samples) = plainly.left(&known, predicted);
+    let known: Plain = plainly.best_of(&|s, n| left.keeps(s, n));
+    let (square_n2, samples) = match left {
+        Left::Part(_) => plainly.left_there(&known, &predicted),
+        Left::Marked | Left::Group(_) => plainly.left(&known, &predicted),
+    };
     Some(Miss { square_n2, deviance: deviance(&own, fit), samples })
 }
 
@@ -125,13 +196,10 @@ fn deviance(own: &Problem<'_>, fit: &Fit) -> f64 {
     }
 }
 
-fn used_of(problem: &Problem<'_>, predicted: &dyn Fn(&Series) -> bool) -> Vec<bool> {
-    let of = |s: &Series| {
-        let own = predicted(s);
-        s.nodes.iter().map(move |n| own && !n.lifted).collect::<Vec<_>>()
-    };
-    let mut used: Vec<bool> = problem.design.series.iter().flat_map(of).collect();
-    // nothing is predicted without the specimen
-    used.resize(problem.whitening.residuals(), false);
-    used
+/// Rows that are meant, and those of runs without the specimen or not.
+fn rows_of(problem: &Problem<'_>, meant: &dyn Fn(&Series, &Node) -> bool, checks: bool) -> Vec<bool> {
+    let of = |s: &Series| s.nodes.iter().map(|n| !n.lifted && meant(s, n)).collect::<Vec<_>>();
+    let mut rows: Vec<bool> = problem.design.series.iter().flat_map(of).collect();
+    rows.resize(problem.whitening.residuals(), checks);
+    rows
 }

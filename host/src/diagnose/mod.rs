@@ -211,7 +211,7 @@ impl Evidence {
     /// Sum of squares that noise alone leaves of the base: rows that count less its parameters.
     #[must_use]
     pub fn expected_square(&self) -> f64 {
-        fit::freedom(&prepared::used(&self.design, None), &self.base)
+        fit::freedom(&prepared::used(&self.design), &self.base)
     }
 
     /// Share that a sum of squares has lost of what the base leaves beyond noise; none where that is within two standard deviations of noise, a share of

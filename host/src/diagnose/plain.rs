@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::coordinate::Coordinate;
-use super::design::{Design, Series};
+use super::design::{Design, Node, Series};
 use super::fit::predicted;
 use crate::infer::descent::{Descent, Evaluated, Region, Residuals, Rule, minimise};
 use crate::infer::rows::Mask;
@@ -25,6 +25,9 @@ const STEP: f64 = 1e-4;
 const MU: usize = 0;
 const ALPHA: usize = 1;
 const CONTACTS: usize = 2;
+
+/// The rows that are meant.
+pub type Meant<'a> = &'a (dyn Fn(&Series, &Node) -> bool + Sync);
 
 /// A plain best fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,20 +55,20 @@ impl<'a> Plainly<'a> {
     /// Fits every run but those that are held out.
     #[must_use]
     pub fn best(&self) -> Plain {
-        self.best_of(&|series| !series.hold_out)
+        self.best_of(&|series, _| !series.hold_out)
     }
 
     /// Root mean square of what is left with `mu` and `alpha` at their best near those that are given
     /// and every contact point at the recorded zero, N.
     #[must_use]
     pub fn left_of_base_n(&self) -> f64 {
-        let rows = Counted::of(self.design, &|series| !series.hold_out);
+        let rows = Counted::of(self.design, &|series, _| !series.hold_out);
         self.told(&rows, &self.searched(&rows, &self.start(&rows, self.with.alpha), Free::Base).x).rmse_n
     }
 
-    /// Fits the runs that are meant; the others are removed. The least of searches from several exponents.
+    /// Fits the rows that are meant; the others are removed. The least of searches from several exponents.
     #[must_use]
-    pub fn best_of(&self, meant: &(dyn Fn(&Series) -> bool + Sync)) -> Plain {
+    pub fn best_of(&self, meant: Meant<'_>) -> Plain {
         let rows = Counted::of(self.design, meant);
         let alphas: Vec<f64> = std::iter::once(self.with.alpha).chain(ALPHAS).collect();
         let ends = alphas.par_iter().map(|alpha| self.searched(&rows, &self.start(&rows, *alpha), Free::All));
@@ -74,14 +77,23 @@ impl<'a> Plainly<'a> {
         best.map_or_else(|| self.told(&rows, &self.start(&rows, self.with.alpha)), |end| self.told(&rows, &end.x))
     }
 
-    /// What a fit leaves of runs that it need not have seen, N2 summed over their samples, and the number of these. Their contact points are at their best: they belong to a run, not to
+    /// What a fit leaves of rows that it need not have seen, N2 summed over their samples, and the number of these. Their contact points are at their best: they belong to a run, not to
     /// the model.
     #[must_use]
-    pub fn left(&self, fit: &Plain, meant: &(dyn Fn(&Series) -> bool + Sync)) -> (f64, f64) {
+    pub fn left(&self, fit: &Plain, meant: Meant<'_>) -> (f64, f64) {
         let rows = Counted::of(self.design, meant);
         let start: Vec<f64> =
             [fit.model.mu_mpa.ln(), fit.model.alpha.ln()].into_iter().chain(fit.contacts_mm.iter().copied()).collect();
         (self.searched(&rows, &start, Free::Contacts).value, rows.samples)
+    }
+
+    /// The same with the contact points that the fit found.
+    #[must_use]
+    pub fn left_there(&self, fit: &Plain, meant: Meant<'_>) -> (f64, f64) {
+        let rows = Counted::of(self.design, meant);
+        let at: Vec<f64> =
+            [fit.model.mu_mpa.ln(), fit.model.alpha.ln()].into_iter().chain(fit.contacts_mm.iter().copied()).collect();
+        (self.residual(&rows, &at).norm_squared(), rows.samples)
     }
 
     /// Contact points of every run, mm.
@@ -199,9 +211,9 @@ struct Counted {
 }
 
 impl Counted {
-    fn of(design: &Design, meant: &dyn Fn(&Series) -> bool) -> Self {
+    fn of(design: &Design, meant: Meant<'_>) -> Self {
         let nodes = || design.series.iter().flat_map(|s| s.nodes.iter().map(move |n| (s, n)));
-        let flags: Vec<bool> = nodes().map(|(s, n)| meant(s) && !n.lifted).collect();
+        let flags: Vec<bool> = nodes().map(|(s, n)| meant(s, n) && !n.lifted).collect();
         let used = || nodes().zip(&flags).filter(|(_, used)| **used).map(|(row, _)| row);
         let samples = || used().map(|(_, n)| n.samples.max(1) as f64);
         Self {

@@ -103,17 +103,15 @@ fn placed<'a>(
     curves: &[Curve],
     contacts_mm: Vec<f64>,
 ) -> Option<Problem<'a>> {
-    let used = used(design, None);
+    let used = used(design);
     let whitening = Whitening::new(design, curves, noise)?.for_rows(&used)?;
     let back_n = back(design, curves, &contacts_mm, whitening.residuals());
     Some(Problem { design, chain, contacts_mm, back_n, whitening, used, whole: None })
 }
 
-/// Entries that are fitted: no held-out runs, no group that is left out.
-pub(super) fn used(design: &Design, left_out: Option<usize>) -> Vec<bool> {
-    let of = |s: &Series| -> Vec<bool> {
-        s.nodes.iter().map(|n| !n.lifted && !s.hold_out && Some(s.group) != left_out).collect()
-    };
+/// Entries that are fitted: no held-out runs.
+pub(super) fn used(design: &Design) -> Vec<bool> {
+    let of = |s: &Series| -> Vec<bool> { s.nodes.iter().map(|n| !n.lifted && !s.hold_out).collect() };
     let mut used: Vec<bool> = design.series.iter().flat_map(of).collect();
     used.extend(design.checks.iter().flat_map(|check| (0..check.rows()).map(|_| true)));
     used

@@ -155,7 +155,7 @@ pub(super) fn conclude(
     let gains = held_out.is_some_and(|h| h.deviance_after < h.deviance_before);
     if held_out.is_none() && !held.is_empty() {
         diagnosis.messages.push(
-            "one condition only: what explains it cannot be tested on another, so nothing is named; press with another ball or rate"
+            "what explains it cannot be tested on what no fit has seen, so nothing is named; press with another ball or rate"
                 .to_owned(),
         );
     }

@@ -17,7 +17,7 @@ pub(super) fn section(
     (found, evidence): (&Diagnosis, &Evidence),
     best: Option<&Explanation>,
 ) {
-    page.section("Before and after, on conditions that no fit has seen");
+    page.section("Before and after, on what no fit has seen");
     held_out(page, found, evidence);
     page.section("Parameters");
     base(page, evidence);
@@ -46,7 +46,7 @@ fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
         page.paragraph(if evidence.held.is_empty() {
             "There is no extension to be measured."
         } else {
-            "There is one condition only: none could be left out, so the gain is not measured."
+            "Nothing could be left out, so the gain is not measured."
         });
         return;
     };
