@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::process::ExitCode;
 
-use palpate::diagnose::{Edition, Models};
+use palpate::diagnose::Models;
 use palpate::simulate::Solver;
 use tests::regressions::all;
 use tests::score::Scored;
@@ -13,7 +13,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let all = all();
     let mut lost = 0;
     for one in &all {
-        let scored = Scored::by(Edition::First, &one.case, &solver, &models)?;
+        let scored = Scored::of(&one.case, &solver, &models)?;
         if one.right.contains(&scored.outcome) {
             println!("ok   {}", scored.line());
         } else {

@@ -1,18 +1,14 @@
 //! Whether intervals hold the truth where a cause is there that stays silent.
 //!
-//! `cargo run --release -p tests --example silent -- [--first SEED] [--count N] [--clean] [--rig] [--full] [--identify]` draws experiments with one hidden cause each
+//! `cargo run --release -p tests --example silent -- [--first SEED] [--count N] [--clean] [--rig] [--identify]` draws experiments with one hidden cause each
 //! (`tests::silent` says from which ranges) and prints how often the 95 % intervals of mu and alpha hold the truth: by `diagnose`, and by `identify`; all that are drawn, and
-//! those in which the diagnosis is silent. `--rig` puts the usual errors of a rig beside each cause. Without `--full` an experiment whose discrepancy is visible is told as such and
-//! not searched. A line an experiment, a table at the end.
+//! those in which the diagnosis is silent. `--rig` puts the usual errors of a rig beside each cause. A line an experiment, a table at the end.
 
 use std::error::Error;
 
-use lut_gen::chain::Chain;
 use lut_gen::contact::Ball;
 use lut_gen::model::{ForceModel, ModelSpec, Specimen};
-use palpate::diagnose::design::Design as Read;
-use palpate::diagnose::search::{self, Search};
-use palpate::diagnose::{self, Models, Prepared, Verdict, unseen as silent_effects};
+use palpate::diagnose::{self, Models};
 use palpate::experiment::Experiment;
 use palpate::identify::identify_from;
 use palpate::identify::newton::condition::{Condition, Source};
@@ -75,20 +71,6 @@ fn material(experiment: &Experiment) -> &str {
     experiment.specimens.first().map_or("", |one| one.material.as_str())
 }
 
-/// The base's intervals where nothing shows; none where something does.
-fn silent(experiment: &Experiment, models: &Models) -> Result<Option<Spans>, Box<dyn Error>> {
-    let Ok(design) = Read::of(experiment, material(experiment)) else { return Ok(None) };
-    let chain = Chain { library: models.of(&design.geometries, &|_, _| {})?, passages: design.passages() };
-    let Some(prepared) = Prepared::new(&design, &chain, experiment.sensor.noise_n) else { return Ok(None) };
-    let search = Search::new(prepared, search::candidates(&design));
-    if !search.adequacy.passes() || search.catalogue() > search.spaces.threshold {
-        return Ok(None);
-    }
-    let mut base = search.base.clone();
-    base.unseen = silent_effects::widening(&search.problem, &base);
-    Ok(Some([base.base().map(|p| p.1), base.base_of_noise().map(|p| p.1)]))
-}
-
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let has = |flag: &str| arguments.iter().any(|a| a == flag);
@@ -114,12 +96,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 continue;
             }
         };
-        let quick = silent(&experiment, &models)?;
-        let (verdict, diagnosed) = match quick {
-            Some(spans) => ("clean", Some(spans)),
-            None if has("--full") => answered(&experiment, &models)?,
-            None => ("visible", None),
-        };
+        let (verdict, diagnosed) = answered(&experiment, &models)?;
         let identified = if has("--identify") { identified(&experiment, &forces, &models)? } else { None };
         let told = Told { code: code.unwrap_or("nothing"), verdict, diagnosed, identified, truth: case.truth };
         println!("{seed} {} {} {verdict} {}", design.name(), told.code, words(&told));
@@ -137,11 +114,10 @@ fn answered(experiment: &Experiment, models: &Models) -> Result<(&'static str, O
     let found = diagnose::diagnose(experiment, models, &|_, _, _| {})?;
     let Some(one) = found.first() else { return Ok(("nothing", None)) };
     let Some(evidence) = &one.evidence else { return Ok((one.verdict.word(), None)) };
-    let named = matches!(one.verdict, Verdict::Named | Verdict::Ambiguous);
-    let spans = if named {
+    let spans = if one.is_named() {
         evidence.extended().zip(evidence.extended_of_noise())
     } else {
-        Some((evidence.base.base(), evidence.base.base_of_noise()))
+        Some((evidence.before.parameters, evidence.before.of_noise))
     };
     Ok((one.verdict.word(), spans.map(|(wide, noise)| [wide.map(|p| p.1), noise.map(|p| p.1)])))
 }
@@ -209,7 +185,7 @@ fn table(all: &[Told]) {
         println!("| {name} | identify | {} |", by(|t| &t.identified));
     };
     row("all", &|_| true);
-    for verdict in ["clean", "unknown", "named", "ambiguous", "visible"] {
+    for verdict in ["clean", "unknown", "named", "ambiguous"] {
         row(verdict, &|t| t.verdict == verdict);
     }
     for code in CAUSES {

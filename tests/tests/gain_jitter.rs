@@ -24,6 +24,12 @@ fn modulus(fit: &Fit) -> (f64, f64) {
     (fit.x[0], covariance(&fit.information).unwrap()[(0, 0)].sqrt())
 }
 
+/// Relaxation with finite elements of the whole paths.
+fn relaxing(search: &Search<'_>) -> Fit {
+    let fit = search.extended(&search.base, &search.candidates[0]);
+    search.solved(&fit).unwrap_or(fit)
+}
+
 fn moved((one, its): (f64, f64), (other, error): (f64, f64)) -> f64 {
     (one - other).abs() / its.min(error)
 }
@@ -42,7 +48,7 @@ fn twice_the_prior_of_the_gains_jitter_moves_no_modulus() {
         let chain = Chain { library, passages: design.passages() };
         let prepared = Prepared::new(&design, &chain, experiment.sensor.noise_n).unwrap();
         let search = Search::new(prepared, vec![Candidate { effect: &relaxation::ONE, owner: 0 }]);
-        let fit = if g > 0.0 { search.singles().remove(0).fit } else { search.base.clone() };
+        let fit = if g > 0.0 { relaxing(&search) } else { search.base.clone() };
         let jittered = |times: f64| {
             let mut noise = search.noise.clone();
             let before = Jitter { gain: times * EXPECTED.gain, ..EXPECTED };

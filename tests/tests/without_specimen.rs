@@ -98,7 +98,8 @@ fn a_mass_tells_the_gain_from_the_modulus() {
 fn a_stiff_block_tells_a_yielding_machine_from_a_wrong_ball() {
     let mut spec = Case::new(Design::D6, 495_027).hiding(What::Catalogue("compliance", 4)).spec();
     let without = experiment(&spec);
-    assert_eq!(diagnosed(&without).verdict, Verdict::Ambiguous);
+    let found = diagnosed(&without);
+    assert!(![Verdict::Clean, Verdict::Named].contains(&found.verdict), "{:?}", codes(&found));
     spec = on_block(spec, largest_n(&without));
     let found = diagnosed(&experiment(&spec));
     assert_eq!((found.verdict, codes(&found)), (Verdict::Named, vec!["compliance"]));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 
-use crate::diagnose::{self, Asked, Diagnosis, Edition, Evidence, Finding, Models};
+use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models};
 use crate::experiment::{self, Experiment};
 use crate::extended::ExtendedModel;
 use crate::report::{self, number};
@@ -23,9 +23,6 @@ pub struct Arguments {
     /// Folder of the HTML report with figures [default: out/diagnose; with --json none]
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Way of coming to a verdict; the second, in trial, weighs sets of effects by their evidence
-    #[arg(long, value_name = "first|second", default_value = "first")]
-    edition: Edition,
     /// File for the extended model, if anything is named [default: model.toml beside the report]
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
@@ -50,9 +47,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let progress = Progress::new();
     let models = Models::kept();
-    let asked = Asked { edition: arguments.edition, ..Asked::default() };
     let tell = |what: &str, done: usize, total: usize| progress.set(what, done, total);
-    let found = diagnose::diagnose_as(asked, &experiment, &models, &tell);
+    let found = diagnose::diagnose(&experiment, &models, &tell);
     progress.end();
     let found = found.map_err(|cause| miette::miette!("{cause}"))?;
     let mut written = None;
@@ -171,6 +167,9 @@ fn print(found: &Diagnosis) {
     for finding in &found.findings {
         print_finding(finding);
     }
+    if let Some(told) = report::diagnosis::remainder(found) {
+        outln!("remainder        {told}");
+    }
     if !found.shows_in.is_empty() {
         outln!("shows in         {}", found.shows_in.join(", "));
     }
@@ -211,6 +210,10 @@ fn print_finding(finding: &Finding) {
         names => format!(" of {}", names.join(" or of ")),
     };
     outln!("effect           {} ({}){of}{twins}", finding.code, finding.form);
+    outln!("  probability    {:>10}", report::diagnosis::percent(finding.probability));
+    if let Some(share) = finding.explains {
+        outln!("  explains       {:>10} of the misfit", report::diagnosis::percent(share));
+    }
     for (name, value, (low, high)) in &finding.parameters {
         outln!("  {name:14} {:>10}  95 %: {} to {}", number(*value), number(*low), number(*high));
     }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::plan::On;
-use super::search::Explanation;
+use super::sets::{Judged, Weighed};
 use super::{Diagnosis, Estimate, Evidence};
 use crate::infer::unseen::{self, Widening};
 
@@ -21,7 +21,10 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
                     ((*name).to_owned(), json!({ "value": value, "interval95": [low, high] }))
                 })
                 .collect();
-            json!({ "code": finding.code, "form": finding.form, "of": finding.of, "parameters": parameters })
+            json!({
+                "code": finding.code, "form": finding.form, "of": finding.of, "parameters": parameters,
+                "kind": finding.kind.words(), "probability": finding.probability, "explains": finding.explains,
+            })
         })
         .collect();
     let ambiguous: Vec<&Vec<&str>> = diagnosis.findings.iter().map(|f| &f.ambiguous_with).collect();
@@ -29,8 +32,7 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
     let held_out = diagnosis.held_out();
     let extended = diagnosis.extended();
     let proposals = proposals(diagnosis);
-    let candidates: Vec<Value> =
-        evidence.map_or_else(Vec::new, |e| e.singles.iter().map(|s| candidate(e, s)).collect());
+    let judged = evidence.map(|e| &e.judged);
     let faults: Vec<Value> =
         diagnosis.faults.iter().map(|f| json!({ "code": f.code(), "what": f.to_string() })).collect();
     json!({
@@ -43,7 +45,12 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "cannot_exclude": diagnosis.cancelling,
         "next_experiment": diagnosis.proposals.first().map(|p| json!({ "what": p.what, "decides": p.decides })),
         "proposals": proposals,
-        "candidates": candidates,
+        "candidates": judged.map_or_else(Vec::new, candidates),
+        "kinds": judged.map_or_else(Vec::new, kinds),
+        "sets": evidence.map_or_else(Vec::new, sets),
+        "partly": judged.map(|j| &j.partly),
+        "explains": judged.and_then(|j| j.explains),
+        "remainder": judged.map(remainder),
         "faults": faults,
         "reason": diagnosis.refusal.as_ref().map(ToString::to_string),
         "held_out": held_out.map(|h| json!({
@@ -55,7 +62,6 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "extended": { "parameters": evidence.zip(extended).and_then(|(e, all)| {
             Some(parameters(all, e.extended_of_noise()?, e.held.first()?.fit.unseen.as_ref()))
         }) },
-        "second_edition": evidence.and_then(|e| e.second.as_ref()).map(super::second::json),
         "messages": diagnosis.messages,
         "report": report,
         "seconds": diagnosis.seconds,
@@ -102,18 +108,38 @@ fn on(on: On) -> Value {
     }
 }
 
-/// What one effect alone explains, and which demands it meets. `leaves` is the largest margin over its threshold.
-fn candidate(evidence: &Evidence, single: &Explanation) -> Value {
-    let effect = single.fit.candidates.first().map(|c| c.effect);
+/// Every effect that was tried, the likeliest first.
+fn candidates(judged: &Judged) -> Vec<Value> {
+    let each = judged.beliefs.iter();
+    each.map(|b| json!({ "code": b.code, "probability": b.probability, "explains": b.explains })).collect()
+}
+
+fn kinds(judged: &Judged) -> Vec<Value> {
+    judged.kinds.iter().map(|(kind, p)| json!({ "kind": kind.words(), "probability": p })).collect()
+}
+
+/// The likeliest sets, each with its probability and the discrepancies beside it, percent of the force.
+fn sets(evidence: &Evidence) -> Vec<Value> {
+    const MOST: usize = 10;
+    let judged = &evidence.judged;
+    let one = |(set, probability): (&Weighed, &f64)| {
+        let effects: Vec<Value> =
+            set.fit.candidates.iter().map(|c| json!({ "code": c.effect.code, "form": c.effect.form })).collect();
+        let sizes = judged.groups.iter().zip(&set.evidence.sizes).filter(|(_, size)| **size > 0.0);
+        let beside: Vec<Value> = sizes.map(|(over, size)| json!({ "over": over, "percent": 100.0 * size })).collect();
+        json!({ "effects": effects, "probability": probability, "beside": beside })
+    };
+    evidence.sets.iter().zip(&judged.sets).take(MOST).map(one).collect()
+}
+
+/// What stays without a name, in percent of the force: of all together, and by what it varies with.
+fn remainder(judged: &Judged) -> Value {
+    let each: Vec<Value> =
+        judged.remainder.iter().map(|(over, size)| json!({ "over": over, "percent": 100.0 * size })).collect();
     json!({
-        "code": effect.map(|e| e.code),
-        "form": effect.map(|e| e.form),
-        "explains": evidence.explained(single.fit.square),
-        "leaves": single.adequacy.worst(),
-        "beats_noise": single.beats_noise,
-        "predicts": single.predicts,
-        "beats_placebo": single.beats_placebo,
-        "in_bounds": !single.fit.at_bound,
+        "percent": judged.remainder_share().map_or(0.0, |share| 100.0 * share),
+        "shows_in": judged.remainder.iter().map(|(over, _)| over).collect::<Vec<_>>(),
+        "parts": each,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use lut_gen::chain::{Model, Setting};
 use lut_gen::effect::{Effect, Quantity, Sizes, Spread, contact_offset};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::design::Design;
 
@@ -158,6 +158,13 @@ pub fn point(coordinates: &[Coordinate], candidates: &[Candidate], model: &Model
     let each: Option<Vec<f64>> = coordinates.iter().map(&mut value).collect();
     let each = each.filter(|_| same)?;
     Some(DVector::from_iterator(each.len(), coordinates.iter().zip(each).map(|(c, value)| c.of(value))))
+}
+
+/// What is known of parameters before any data: a normal distribution that has their bounds at two standard deviations.
+pub(super) fn known_before(coordinates: &[Coordinate]) -> DMatrix<f64> {
+    let width = |c: &Coordinate| c.bounds().1 - c.bounds().0;
+    let each = coordinates.iter().map(|c| 16.0 / width(c).powi(2));
+    DMatrix::from_diagonal(&DVector::from_iterator(coordinates.len(), each))
 }
 
 #[cfg(test)]

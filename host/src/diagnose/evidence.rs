@@ -221,14 +221,6 @@ impl<V: PartialEq> Adequacy<V> {
     }
 }
 
-/// Subspaces, each of which an effect could move the data in, with what they hold of clean twins.
-#[derive(Debug, Clone)]
-pub struct Spaces {
-    each: Vec<Space>,
-    /// What the largest reading exceeds in one clean twin of two hundred.
-    pub threshold: f64,
-}
-
 /// One subspace.
 #[derive(Debug, Clone)]
 pub(super) struct Space {
@@ -236,42 +228,6 @@ pub(super) struct Space {
     pub basis: DMatrix<f64>,
     /// Mean of the square over clean twins.
     pub mean: f64,
-}
-
-impl Spaces {
-    /// One space a candidate: its signatures less what the parameters take up.
-    #[must_use]
-    pub fn new(signatures: &[DMatrix<f64>], parameters: &DMatrix<f64>, twins: &DMatrix<f64>) -> Self {
-        let explained = basis(parameters);
-        let count = twins.ncols().max(1) as f64;
-        let mut readings: Vec<Vec<f64>> = Vec::new();
-        let mut each = Vec::new();
-        for signature in signatures {
-            let own = basis(&visible(signature, &rest_of(signature, &explained)));
-            let values = inner(&own, twins);
-            let squares: Vec<f64> = values.column_iter().map(|c| c.norm_squared()).collect();
-            let mean = squares.iter().sum::<f64>() / count;
-            let space = Space { basis: own, mean };
-            readings.push(squares.iter().map(|s| space.standard(*s)).collect());
-            each.push(space);
-        }
-        let largest: Vec<f64> =
-            (0..twins.ncols()).map(|j| readings.iter().map(|r| r[j]).fold(f64::NEG_INFINITY, f64::max)).collect();
-        let threshold = exceeded(largest, LEVEL);
-        Self { each, threshold }
-    }
-
-    /// Reading of one space: about unit normal for a clean residual.
-    #[must_use]
-    pub fn read(&self, at: usize, residual: &DVector<f64>) -> f64 {
-        self.each[at].read(residual)
-    }
-
-    /// The reading that an improvement of the sum of squares corresponds to.
-    #[must_use]
-    pub fn of_gain(&self, at: usize, gain: f64) -> f64 {
-        self.each[at].standard(gain)
-    }
 }
 
 impl Space {

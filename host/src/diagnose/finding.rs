@@ -1,5 +1,7 @@
 //! What is said of an experiment: its verdict, and what was found.
 
+use lut_gen::effect::Kind;
+
 /// The stable word of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
@@ -39,6 +41,8 @@ pub struct Finding {
     pub code: &'static str,
     /// Which of its forms.
     pub form: &'static str,
+    /// What kind of thing it is.
+    pub kind: Kind,
     /// Ball or specimen that it belongs to.
     pub owner: usize,
     /// Names of the balls or specimens that it may belong to, the likeliest first; empty where it belongs to all.
@@ -47,4 +51,8 @@ pub struct Finding {
     pub parameters: Vec<(&'static str, f64, (f64, f64))>,
     /// Other names that this design cannot tell from it.
     pub ambiguous_with: Vec<&'static str>,
+    /// Probability that it is there, over all sets that were weighed.
+    pub probability: f64,
+    /// Share of the misfit that goes without it; none where the base takes the misfit up.
+    pub explains: Option<f64>,
 }

@@ -17,6 +17,7 @@ use super::whiten::Whitening;
 use crate::infer::covariance::{Z95, covariance};
 use crate::infer::descent::{Objective, Quadratic, Region, Rule, minimise};
 use crate::infer::lowrank::Fold;
+use crate::infer::presence::CHARGE;
 use crate::infer::product::inner;
 use crate::infer::unseen::Widening;
 
@@ -66,8 +67,6 @@ pub struct Fit {
     pub reach: Vec<f64>,
     /// True when a quantity of an effect lies at a bound that is not its null value, or the modulus, the exponent or the contact at one; of two terms the exponents may. Also where more relaxes than can.
     pub at_bound: bool,
-    /// What it promised to gain (sum of squares) on the solve of whole paths that it is near to, where the next solve did not gain it.
-    pub vain: Option<f64>,
     /// More solves from here would be the same again.
     pub settled: bool,
     /// What effects that are not in it do to the errors of its parameters, once that is asked for.
@@ -183,12 +182,6 @@ impl Problem<'_> {
         best.map(|end| self.told(candidates, end))
     }
 
-    /// Least sum of squares near a fit, less what `off` takes off whitened residuals (a column each).
-    #[must_use]
-    pub fn least_without(&self, fit: &Fit, off: impl Fn(&DMatrix<f64>) -> DMatrix<f64>, rule: &Rule) -> f64 {
-        Searched::new(self, &fit.candidates, off).descended(&fit.x, rule).value
-    }
-
     /// A point as if it were a fit, errors of the effects allowed for.
     #[must_use]
     pub fn at(&self, candidates: &[Candidate], x: &DVector<f64>, allowed: &Fold) -> Fit {
@@ -236,7 +229,6 @@ impl Problem<'_> {
             jacobian,
             reach,
             at_bound,
-            vain: None,
             settled: false,
             unseen: None,
         }
@@ -361,25 +353,16 @@ impl<F: Fn(&DMatrix<f64>) -> DMatrix<f64>> Objective for Searched<'_, '_, F> {
 }
 
 impl Fit {
+    /// Sum of squares with the charge for its parameters. What the effects may be wrong by is allowed for and paid for where that is likelier: an effect that is written down exactly needs
+    /// no such freedom.
+    #[must_use]
+    pub fn score(&self) -> f64 {
+        self.discounted.min(self.square) + CHARGE * self.coordinates.len() as f64
+    }
+
     /// Codes of its effects, in their order.
     pub fn codes(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.candidates.iter().map(|c| c.effect.code)
-    }
-
-    /// True when an effect of it is none: all its amplitudes lie where it is absent.
-    #[must_use]
-    pub fn is_idle(&self) -> bool {
-        const NOTHING: f64 = 1e-3;
-        let absent = |at: usize| {
-            let own = self.coordinates.iter().zip(self.x.iter()).filter_map(|(c, x)| match c {
-                Coordinate::Of(of, q) if *of == at && q.spread == Spread::Even => Some((q, *x)),
-                _ => None,
-            });
-            let mut amplitudes = own.peekable();
-            let has = amplitudes.peek().is_some();
-            has && amplitudes.all(|(q, x)| (x - q.null).abs() < NOTHING * (q.plausible - q.null).abs())
-        };
-        (0..self.candidates.len()).any(absent)
     }
 
     /// The same with errors of its effects allowed for in what it comes to.

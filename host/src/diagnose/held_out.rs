@@ -4,10 +4,12 @@ use rayon::prelude::*;
 
 use crate::experiment::Experiment;
 
+use super::coordinate::known_before;
 use super::design::{Branch, Design, Node, Series};
 use super::fit::{Fit, Problem};
 use super::plain::{Plain, Plainly};
-use super::search::{self, Explanation, Search};
+use super::search::{self, Search};
+use super::sets::Weighed;
 use crate::infer::covariance::Factor;
 use crate::infer::lowrank::Fold;
 use crate::infer::product::inner;
@@ -120,7 +122,7 @@ impl Left {
 /// the group with it. Runs that were marked `hold_out` are predicted instead where there are any; where there is one condition only, parts of the path.
 /// `None` where what is left of a covariance is not positive definite.
 #[must_use]
-pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) -> Option<HeldOut> {
+pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
     let design = search.problem.design;
     let all = Left::of(design);
     let each: Option<Vec<Each>> = all
@@ -130,7 +132,7 @@ pub fn of(experiment: &Experiment, search: &Search<'_>, held: &[Explanation]) ->
             let problem = search.problem.for_rows(kept)?;
             let base = problem.fit(&[], &search.base.x);
             let refits = held.iter().map(|e| problem.refit(&e.fit, &search::allowed(&problem, &e.fit)));
-            let best = refits.min_by(|a, b| search::score(a).total_cmp(&search::score(b)));
+            let best = refits.min_by(|a, b| a.score().total_cmp(&b.score()));
             let before = miss(&search.problem, &base, *left)?;
             let after = best.map_or(Some(before), |fit| miss(&search.problem, &fit, *left))?;
             Some(Each { before, after })
@@ -184,7 +186,7 @@ fn miss(problem: &Problem<'_>, fit: &Fit, left: Left) -> Option<Miss> {
 /// Infinite where a number is none.
 fn deviance(own: &Problem<'_>, fit: &Fit) -> f64 {
     let there = own.at(&fit.candidates, &fit.x, &Fold::none());
-    let known = &fit.information + search::known_before(&fit.coordinates);
+    let known = &fit.information + known_before(&fit.coordinates);
     let both = &known + inner(&there.jacobian, &there.jacobian);
     let right = there.jacobian.tr_mul(&there.residual);
     match (Factor::of(&both), Factor::of(&known)) {

@@ -1,11 +1,10 @@
 //! Diagnosis: what a simulated indentation gets wrong, why, and what mending it gains.
 //!
 //! The order is that of the questions, and none is answered before the one in front of it: is the simulation wrong at all, against the noise of
-//! this very data set ([`noise`], [`evidence`]); which effect of the catalogue explains it ([`search`]), alone or with others that this design cannot
+//! this very data set ([`noise`], [`sets`]); which effects of the catalogue explain it ([`sets`], [`search`]), alone or with others that this design cannot
 //! tell apart; what the extended model is; what it gains on conditions that no fit has seen ([`held_out`]); and what this design cannot see.
 
 pub mod answer;
-mod asked;
 pub mod check;
 pub mod coordinate;
 mod correlated;
@@ -21,7 +20,6 @@ pub mod jitter;
 pub mod margin;
 mod models;
 pub mod noise;
-mod placebo;
 pub mod plain;
 pub mod plan;
 mod prepared;
@@ -31,10 +29,11 @@ mod refusal;
 pub mod ripple;
 pub mod scatter;
 pub mod search;
-pub mod second;
+pub mod sets;
 mod spike;
 #[cfg(test)]
 mod tests;
+mod twins;
 pub mod unseen;
 mod variable;
 mod verdict;
@@ -46,6 +45,7 @@ use crate::experiment::Experiment;
 use crate::identify;
 use crate::infer::unseen::Widening;
 use lut_gen::chain::{Chain, LibraryError};
+use nalgebra::DMatrix;
 
 use design::Design;
 use evidence::Adequacy;
@@ -57,10 +57,10 @@ use noise::{Curve, Noise, Source};
 use plain::{Plain, Plainly};
 use plan::Proposal;
 use ripple::Ripple;
-use search::{Explanation, Found, Search, is_nameless};
-use second::Second;
+use search::{Search, form_error};
+use sets::{Found, Judged, Weighed};
+use twins::Twins;
 
-pub use asked::{Asked, Edition};
 pub use finding::{Finding, Verdict};
 pub use models::{FOLDER_VARIABLE, Models};
 pub use prepared::Prepared;
@@ -109,16 +109,14 @@ pub struct Diagnosis {
 pub struct Evidence {
     /// The data.
     pub design: Design,
-    /// The noise: that of the likeliest explanation that holds, or of the base where none does.
+    /// The noise: that of the likeliest set that is named, or of the base where none is.
     pub noise: Noise,
-    /// The base, fitted to that noise: what explanations are compared with.
+    /// The base, fitted in that noise.
     pub base: Fit,
     /// The base as it stands alone: its plain best fit, with intervals in a noise that was told of nothing else.
     pub before: Stand,
-    /// The plain best fit of the likeliest explanation that holds, or of the likeliest single effect where none does; none where nothing was tried.
+    /// The plain best fit of the set that is [shown](Evidence::shown); none where nothing was tried.
     pub after: Option<Stand>,
-    /// Sum of squares that the base leaves where explanations are compared: in the noise of the likeliest, whether it holds or not.
-    pub compared_square: f64,
     /// Contact point of every run, mm, as the base fit sees it.
     pub contacts_mm: Vec<f64>,
     /// What the base leaves.
@@ -127,18 +125,15 @@ pub struct Evidence {
     pub margins: Vec<Margin>,
     /// A ripple of the force, if there is one.
     pub ripple: Option<Ripple>,
-    /// Every candidate alone, the best first.
-    pub singles: Vec<Explanation>,
-    /// What was tried with two effects, the best first.
-    pub pairs: Vec<Explanation>,
-    /// Explanations that hold and none that is a hundred times more likely, the best first.
-    pub held: Vec<Explanation>,
-    /// By how much (sum of squares, parameters charged) the likeliest of these is likelier than it must be against a departure without a name, elastic or in more times of
-    /// relaxation than two; none where neither is a question.
-    pub beyond_nameless: Option<f64>,
-    /// The second edition's verdict; beside that of the first in shadow.
-    pub second: Option<Second>,
-    /// Error on conditions that were left out.
+    /// What the set that is shown leaves.
+    pub left: Option<Adequacy>,
+    /// Sets of effects that were weighed, the base among them, the likeliest first.
+    pub sets: Vec<Weighed>,
+    /// The likeliest set of what is named, one for each choice among twins, the likeliest first.
+    pub held: Vec<Weighed>,
+    /// What is believed.
+    pub judged: Judged,
+    /// Error on what was left out.
     pub held_out: Option<HeldOut>,
     /// Finite-element solves behind the force models.
     pub solves: usize,
@@ -181,12 +176,18 @@ impl Stand {
 }
 
 impl Evidence {
-    /// `mu` (MPa) and `alpha` of the likeliest explanation that holds at its plain best fit, each in an interval that has those of all that hold: which of these is true is not known.
+    /// The set that figures show beside the base: the likeliest of what is named, else the likeliest with an effect.
+    #[must_use]
+    pub fn shown(&self) -> Option<&Weighed> {
+        self.held.first().or_else(|| self.sets.iter().find(|set| !set.fit.candidates.is_empty()))
+    }
+
+    /// `mu` (MPa) and `alpha` of the likeliest set that is named at its plain best fit, each in an interval that has those of all that may be: which of these is true is not known.
     #[must_use]
     pub fn extended(&self) -> Option<[Estimate; 2]> {
         let best = self.after.as_ref().filter(|_| !self.held.is_empty())?.parameters;
         let own = self.held.iter().map(|e| e.fit.base().map(|p| p.1));
-        Some(own.chain(self.second.as_ref().map(|second| second.intervals)).fold(best, holding))
+        Some(own.chain([self.judged.intervals]).fold(best, holding))
     }
 
     /// The same with the intervals that noise alone makes.
@@ -207,25 +208,6 @@ impl Evidence {
             each.clone().filter_map(|(at, name)| crate::infer::unseen::sentence(name, unseen.times(at), &unseen.by[at]))
         })
     }
-
-    /// Sum of squares that noise alone leaves of the base: rows that count less its parameters.
-    #[must_use]
-    pub fn expected_square(&self) -> f64 {
-        fit::freedom(&prepared::used(&self.design), &self.base)
-    }
-
-    /// Share that a sum of squares has lost of what the base leaves beyond noise; none where that is within two standard deviations of noise, a share of
-    /// which would say nothing.
-    #[must_use]
-    pub fn explained(&self, square: f64) -> Option<f64> {
-        fit::explained(self.compared_square, self.expected_square(), square)
-    }
-
-    /// True where a departure without a name explains the data about as well as what explains them best.
-    #[must_use]
-    pub fn is_nameless(&self) -> bool {
-        is_nameless(self.beyond_nameless)
-    }
 }
 
 /// Estimates in intervals that hold others as well.
@@ -245,26 +227,26 @@ pub fn diagnose(
     models: &Models,
     progress: &Progress<'_>,
 ) -> Result<Vec<Diagnosis>, DiagnoseError> {
-    diagnose_as(Asked::default(), experiment, models, progress)
+    diagnose_without(&[], experiment, models, progress)
 }
 
-/// The same as it is asked for.
+/// The same with a catalogue that lacks some codes: what they would explain should then be unknown.
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_as(
-    asked: Asked<'_>,
+pub fn diagnose_without(
+    codes: &[&str],
     experiment: &Experiment,
     models: &Models,
     progress: &Progress<'_>,
 ) -> Result<Vec<Diagnosis>, DiagnoseError> {
     let each = identify::materials(experiment);
-    each.iter().map(|material| one(experiment, (material, asked), models, progress)).collect()
+    each.iter().map(|material| one(experiment, (material, codes), models, progress)).collect()
 }
 
 fn one(
     experiment: &Experiment,
-    (material, asked): (&str, Asked<'_>),
+    (material, without): (&str, &[&str]),
     models: &Models,
     progress: &Progress<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
@@ -279,7 +261,7 @@ fn one(
                 diagnosis.verdict = Verdict::TooFewData;
                 diagnosis.refusal = Some(refusal);
             }
-            Ok(design) => diagnosis.examine(experiment, (design, asked), models, progress)?,
+            Ok(design) => diagnosis.examine(experiment, (design, without), models, progress)?,
         }
     }
     diagnosis.seconds = start.elapsed().as_secs_f64();
@@ -332,7 +314,7 @@ impl Diagnosis {
     fn examine(
         &mut self,
         experiment: &Experiment,
-        (design, asked): (Design, Asked<'_>),
+        (design, without): (Design, &[&str]),
         models: &Models,
         progress: &Progress<'_>,
     ) -> Result<(), DiagnoseError> {
@@ -360,41 +342,16 @@ impl Diagnosis {
             );
         }
         let mut candidates = search::candidates(&design);
-        candidates.retain(|c| !asked.without.contains(&c.effect.code));
-        let first = Search::new(prepared, candidates);
-        self.blind_to = verdict::blind_spots(&first);
-        self.shows_in = first.adequacy.shows_in.iter().map(|v| v.word()).collect();
-        let Searched { visible, found, mut second } = Searched::by(asked.edition, &first, stated_n, progress);
-        let Found { search, singles, pairs, mut held, beyond_nameless } = found;
-        for explanation in &mut held {
-            explanation.fit.unseen = unseen::widening(&search.problem, &explanation.fit);
-        }
-        let together = pairs.iter().filter(|_| asked.edition == Edition::Second);
-        let likeliest = singles.iter().chain(together).min_by(|a, b| a.score().total_cmp(&b.score()));
-        let best = held.first().or(likeliest);
-        let curves_of =
-            |problem: &Problem<'_>| best.map(|e| Problem::curves(&design, &chain, &e.fit.model, &problem.contacts_mm));
-        let explained = curves_of(&search.problem);
-        let adequate = best.map_or(!visible, |e| e.adequacy.passes());
-        let predicted = explained.as_ref().unwrap_or(&search.curves);
-        let ripple = ripple::of(experiment, &design, predicted, &search.noise.sensor, adequate);
-        self.messages.extend(ripple.map(|r| r.to_string()));
-        let held_out = (!held.is_empty()).then(|| held_out::of(experiment, &search, &held)).flatten();
-        self.cancelling = verdict::cancelling(&design, &self.blind_to);
-        self.proposals = plan::proposals(experiment, &search, &held, &self.blind_to);
-        let seen = verdict::Seen {
-            visible,
-            ripple: ripple.as_ref(),
-            gradient: verdict::gradient(&search.noise).copied(),
-            uneven: verdict::unevenness(&search.noise),
-            slipping: fault::slipping(&self.faults, design.series.len()),
-            nameless: held.first().filter(|_| is_nameless(beyond_nameless)).map(|best| search::rival(best, &design)),
+        candidates.retain(|c| !without.contains(&c.effect.code));
+        let mut first = Search::new(prepared, candidates);
+        let twins = Twins::of(&first);
+        first.base.reach_in(&twins.draws);
+        self.blind_to = verdict::blind_spots(&first, &twins);
+        let Some(found) = sets::found(first.clone(), stated_n, progress) else {
+            self.refusal = Some(Refusal::NoSuchNoise);
+            return Ok(());
         };
-        let (is_regular, spoils) = (seen.is_regular(), seen.spoils());
-        verdict::conclude(self, experiment, seen, &held, held_out.as_ref());
-        if let Some(second) = second.as_mut().filter(|_| !is_regular) {
-            second.beside_irregular(spoils);
-        }
+        let evidence = self.told(experiment, (first, twins), found);
         // what finite elements did not find cannot be seen
         let unseen = missing.into_iter().filter(|code| !self.findings.iter().any(|f| f.code == *code));
         for code in unseen.collect::<Vec<_>>() {
@@ -402,68 +359,76 @@ impl Diagnosis {
                 self.blind_to.push(code);
             }
         }
-        let compared_square = search.base.square;
-        let mut first = first;
+        self.evidence = Some(Box::new(Evidence { solves, ..evidence }));
+        Ok(())
+    }
+
+    /// Verdict, names and plan of what was found, and what they rest on.
+    fn told(
+        &mut self,
+        experiment: &Experiment,
+        (mut first, clean): (Search<'_>, Twins),
+        mut found: Found<'_>,
+    ) -> Evidence {
+        let (design, chain) = (first.problem.design, first.problem.chain);
         first.base.unseen = unseen::widening(&first.problem, &first.base);
-        let mut before = Stand::of(&design, &chain, &first.base);
-        // where nothing is visible, unseen effects are what intervals have to hold
-        if let Some(second) = second.as_ref().filter(|_| self.verdict == Verdict::Unknown) {
-            before.parameters = holding(before.parameters, second.intervals);
+        let adequacy = clean.adequacy(&first.base, &DMatrix::zeros(first.problem.whitening.residuals(), 0));
+        self.shows_in = adequacy.shows_in.iter().map(|v| v.word()).collect();
+        let twins = Twins::of(&found.search);
+        for set in &mut found.held {
+            set.fit.unseen = unseen::widening(&found.search.problem, &set.fit);
+            set.fit.reach_in(&twins.draws);
         }
-        let after = best.map(|e| Stand::of(&design, &chain, &e.fit));
-        // a noise that was told about what does not hold may leave the base anywhere
-        let shown = if held.is_empty() { first } else { search };
-        let Search { problem, noise, base, adequacy, margins, .. } = shown;
-        self.evidence = Some(Box::new(Evidence {
+        let search = &found.search;
+        let held_out = (!found.held.is_empty()).then(|| held_out::of(experiment, search, &found.held)).flatten();
+        self.cancelling = verdict::cancelling(design, &self.blind_to);
+        self.proposals = plan::proposals(experiment, search, &found.rivals(), &self.blind_to);
+        let shown = found.held.first().or_else(|| found.sets.iter().find(|set| !set.fit.candidates.is_empty()));
+        let left = shown.map(|set| twins.adequacy(&set.fit, &form_error(&search.problem, &set.fit)));
+        let explained = shown.map(|set| Problem::curves(design, chain, &set.fit.model, &search.problem.contacts_mm));
+        let predicted = explained.as_ref().unwrap_or(&search.curves);
+        let is_adequate = left.as_ref().unwrap_or(&adequacy).passes();
+        let ripple = ripple::of(experiment, design, predicted, &search.noise.sensor, is_adequate);
+        self.messages.extend(ripple.map(|r| r.to_string()));
+        let after = shown.map(|set| Stand::of(design, chain, &set.fit));
+        let seen = verdict::Seen {
+            ripple: ripple.as_ref(),
+            gradient: verdict::gradient(&search.noise).copied(),
+            uneven: verdict::unevenness(&search.noise),
+            slipping: fault::slipping(&self.faults, design.series.len()),
+        };
+        verdict::conclude(self, experiment, &seen, &mut found, held_out.as_ref());
+        let mut before = Stand::of(design, chain, &first.base);
+        // where nothing is visible, unseen effects are what intervals have to hold
+        if self.verdict == Verdict::Unknown {
+            before.parameters = holding(before.parameters, found.judged.intervals);
+        }
+        let Found { search, sets, held, judged } = found;
+        // a noise that was told about what is not named may leave the base anywhere
+        let (Search { problem, noise, base, .. }, margins, adequacy) = match held.is_empty() {
+            true => (first, clean.margins, adequacy),
+            false => {
+                let none = DMatrix::zeros(search.problem.whitening.residuals(), 0);
+                let adequacy = twins.adequacy(&search.base, &none);
+                (search, twins.margins, adequacy)
+            }
+        };
+        Evidence {
             design: design.clone(),
             noise,
             base,
             before,
             after,
-            compared_square,
             contacts_mm: problem.contacts_mm,
             adequacy,
             margins,
             ripple,
-            singles,
-            pairs,
+            left,
+            sets,
             held,
-            beyond_nameless,
-            second,
+            judged,
             held_out,
-            solves,
-        }));
-        Ok(())
-    }
-}
-
-/// What a search came to, whichever edition made it.
-struct Searched<'a> {
-    /// The simulation is wrong.
-    visible: bool,
-    found: Found<'a>,
-    second: Option<Second>,
-}
-
-impl<'a> Searched<'a> {
-    fn by(edition: Edition, first: &Search<'a>, stated_n: Option<f64>, progress: &Progress<'_>) -> Self {
-        match edition {
-            Edition::Second => match second::found(first.clone(), stated_n, progress) {
-                Some((found, second)) => {
-                    Self { visible: second.verdict != Verdict::Clean, found, second: Some(second) }
-                }
-                None => Self { visible: false, found: Found::nothing(first.clone()), second: None },
-            },
-            Edition::First => {
-                let visible = !first.adequacy.passes() || first.catalogue() > first.spaces.threshold;
-                let found = match visible {
-                    true => Found::of(first.clone(), stated_n, progress),
-                    false => Found::nothing(first.clone()),
-                };
-                let tried: Vec<&Explanation> = found.singles.iter().chain(&found.pairs).collect();
-                let second = second::judged(&found.search, &tried);
-                Self { visible, found, second }
-            }
+            solves: 0,
         }
     }
 }

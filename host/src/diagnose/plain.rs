@@ -58,12 +58,17 @@ impl<'a> Plainly<'a> {
         self.best_of(&|series, _| !series.hold_out)
     }
 
-    /// Root mean square of what is left with `mu` and `alpha` at their best near those that are given
-    /// and every contact point at the recorded zero, N.
+    /// The model with `mu` and `alpha` at their best near those that are given, the sum of squares that it leaves,
+    /// N2, and the number of samples. Every contact point lies at the recorded zero, or, where that was not
+    /// the contact, at one that all share.
     #[must_use]
-    pub fn left_of_base_n(&self) -> f64 {
+    pub fn base_near(&self) -> (Model, f64, f64) {
         let rows = Counted::of(self.design, &|series, _| !series.hold_out);
-        self.told(&rows, &self.searched(&rows, &self.start(&rows, self.with.alpha), Free::Base).x).rmse_n
+        let mut start = self.start(&rows, self.with.alpha);
+        start.truncate(CONTACTS + 1);
+        let free = if self.design.zero_is_contact { Free::Base } else { Free::All };
+        let end = self.searched(&rows, &start, free).x;
+        (self.model(&end), self.residual(&rows, &end).norm_squared(), rows.samples)
     }
 
     /// Fits the rows that are meant; the others are removed. The least of searches from several exponents.
@@ -121,7 +126,7 @@ impl<'a> Plainly<'a> {
 
     /// Measured less predicted, N, times the square root of the samples of a row.
     fn residual(&self, rows: &Counted, at: &[f64]) -> DVector<f64> {
-        let contacts: Vec<f64> = self.design.series.iter().map(|s| at[CONTACTS + s.spot]).collect();
+        let contacts: Vec<f64> = self.design.series.iter().map(|s| at[contact_of(at, s.spot)]).collect();
         let forces = predicted(self.design, self.chain, &self.model(at), &contacts).concat();
         rows.measured(self.design) - rows.weighed(&DVector::from_vec(forces))
     }
@@ -137,10 +142,10 @@ impl<'a> Plainly<'a> {
             (here - self.residual(rows, &there)) / STEP
         };
         let columns: Vec<DVector<f64>> = (0..=CONTACTS).into_par_iter().map(moved).collect();
-        DMatrix::from_fn(rows.mask.count(), at.len(), |i, j| match j.checked_sub(CONTACTS) {
-            None => columns[j][i],
-            Some(spot) if rows.spots[i] == spot => columns[CONTACTS][i],
-            Some(_) => 0.0,
+        DMatrix::from_fn(rows.mask.count(), at.len(), |i, j| match j {
+            MU | ALPHA => columns[j][i],
+            contact if contact_of(at, rows.spots[i]) == contact => columns[CONTACTS][i],
+            _ => 0.0,
         })
     }
 
@@ -160,7 +165,7 @@ impl<'a> Plainly<'a> {
             (MU | ALPHA, Free::Contacts) => (start[j], start[j]),
             (_, Free::Base) => (start[j], start[j]),
             // what no row tells of stays where it is
-            _ if !rows.spots.contains(&(j - CONTACTS)) => (start[j], start[j]),
+            _ if !rows.spots.iter().any(|spot| contact_of(start, *spot) == j) => (start[j], start[j]),
             _ => (-reach_mm, reach_mm),
         });
         Region::of(ends)
@@ -174,6 +179,11 @@ impl<'a> Plainly<'a> {
             rmse_n: (square / rows.samples.max(1.0)).sqrt(),
         }
     }
+}
+
+/// Where the contact point of a spot stands in a point that has one for each spot, or one for all.
+fn contact_of(at: &[f64], spot: usize) -> usize {
+    if at.len() == CONTACTS + 1 { CONTACTS } else { CONTACTS + spot }
 }
 
 /// The base alone, to begin with.

@@ -3,7 +3,6 @@
 
 use std::path::PathBuf;
 
-use lut_gen::chain::{Chain, Library, Need};
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -325,32 +324,6 @@ fn rows_that_are_left_out_are_removed_from_the_covariance() {
     }
 }
 
-/// What the other groups of conditions leave of one, beside what runs on one spot and all runs share, is what the dense covariance says.
-#[test]
-fn a_group_given_the_others_is_as_the_dense_covariance_says() {
-    let design = Design::of(&experiment(6), "foam").unwrap();
-    let whitening = Whitening::new(&design, &curves(&design), &noise_of_spots()).unwrap();
-    let all = dense(&whitening);
-    let covariance = (all.transpose() * &all).try_inverse().unwrap();
-    let residual = DVector::from_fn(whitening.residuals(), |k, _| SIGMA_N * (0.7 * k as f64).sin());
-    let weighed = whitening.weighed(&DMatrix::from_columns(&[&all * &residual]));
-    let groups = whitening.groups(&design).unwrap();
-    assert!(groups.len() > 1);
-    for (group, given) in groups.iter().enumerate() {
-        let own = |s: &usize| design.series[*s].group == group;
-        let rows_of = |s: usize| whitening.first(s)..whitening.first(s) + design.series[s].nodes.len();
-        let rows: Vec<usize> = (0..design.series.len()).filter(own).flat_map(rows_of).collect();
-        let rest: Vec<usize> = (0..residual.len()).filter(|k| !rows.contains(k)).collect();
-        let part = |a: &[usize], b: &[usize]| covariance.select_rows(a).select_columns(b);
-        let gain = part(&rows, &rest) * part(&rest, &rest).try_inverse().unwrap();
-        let error = residual.select_rows(&rows) - &gain * residual.select_rows(&rest);
-        let left = part(&rows, &rows) - gain * part(&rest, &rows);
-        let exact = error.dot(&(left.try_inverse().unwrap() * &error));
-        let found = given.left(&weighed).norm_squared();
-        assert!((found - exact).abs() < 1e-6 * exact, "{group}: {found} {exact}");
-    }
-}
-
 /// A contact that lifts off stays off, whatever the noise of single windows is.
 #[test]
 fn a_contact_lifts_off_once() {
@@ -610,29 +583,6 @@ fn a_ripple_that_all_repeats_share_shows_where_the_model_is_adequate() {
         assert!(shared.over == ripple::Over::Depth && (shared.frequency - 1.35).abs() < 0.12, "{shared:?}");
         assert!(ripple_if(false, &screw).is_none(), "{seed}");
     }
-}
-
-/// A wave over the depth, one period of it and a twentieth of the peak high, that comes in with the contact, is no elastic law that the base has, and no cause either: a smooth function of depth leaves
-/// noise only, within four standard deviations. Six periods are no smooth function.
-#[test]
-fn a_smooth_departure_needs_no_cause() {
-    let left = |periods: f64| {
-        let mut experiment = experiment(5);
-        for Recording { depth_mm, force_n, .. } in experiment.runs.iter_mut().map(|run| &mut run.recording) {
-            let wave = |u: f64| 0.05 * (10.0 * u).clamp(0.0, 1.0) * (std::f64::consts::TAU * periods * u).cos();
-            force_n.iter_mut().zip(depth_mm).for_each(|(f, d)| *f += hertz_n(DEPTH_MM) * wave(*d / DEPTH_MM));
-        }
-        let design = Design::of(&experiment, "foam").unwrap();
-        let library = Library::build(&design.geometries, Need::default(), &|_, _| {}).unwrap();
-        let chain = Chain { library, passages: design.passages() };
-        let Prepared { problem, base, .. } = Prepared::new(&design, &chain, None).unwrap();
-        (base.square, placebo::causeless(&problem, &base, 0.0), base.residual.len() as f64)
-    };
-    let (base, causeless, count) = left(1.0);
-    let noise = count + 4.0 * (2.0 * count).sqrt();
-    assert!(base > 1.5 * noise && causeless < noise, "{base} {causeless} {count}");
-    let (_, causeless, _) = left(6.0);
-    assert!(causeless > 2.0 * noise, "{causeless}");
 }
 
 #[test]

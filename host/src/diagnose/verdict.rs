@@ -1,6 +1,6 @@
-//! From explanations to a verdict with names.
+//! From what is believed to a verdict with names, and what a design cannot see.
 
-use lut_gen::effect::{Owner, depth_gain, radius};
+use lut_gen::effect::{Owner, depth_gain};
 
 use super::Diagnosis;
 use super::check::Kind;
@@ -11,7 +11,9 @@ use super::gradient::Gradient;
 use super::held_out::HeldOut;
 use super::noise::{Noise, Source};
 use super::ripple::{Over, Ripple, SPOILS};
-use super::search::{Explanation, RATIO_100, Search};
+use super::search::Search;
+use super::sets::{Found, Judged, Weighed};
+use super::twins::Twins;
 use crate::experiment::Experiment;
 
 /// A plausible amount must lie this far beyond the threshold to be seen in nine cases of ten.
@@ -19,9 +21,9 @@ const POWER: f64 = 1.28;
 /// Twins that blind spots are found with.
 const FEW_TWINS: usize = 200;
 /// Codes of which a plausible amount would not be seen.
-pub(super) fn blind_spots(search: &Search<'_>) -> Vec<&'static str> {
-    let Search { candidates, signatures, base, twins, .. } = search;
-    let few = twins.columns(0, twins.ncols().min(FEW_TWINS)).into_owned();
+pub(super) fn blind_spots(search: &Search<'_>, twins: &Twins) -> Vec<&'static str> {
+    let Search { candidates, signatures, base, .. } = search;
+    let few = twins.draws.columns(0, twins.draws.ncols().min(FEW_TWINS)).into_owned();
     let mut blind: Vec<&'static str> = Vec::new();
     for effect in lut_gen::effect::CATALOGUE {
         if blind.contains(&effect.code) {
@@ -113,10 +115,8 @@ pub(super) fn slope(gradient: &Gradient, experiment: &Experiment) -> Option<Stri
     ))
 }
 
-/// What was seen besides what a name explains.
+/// What was seen that no smooth change of the force is.
 pub(super) struct Seen<'a> {
-    /// A discrepancy shows, in a variable or along what an effect would change.
-    pub visible: bool,
     /// The force ripples.
     pub ripple: Option<&'a Ripple>,
     /// The gain goes with the place.
@@ -125,8 +125,6 @@ pub(super) struct Seen<'a> {
     pub uneven: Option<f64>,
     /// Runs in which the force drops at once, where that is no accident.
     pub slipping: Option<usize>,
-    /// The departure without a name that is too likely beside the best that holds, in words.
-    pub nameless: Option<&'static str>,
 }
 
 impl Seen<'_> {
@@ -135,31 +133,49 @@ impl Seen<'_> {
         self.ripple.is_none() && self.gradient.is_none() && self.uneven.is_none() && self.slipping.is_none()
     }
 
-    /// True where the noise is another one than was assumed, and names with it: a large ripple, or slips.
-    pub fn spoils(&self) -> bool {
-        self.ripple.is_some_and(|r| r.share > SPOILS) || self.slipping.is_some()
+    /// True where the noise is another one than was assumed, and names with it: slips, or a ripple that is most
+    /// of the scatter and as large as what the names explain (root mean square, N).
+    pub fn spoils(&self, explained_n: Option<f64>) -> bool {
+        let outweighs = |r: &Ripple| explained_n.is_none_or(|n| r.amplitude_n > n * std::f64::consts::SQRT_2);
+        self.ripple.is_some_and(|r| r.share > SPOILS && outweighs(r)) || self.slipping.is_some()
     }
 }
 
-/// Fills in verdict and findings.
+/// Fills in verdict and findings. Names are withdrawn where they do not predict what was left out better than the base, or what else was seen spoils the noise.
 pub(super) fn conclude(
     diagnosis: &mut Diagnosis,
     experiment: &Experiment,
-    seen: Seen<'_>,
-    held: &[Explanation],
+    seen: &Seen<'_>,
+    found: &mut Found<'_>,
     held_out: Option<&HeldOut>,
 ) {
-    let spoilt = seen.spoils();
-    let Seen { visible, ripple, gradient, uneven, slipping, nameless } = seen;
-    // a name that nothing could test is none
-    let gains = held_out.is_some_and(|h| h.deviance_after < h.deviance_before);
-    if held_out.is_none() && !held.is_empty() {
-        diagnosis.messages.push(
-            "what explains it cannot be tested on what no fit has seen, so nothing is named; press with another ball or rate"
-                .to_owned(),
-        );
+    tell(diagnosis, experiment, seen);
+    let Found { sets, held, judged, .. } = found;
+    if !judged.findings.is_empty() {
+        let gains = held_out.is_some_and(|h| h.deviance_after < h.deviance_before);
+        if !gains {
+            diagnosis.messages.push(match held_out {
+                Some(_) => "what explains it does not predict what was left out better than the base does: its name is withdrawn".to_owned(),
+                None => "what explains it cannot be tested on what no fit has seen: its name is withdrawn; press with another ball or rate".to_owned(),
+            });
+        }
+        if !gains || seen.spoils(judged.explained_n) || held.is_empty() {
+            judged.withdraw();
+            held.clear();
+        }
     }
-    if let Some(ripple) = ripple {
+    if judged.verdict == Verdict::Clean && !seen.is_regular() {
+        judged.verdict = Verdict::Unknown;
+    }
+    diagnosis.verdict = judged.verdict;
+    diagnosis.findings = held.first().map(|best| findings(experiment, best, judged, sets)).unwrap_or_default();
+    let named = |code: &&str| diagnosis.findings.iter().any(|f| f.code == *code || f.ambiguous_with.contains(code));
+    diagnosis.blind_to = diagnosis.blind_to.iter().filter(|code| !named(code)).copied().collect();
+}
+
+/// Tells what was seen besides.
+fn tell(diagnosis: &mut Diagnosis, experiment: &Experiment, seen: &Seen<'_>) {
+    if let Some(ripple) = seen.ripple {
         let word = match ripple.over {
             Over::Time => "time",
             Over::Depth => "depth",
@@ -168,10 +184,9 @@ pub(super) fn conclude(
             diagnosis.shows_in.insert(0, word);
         }
     }
-    let leaning = gradient.and_then(|gradient| slope(&gradient, experiment));
-    let uneven = uneven.filter(|_| leaning.is_none());
-    let differ = leaning.is_some() || uneven.is_some();
-    if differ {
+    let leaning = seen.gradient.as_ref().and_then(|gradient| slope(gradient, experiment));
+    let uneven = seen.uneven.filter(|_| leaning.is_none());
+    if leaning.is_some() || uneven.is_some() {
         diagnosis.shows_in.push("spot");
     }
     diagnosis.messages.extend(leaning);
@@ -182,94 +197,58 @@ pub(super) fn conclude(
             100.0 * gain
         ));
     }
-    if let Some(runs) = slipping {
+    if let Some(runs) = seen.slipping {
         diagnosis.shows_in.push("slip");
         diagnosis.messages.push(format!(
             "in {runs} runs the force drops at once while the indenter goes on: something slips or breaks, which no effect of the catalogue does, and what was read before says little; \
              look at the surface and the fixture"
         ));
     }
-    if let Some((best, other)) = held.first().zip(nameless) {
-        let codes: Vec<&str> = best.fit.codes().collect();
-        diagnosis.messages.push(format!(
-            "{} explains it best of the catalogue, but not so much better than {other}",
-            codes.join(" with ")
-        ));
-    }
-    let best = held.first().filter(|_| visible && gains && !spoilt && nameless.is_none());
-    let Some(best) = best else {
-        if visible && diagnosis.shows_in.is_empty() {
-            diagnosis.messages.push(
-                "no variable shows it by itself: the residual lies along what an effect of the catalogue, or a smooth elastic departure, would change, farther than noise goes".to_owned(),
-            );
-        }
-        diagnosis.verdict =
-            if visible || ripple.is_some() || differ || slipping.is_some() { Verdict::Unknown } else { Verdict::Clean };
-        return;
-    };
-    for (at, candidate) in best.fit.candidates.iter().enumerate() {
-        let parameters = best.fit.quantities(at).into_iter().map(|(q, value, i)| (q.name, value, i)).collect();
-        diagnosis.findings.push(Finding {
-            code: candidate.effect.code,
-            form: candidate.effect.form,
-            owner: candidate.owner,
-            of: owners(experiment, best, at, held),
-            parameters,
-            ambiguous_with: others(best, at, held),
-        });
-    }
-    let last = best.fit.candidates.last().map(|c| c.effect.code);
-    if last == Some(radius::EFFECT.code) && best.beyond_causeless < RATIO_100 {
-        diagnosis.messages.push(
-            "a gain of the force under one ball alone, whatever its cause, explains this about as well as that ball's radius does, which is the only cause of the catalogue for it: gauge the ball"
-                .to_owned(),
-        );
-    }
-    let named = |code: &&str| diagnosis.findings.iter().any(|f| f.code == *code || f.ambiguous_with.contains(code));
-    diagnosis.blind_to = diagnosis.blind_to.iter().filter(|code| !named(code)).copied().collect();
-    let single = diagnosis.findings.iter().all(|f| f.ambiguous_with.is_empty());
-    diagnosis.verdict = if single { Verdict::Named } else { Verdict::Ambiguous };
 }
 
-/// Names of the balls or specimens that an effect of the best explanation belongs to, there or in a rival that is the same but for that.
-fn owners(experiment: &Experiment, best: &Explanation, at: usize, held: &[Explanation]) -> Vec<String> {
+/// What is named, of the likeliest set, each with what may stand in its place.
+fn findings(experiment: &Experiment, best: &Weighed, judged: &Judged, sets: &[Weighed]) -> Vec<Finding> {
+    let each = best.fit.candidates.iter().enumerate().map(|(at, candidate)| {
+        let code = candidate.effect.code;
+        let belief = judged.belief(code);
+        let own = judged.findings.iter().find(|set| set.contains(&code)).map_or(&[][..], |set| set);
+        Finding {
+            code,
+            form: candidate.effect.form,
+            kind: candidate.effect.kind,
+            owner: candidate.owner,
+            of: owners(experiment, best, at, sets),
+            parameters: best.fit.quantities(at).into_iter().map(|(q, value, i)| (q.name, value, i)).collect(),
+            ambiguous_with: own.iter().filter(|other| **other != code).copied().collect(),
+            probability: belief.map_or(0.0, |belief| belief.probability),
+            explains: belief.and_then(|belief| belief.explains),
+        }
+    });
+    each.collect()
+}
+
+/// Names of the balls or specimens that an effect of the best set belongs to, there or in a rival that is the same but for that.
+fn owners(experiment: &Experiment, best: &Weighed, at: usize, sets: &[Weighed]) -> Vec<String> {
+    /// Logarithm of a hundred.
+    const FAR_LESS_LIKELY: f64 = 4.6;
     let own = best.fit.candidates[at];
     let name = |owner: usize| match own.effect.owner {
         Owner::All => None,
         Owner::Indenter => experiment.indenters.get(owner).map(|ball| ball.name.clone()),
         Owner::Specimen => experiment.specimens.get(owner).map(|its| its.name.clone()),
     };
-    let elsewhere = |rival: &Explanation| {
-        let here = rival.fit.candidates.iter().find(|c| !best.fit.candidates.contains(c))?;
-        let same = rival.fit.candidates.iter().filter(|c| best.fit.candidates.contains(c)).count();
-        let moved = here.effect == own.effect && same + 1 == best.fit.candidates.len();
-        (moved && rival.fit.candidates.len() == best.fit.candidates.len()).then_some(here.owner)
+    let elsewhere = |rival: &Weighed| {
+        let (its, all) = (&rival.fit.candidates, &best.fit.candidates);
+        let here = its.iter().find(|c| !all.contains(c))?;
+        let same = its.iter().filter(|c| all.contains(c)).count();
+        let moved = here.effect == own.effect && same + 1 == all.len() && !its.contains(&own);
+        (moved && its.len() == all.len()).then_some(here.owner)
     };
     let mut all = vec![own.owner];
-    for owner in held.iter().skip(1).filter_map(elsewhere) {
+    for owner in sets.iter().filter(|set| set.log > best.log - FAR_LESS_LIKELY).filter_map(elsewhere) {
         if !all.contains(&owner) {
             all.push(owner);
         }
     }
     all.into_iter().filter_map(name).collect()
-}
-
-/// Codes that rivals of the best explanation have in place of one of its effects.
-fn others(best: &Explanation, at: usize, held: &[Explanation]) -> Vec<&'static str> {
-    let codes = |e: &Explanation| -> Vec<&'static str> { e.fit.codes().collect() };
-    let own = codes(best);
-    let mut found: Vec<&'static str> = Vec::new();
-    for rival in held.iter().skip(1) {
-        let its = codes(rival);
-        if its.contains(&own[at]) {
-            continue;
-        }
-        // an effect that both have is not what they differ by
-        for code in its.into_iter().filter(|code| !own.contains(code)) {
-            if !found.contains(&code) {
-                found.push(code);
-            }
-        }
-    }
-    found
 }

@@ -1,13 +1,13 @@
 //! From forces to numbers that are independent with unit variance when the model is right.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::design::{Design, Series};
 use super::noise::{Curve, Noise, SensorNoise};
 use super::spike::Spike;
-use crate::infer::lowrank::{Fold, GivenRest};
+use crate::infer::lowrank::Fold;
 use crate::infer::product::turn_rows;
 
 /// A linear map of residuals (N, all runs one after the other) that makes their noise white.
@@ -23,8 +23,6 @@ pub struct Whitening {
     /// First entry of every run in the vector of all.
     first: Arc<Vec<usize>>,
     len: usize,
-    /// Every group of conditions as the others predict it.
-    given: Arc<OnceLock<Option<Vec<GivenRest>>>>,
     /// That of all rows, where some are left out.
     whole: Option<Arc<Whitening>>,
 }
@@ -135,7 +133,6 @@ impl Whitening {
             common: Arc::new(common),
             shared: Arc::new(Fold::of(shared)),
             first,
-            given: Arc::default(),
             whole: None,
         }
     }
@@ -214,36 +211,6 @@ impl Whitening {
 
     fn apply_shared(&self, columns: &mut DMatrix<f64>) {
         *columns = self.shared.all_taken_off(std::mem::replace(columns, DMatrix::zeros(0, 0)));
-    }
-
-    /// Every group of conditions as the others predict it, beside errors that runs share; `None` where a number is none.
-    pub(super) fn groups(&self, design: &Design) -> Option<&[GivenRest]> {
-        let find = || {
-            let widths = self.spots.iter().map(|spot| spot.jitter.len());
-            let mut columns = DMatrix::zeros(self.len, widths.sum::<usize>() + self.common.ncols());
-            let mut at = 0;
-            for spot in self.spots.iter() {
-                let own = spot.jitter.columns();
-                for (k, entry) in spot.entries.iter().enumerate() {
-                    columns.view_mut((*entry, at), (1, own.ncols())).copy_from(&own.row(k));
-                }
-                at += own.ncols();
-            }
-            columns.columns_mut(at, self.common.ncols()).copy_from(&self.common);
-            let rows = |group: usize| {
-                let series = design.series.iter().enumerate().filter(move |(_, s)| s.group == group);
-                series.flat_map(|(s, series)| self.first[s]..self.first[s] + series.nodes.len()).collect()
-            };
-            GivenRest::each(&columns, (0..design.groups).map(rows))
-        };
-        self.given.get_or_init(find).as_deref()
-    }
-
-    /// From whitened residuals to what [`GivenRest::left`] asks for.
-    pub(super) fn weighed(&self, whitened: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut columns = self.shared.all_taken_off(whitened.clone());
-        self.apply_spots(&mut columns);
-        columns
     }
 
     /// What makes of independent unit normal numbers what this whitening makes of another noise of the sensor, run by run; `None` when a covariance is not positive definite.

@@ -143,6 +143,19 @@ impl Discrepancy {
         std::iter::repeat_n(self.sizes.clone(), self.groups).chain(errors).collect()
     }
 
+    /// Columns of the groups that are there at some sizes, and the errors that a model is known for behind
+    /// them, each in units of its deviation.
+    #[must_use]
+    pub fn at(&self, sizes: &[f64], known: &DMatrix<f64>) -> DMatrix<f64> {
+        let size = |at: usize| sizes.get(at).copied().unwrap_or(0.0);
+        let own = (0..self.group.len()).filter(|at| size(self.group[*at]) > 0.0);
+        let columns = own.map(|at| size(self.group[at]) * self.columns.column(at));
+        let errors = size(self.groups);
+        let known = known.column_iter().filter(|_| errors > 0.0).map(|column| errors * column);
+        let all: Vec<DVector<f64>> = columns.chain(known).collect();
+        if all.is_empty() { DMatrix::zeros(self.columns.nrows(), 0) } else { DMatrix::from_columns(&all) }
+    }
+
     /// Number of groups.
     #[must_use]
     pub fn groups(&self) -> usize {

@@ -2,8 +2,8 @@
 
 use super::{Library, Model, Passage, Setting};
 use crate::effect::{
-    adhesion, compliance, contact_offset, depth_gain, drift, friction, lag, nameless, numerics, poisson, radius,
-    relaxation, second_term, sensor_creep, sensor_gain, sensor_nonlinearity, softening, thickness, time_gain,
+    adhesion, compliance, contact_offset, depth_gain, drift, friction, lag, numerics, poisson, radius, relaxation,
+    second_term, sensor_creep, sensor_gain, sensor_nonlinearity, softening, thickness, time_gain,
 };
 use crate::model::ForceSlice;
 
@@ -211,10 +211,6 @@ impl Chain {
         let deepest = depth_mm.iter().copied().fold(0.0, f64::max);
         if share != 0.0 {
             force.iter_mut().zip(depth_mm).for_each(|(f, d)| *f *= 1.0 + share * d / family.geometry.depth_mm);
-        }
-        for setting in model.of(&nameless::EFFECT) {
-            let radius_mm = family.geometry.ball_mm;
-            force.iter_mut().zip(depth_mm).for_each(|(f, d)| *f *= nameless::factor(&setting.values, *d, radius_mm));
         }
         let coefficient = model.first(&friction::EFFECT, 0);
         if coefficient != 0.0 {

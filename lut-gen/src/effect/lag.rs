@@ -28,7 +28,10 @@ pub const RATE_LIMIT: Effect = Effect {
     twins: &["contact-offset", "relaxation"],
     separated_by: "a reversal; another rate",
     prior: "drives keep a commanded rate to about 2 % (laboratory judgement)",
-    quantities: &[Quantity::amplitude("limit_s_per_mm", 0.0, (0.0, 40.0), 1.6, &[1.2, 4.8]).about(1.02).per_rate()],
+    quantities: &[Quantity::amplitude("limit_s_per_mm", 0.0, (0.0, 40.0), 1.6, &[1.2, 4.8])
+        .beyond(1.0)
+        .about(0.02)
+        .per_rate()],
     owner: Owner::All,
 };
 

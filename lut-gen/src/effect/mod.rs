@@ -12,7 +12,6 @@ pub mod drift;
 mod fading;
 pub mod friction;
 pub mod lag;
-pub mod nameless;
 pub mod numerics;
 pub mod poisson;
 mod quantity;

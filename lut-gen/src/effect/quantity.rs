@@ -57,7 +57,7 @@ pub struct Quantity {
     pub low: f64,
     /// Largest value.
     pub high: f64,
-    /// Standard deviation about the null value of what is there and nobody sees; 0 for a shape parameter. Where it comes from: `Effect::prior` of the catalogue.
+    /// Standard deviation about where it begins of what is there and nobody sees; 0 for a shape parameter. Where it comes from: `Effect::prior` of the catalogue.
     pub prior: f64,
     /// An amount that laboratories meet; what a design cannot see of it is listed as a blind spot.
     pub plausible: f64,
@@ -65,8 +65,10 @@ pub struct Quantity {
     pub starts: &'static [f64],
     /// How it is searched.
     pub spread: Spread,
-    /// What it grows with: bounds, `prior`, `plausible` and `starts` are given for sizes of 1, see [`Quantity::scaled`].
+    /// What it grows with: bounds, `begins`, `prior`, `plausible` and `starts` are given for sizes of 1, see [`Quantity::scaled`].
     pub grows: Grows,
+    /// What it must be for anything to happen at all; the null value where any amount shows. A drive that is limited to more than it is asked for is not limited.
+    pub begins: f64,
     /// How many of the longest runs it may be at most: a time that is far longer shows as a trend only.
     pub runs: f64,
     /// By what part of itself the true amount may be larger than the one that fits, because the effect has a property that no force shows; intervals reach that far.
@@ -92,9 +94,17 @@ impl Quantity {
             starts,
             spread: Spread::Even,
             grows: Grows::NOT,
+            begins: null,
             runs: f64::INFINITY,
             understated: 0.0,
         }
+    }
+
+    /// The same where nothing happens below an amount; the prior's deviation is counted from there.
+    pub(crate) const fn beyond(mut self, begins: f64) -> Self {
+        self.begins = begins;
+        self.low = begins;
+        self
     }
 
     /// The same with the standard deviation of an amount that nobody sees.
@@ -145,7 +155,7 @@ impl Quantity {
         self.null + (value - self.null) * self.grows.by(sizes)
     }
 
-    /// The same quantity with its bounds and its plausible amount in an experiment of some sizes.
+    /// The same quantity with its bounds, its plausible amount and where it begins, which is its null value then, in an experiment of some sizes.
     #[must_use]
     pub fn bounded_at(self, sizes: &Sizes) -> Self {
         let own = |value: f64| self.scaled(value, sizes);
@@ -157,6 +167,8 @@ impl Quantity {
             high: own(self.high).min(longest),
             prior: own(self.null + self.prior) - self.null,
             plausible: own(self.plausible),
+            null: own(self.begins),
+            begins: own(self.begins),
             ..self
         }
     }
@@ -173,6 +185,7 @@ impl Quantity {
             starts,
             spread: Spread::Logarithmic,
             grows: Grows::NOT,
+            begins: plausible,
             runs: f64::INFINITY,
             understated: 0.0,
         }

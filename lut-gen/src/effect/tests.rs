@@ -17,7 +17,7 @@ fn quantities_lie_within_their_bounds_and_twins_exist() {
     for effect in CATALOGUE {
         for q in effect.quantities {
             let inside = |x: f64| (q.low..=q.high).contains(&x);
-            assert!(inside(q.null) && inside(q.plausible), "{} {}", effect.code, q.name);
+            assert!(inside(q.begins) && inside(q.plausible), "{} {}", effect.code, q.name);
             assert!(!q.starts.is_empty() && q.starts.iter().copied().all(inside), "{} {}", effect.code, q.name);
         }
         for twin in effect.twins {
@@ -34,7 +34,7 @@ fn every_effect_has_a_prior_with_a_source() {
         for q in effect.quantities {
             let own = q.spread == Spread::Even;
             assert!(own == (q.prior > 0.0), "{} {}", effect.code, q.name);
-            assert!((q.low..=q.high).contains(&(q.null + q.prior)), "{} {}", effect.code, q.name);
+            assert!((q.low..=q.high).contains(&(q.begins + q.prior)), "{} {}", effect.code, q.name);
         }
     }
 }

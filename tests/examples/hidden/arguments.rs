@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use palpate::diagnose::Edition;
 use tests::hidden::Design;
 use tests::score::suite::FIRST_SEED;
 
@@ -21,8 +20,6 @@ pub struct Arguments {
     pub only: Option<String>,
     /// Seed of the first case of each design.
     pub first_seed: u64,
-    /// The one edition that answers, else both do.
-    pub edition: Option<Edition>,
     /// A line a case.
     pub verbose: bool,
     /// Where every case is written.
@@ -46,7 +43,6 @@ impl Arguments {
             designs: Vec::new(),
             only: None,
             first_seed: FIRST_SEED,
-            edition: None,
             verbose: false,
             json: None,
             folders: None,
@@ -63,14 +59,13 @@ impl Arguments {
                 "--seed" => asked.first_seed = number(&word, &value()?)?,
                 "--design" => asked.designs.push(design(&value()?)?),
                 "--only" => asked.only = Some(value()?),
-                "--edition" => asked.edition = Some(edition(&value()?)?),
                 "--json" => asked.json = Some(PathBuf::from(value()?)),
                 "--folders" => asked.folders = Some(PathBuf::from(value()?)),
                 "--verbose" => asked.verbose = true,
                 "--write" => asked.write = true,
                 _ => {
                     return Err(format!(
-                        "{word}: expected --cases, --skip, --these, --seed, --design, --only, --edition, --json, --folders, --verbose or --write"
+                        "{word}: expected --cases, --skip, --these, --seed, --design, --only, --json, --folders, --verbose or --write"
                     ));
                 }
             }
@@ -84,10 +79,6 @@ impl Arguments {
 
 fn number<T: std::str::FromStr>(word: &str, value: &str) -> Result<T, String> {
     value.parse().map_err(|_| format!("{word} {value}: expected a whole number"))
-}
-
-fn edition(name: &str) -> Result<Edition, String> {
-    name.parse().map_err(|expected| format!("--edition {name}: {expected}"))
 }
 
 fn design(name: &str) -> Result<Design, String> {

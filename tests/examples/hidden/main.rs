@@ -2,7 +2,7 @@
 //!
 //! Without `--design` all four designs are scored, with `--cases` of each (100 unless stated). `--only CODE` scores one code, or several with commas between them ("clean",
 //! "matched", "mismatched", "pairs", "placebos", "deleted" or an effect) at all levels by turns, `--seed` moves the first seed, `--skip` leaves
-//! out the first cases of each design, `--these 20003,20027` all but those seeds, `--edition second` (first) asks one edition only, `--verbose` tells every case on a line, `--json FILE` writes every case, `--folders FOLDER` every experiment, `--write` puts the tables into docs/hidden-effects.md.
+//! out the first cases of each design, `--these 20003,20027` all but those seeds, `--verbose` tells every case on a line, `--json FILE` writes every case, `--folders FOLDER` every experiment, `--write` puts the tables into docs/hidden-effects.md.
 
 mod arguments;
 mod record;
@@ -14,11 +14,11 @@ use std::time::Instant;
 
 use arguments::Arguments;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use palpate::diagnose::{Edition, Models};
+use palpate::diagnose::Models;
 use palpate::simulate::Solver;
 use tests::document::replace_section;
 use tests::hidden::Case;
-use tests::score::{ScoreError, Scored, rate::paired, suite, table::Score};
+use tests::score::{ScoreError, Scored, suite, table::Score};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::parse(std::env::args().skip(1))?;
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bar = bar(cases.len())?;
     let mut scored: Vec<(usize, Scored)> = Vec::new();
     let mut failures: Vec<String> = Vec::new();
-    for (at, result) in score_all(&cases, &solver, &models, &bar, (arguments.edition, arguments.verbose)) {
+    for (at, result) in score_all(&cases, &solver, &models, &bar, arguments.verbose) {
         match result {
             Ok(one) => scored.push((at, one)),
             Err(error) => failures.push(format!("{} {}: {error}", cases[at].design.name(), cases[at].seed)),
@@ -44,9 +44,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scored.sort_by_key(|(at, _)| *at);
     let scored: Vec<Scored> = scored.into_iter().map(|(_, one)| one).collect();
     let mut text = Score { list: &scored }.markdown();
-    if arguments.edition.is_none() {
-        text.push_str(&second_edition(&scored));
-    }
     text.push_str(&format!(
         "\n{} cases in {:.0} min on {} threads, seeds from {}; {} could not be scored.\n",
         scored.len(),
@@ -67,22 +64,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if failures.is_empty() { Ok(()) } else { Err(format!("{} cases could not be scored", failures.len()).into()) }
 }
 
-/// The second edition on the same cases, and both side by side.
-fn second_edition(first: &[Scored]) -> String {
-    let second: Vec<Scored> = first.iter().map(Scored::by_second).collect();
-    let score = Score { list: &second };
-    let good = |s: &Scored| s.outcome.is_right();
-    let wrong = |s: &Scored| s.outcome.is_wrong();
-    format!(
-        "\nThe second edition (in trial, docs/decisions/0005-one-model.md) on the same cases:\n\n{}\n{}\n{}\n{} {}\n",
-        score.by_design(),
-        score.confusion(),
-        score.mistakes(),
-        paired("Right", first, &second, good),
-        paired("Wrong names and false alarms", first, &second, wrong),
-    )
-}
-
 /// Scores cases on as many threads as there are cores; results with the places of their cases, in any order.
 ///
 /// These are threads of their own and not of the pool: what a case solves it solves in the pool, and while it waits for that, with the shared
@@ -92,15 +73,12 @@ fn score_all(
     solver: &Solver,
     models: &Models,
     bar: &ProgressBar,
-    (edition, verbose): (Option<Edition>, bool),
+    verbose: bool,
 ) -> Vec<(usize, Result<Scored, ScoreError>)> {
     let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         while let Some((at, case)) = next_of(cases, &next) {
-            let result = match edition {
-                Some(edition) => Scored::by(edition, case, solver, models),
-                None => Scored::of(case, solver, models),
-            };
+            let result = Scored::of(case, solver, models);
             bar.inc(1);
             if let (true, Ok(scored)) = (verbose, &result) {
                 bar.suspend(|| println!("{}", scored.line()));

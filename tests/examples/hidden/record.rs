@@ -46,8 +46,6 @@ fn record(s: &Scored) -> Value {
         "shows_in": s.answer.shows_in,
         "blind_to": s.answer.blind_to,
         "outcome": s.outcome.word(),
-        "second": s.second.as_ref().map(|second| second.answer.line()),
-        "outcome_second": s.by_second().outcome.word(),
         "held_out": s.gain.map(|g| json!({ "rmse_N_before": g.before_n, "rmse_N_found": g.found_n, "rmse_N_oracle": g.oracle_n })),
         "intervals": hits,
         "seconds": s.answer.seconds,

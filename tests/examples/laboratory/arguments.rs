@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use palpate::diagnose::Edition;
 use tests::hidden::Design;
 use tests::laboratory::DESIGNS;
 
@@ -15,8 +14,6 @@ pub struct Arguments {
     pub first_seed: u64,
     /// The one design, else every seed draws its own.
     pub design: Option<Design>,
-    /// The one edition that answers, else both do.
-    pub edition: Option<Edition>,
     /// A line a world.
     pub verbose: bool,
     /// Where every world is written.
@@ -33,30 +30,21 @@ impl Arguments {
     /// # Errors
     /// A word that is not known, or a value that is missing or none.
     pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Self, String> {
-        let mut asked = Self {
-            cases: 24,
-            first_seed: 1,
-            design: None,
-            edition: None,
-            verbose: false,
-            json: None,
-            folders: None,
-            write: false,
-        };
+        let mut asked =
+            Self { cases: 24, first_seed: 1, design: None, verbose: false, json: None, folders: None, write: false };
         while let Some(word) = words.next() {
             let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
             match word.as_str() {
                 "--cases" => asked.cases = number(&word, &value()?)?,
                 "--seed" => asked.first_seed = number(&word, &value()?)?,
                 "--design" => asked.design = Some(design(&value()?)?),
-                "--edition" => asked.edition = Some(edition(&value()?)?),
                 "--json" => asked.json = Some(PathBuf::from(value()?)),
                 "--folders" => asked.folders = Some(PathBuf::from(value()?)),
                 "--verbose" => asked.verbose = true,
                 "--write" => asked.write = true,
                 _ => {
                     return Err(format!(
-                        "{word}: expected --cases, --seed, --design, --edition, --json, --folders, --verbose or --write"
+                        "{word}: expected --cases, --seed, --design, --json, --folders, --verbose or --write"
                     ));
                 }
             }
@@ -67,10 +55,6 @@ impl Arguments {
 
 fn number<T: std::str::FromStr>(word: &str, value: &str) -> Result<T, String> {
     value.parse().map_err(|_| format!("{word} {value}: expected a whole number"))
-}
-
-fn edition(name: &str) -> Result<Edition, String> {
-    name.parse().map_err(|expected| format!("--edition {name}: {expected}"))
 }
 
 fn design(name: &str) -> Result<Design, String> {

@@ -3,8 +3,8 @@
 //!
 //! A seed draws its design, unless `--design D18` (D36, D60, own) names one; `--cases` is the
 //! number of seeds (24 unless stated), `--seed` the first of them. `--verbose` tells every world on
-//! a line, `--json FILE` writes every one, `--folders FOLDER` their experiments, `--edition
-//! second` (first) asks one edition only, `--write` puts the tables into docs/hidden-effects.md.
+//! a line, `--json FILE` writes every one, `--folders FOLDER` their experiments,
+//! `--write` puts the tables into docs/hidden-effects.md.
 
 mod arguments;
 
@@ -19,10 +19,9 @@ use palpate::simulate::{Effect, Solver};
 use serde_json::{Value, json};
 use tests::document::replace_section;
 use tests::laboratory::World;
-use tests::laboratory::score::{Mark, Scored};
+use tests::laboratory::score::Scored;
 use tests::laboratory::table::Score;
 use tests::score::ScoreError;
-use tests::score::rate::paired;
 use tests::score::share::Yardstick;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -44,9 +43,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     failures.iter().for_each(|line| eprintln!("{line}"));
     scored.sort_by_key(|one| one.world.seed);
     let mut text = Score { list: &scored, discarded }.markdown();
-    if arguments.edition.is_none() {
-        text.push_str(&second_edition(&scored, discarded));
-    }
     text.push_str(&format!(
         "\n{} worlds of {} seeds from {} in {:.0} min on {} threads; {} could not be scored.\n",
         scored.len(),
@@ -69,22 +65,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if failures.is_empty() { Ok(()) } else { Err(format!("{} worlds could not be scored", failures.len()).into()) }
 }
 
-/// The second edition on the same worlds, and both side by side.
-fn second_edition(first: &[Scored], discarded: usize) -> String {
-    let second: Vec<Scored> = first.iter().map(Scored::by_second).collect();
-    let score = Score { list: &second, discarded };
-    let good = |s: &Scored| matches!(s.mark, Mark::Right | Mark::InSet | Mark::RightKind);
-    let wrong = |s: &Scored| s.mark == Mark::Wrong;
-    format!(
-        "\nThe second edition (in trial, docs/decisions/0005-one-model.md) on the same worlds:\n\n{}\n{}\n{}\n{} {}\n",
-        score.by_design(),
-        score.by_code(),
-        score.mistakes(),
-        paired("Right, in a set or of the right kind", first, &second, good),
-        paired("Wrong names", first, &second, wrong),
-    )
-}
-
 /// Scores worlds on threads of their own, as many as there are cores; not of the pool, in which a
 /// world's solves wait for the models' lock.
 fn score_all<'a>(
@@ -98,10 +78,7 @@ fn score_all<'a>(
             if let Some(folder) = &arguments.folders {
                 made.experiment.write(&folder.join(format!("{}-{}", world.design.name(), world.seed)))?;
             }
-            match arguments.edition {
-                Some(edition) => Scored::by(edition, world, &made, yardstick).map(Some),
-                None => Scored::of(world, &made, yardstick).map(Some),
-            }
+            Scored::of(world, &made, yardstick).map(Some)
         }
         None => Ok(None),
     };
@@ -162,9 +139,7 @@ fn record(s: &Scored) -> Value {
         "findings": findings,
         "shows_in": s.answer.shows_in,
         "mark": s.mark.word(),
-        "second": s.second.as_ref().map(|second| second.answer.line()),
-        "beliefs": s.beliefs,
-        "mark_second": s.by_second().mark.word(),
+        "told": s.told,
         "intervals": hits,
         "seconds": s.answer.seconds,
     })

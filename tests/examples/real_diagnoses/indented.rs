@@ -82,23 +82,19 @@ fn base(evidence: &Evidence) -> String {
     )
 }
 
-/// The three best single effects, with what they leave, and what the base leaves in the noise that they are compared in.
+/// The three likeliest sets, with what stays without a name beside them.
 fn nearest(evidence: &Evidence) -> String {
-    let one = |e: &palpate::diagnose::search::Explanation| {
+    let judged = &evidence.judged;
+    let one = |(set, probability): (&palpate::diagnose::sets::Weighed, &f64)| {
         let codes: Vec<String> =
-            e.fit.candidates.iter().map(|c| format!("{} ({})", c.effect.code, c.effect.form)).collect();
-        format!(
-            "{}: sum of squares {:.0}, worst margin {:.1} thresholds",
-            codes.join(" + "),
-            e.fit.square,
-            e.adequacy.worst()
-        )
+            set.fit.candidates.iter().map(|c| format!("{} ({})", c.effect.code, c.effect.form)).collect();
+        let sizes = judged.groups.iter().zip(&set.evidence.sizes).filter(|(_, size)| **size > 0.0);
+        let beside: Vec<String> = sizes.map(|(over, size)| format!("{over} {:.1} %", 100.0 * size)).collect();
+        let beside = if beside.is_empty() { "nothing".to_owned() } else { beside.join(", ") };
+        let names = if codes.is_empty() { "nothing".to_owned() } else { codes.join(" + ") };
+        format!("{names}: probability {probability:.3}, beside it {beside}")
     };
-    let told: Vec<String> = evidence.singles.iter().take(3).map(one).collect();
-    if told.is_empty() {
-        return String::new();
-    }
-    format!("{} (the base beside them: {:.0})", told.join("; "), evidence.compared_square)
+    evidence.sets.iter().zip(&judged.sets).take(3).map(one).collect::<Vec<_>>().join("; ")
 }
 
 fn all(what: &str, experiment: &Experiment, models: &Models) -> Outcome<Vec<(String, Diagnosis)>> {

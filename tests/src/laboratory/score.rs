@@ -1,6 +1,6 @@
 //! How good an answer about a world is.
 
-use palpate::diagnose::{self, Asked, Edition, Finding, Verdict};
+use palpate::diagnose::{self, Finding, Verdict};
 
 use super::{Kind, Made, Truth, What, World};
 use crate::score::coverage::{self, Hit};
@@ -129,42 +129,24 @@ pub struct Scored {
     pub mark: Mark,
     /// Whether the intervals of `mu` and `alpha` hold the truth, whatever was answered.
     pub hits: Vec<Hit>,
-    /// All that is believed, as `palpate diagnose --json` tells it; of the second edition.
-    pub beliefs: Option<serde_json::Value>,
-    /// The same world as the second edition answers it, where both were asked.
-    pub second: Option<Box<Scored>>,
+    /// The whole answer, as `palpate diagnose --json` tells it.
+    pub told: serde_json::Value,
 }
 
 impl Scored {
-    /// Has a world diagnosed by both editions and judges the answers.
+    /// Has a world diagnosed and judges the answer.
     ///
     /// # Errors
     /// [`ScoreError`]: when a solve fails.
     pub fn of(world: &World, made: &Made, yardstick: &Yardstick<'_>) -> Result<Self, ScoreError> {
-        let second = Self::by(Edition::Second, world, made, yardstick)?;
-        Ok(Self { second: Some(Box::new(second)), ..Self::by(Edition::First, world, made, yardstick)? })
-    }
-
-    /// The same by one edition.
-    ///
-    /// # Errors
-    /// As [`Scored::of`].
-    pub fn by(edition: Edition, world: &World, made: &Made, yardstick: &Yardstick<'_>) -> Result<Self, ScoreError> {
-        let asked = Asked { edition, ..Asked::default() };
         let experiment = made.experiment.experiment();
-        let found = diagnose::diagnose_as(asked, &experiment, yardstick.models, &|_, _, _| {})?;
+        let found = diagnose::diagnose(&experiment, yardstick.models, &|_, _, _| {})?;
         let [diagnosis] = found.as_slice() else { return Err(ScoreError::Answers(found.len())) };
         let answer = Answer::of(diagnosis);
         let mark = Mark::of(&made.truth, &answer);
         let hits = coverage::of_foam(&made.truth.foam, diagnosis);
-        let beliefs = diagnosis.evidence.as_ref().and_then(|e| e.second.as_ref()).map(diagnose::second::json);
-        Ok(Self { world: *world, truth: made.truth.clone(), answer, mark, hits, beliefs, second: None })
-    }
-
-    /// The same world as the second edition answers it, where that was asked.
-    #[must_use]
-    pub fn by_second(&self) -> Self {
-        self.second.as_deref().unwrap_or(self).clone()
+        let told = diagnose::answer::json(diagnosis, None);
+        Ok(Self { world: *world, truth: made.truth.clone(), answer, mark, hits, told })
     }
 
     /// World, truth, answer and mark on one line.
@@ -182,11 +164,8 @@ impl Scored {
         let minors: Vec<String> = truth.minors.iter().map(plain).collect();
         let rests: Vec<String> =
             truth.rests.iter().map(|rest| plain(&palpate::simulate::Effect::Rest(*rest))).collect();
-        let second = self.second.as_ref().map_or_else(String::new, |second| {
-            format!("; second edition: {} -> {}", second.answer.line(), second.mark.word().to_uppercase())
-        });
         format!(
-            "{} {} {} [{}] together {:.2} beside [{}] and rests of {:.2} % [{}], mu {:.4} alpha {:.2} -> {} -> {}{second}",
+            "{} {} {} [{}] together {:.2} beside [{}] and rests of {:.2} % [{}], mu {:.4} alpha {:.2} -> {} -> {}",
             self.world.design.name(),
             self.world.seed,
             truth.what.word(),
@@ -231,6 +210,9 @@ mod tests {
             of: Vec::new(),
             parameters: Vec::new(),
             ambiguous_with: set[1..].to_vec(),
+            kind: lut_gen::effect::find(set[0], None).unwrap().kind,
+            probability: 1.0,
+            explains: None,
         };
         let findings = sets.iter().map(finding).collect();
         Answer { verdict, findings, shows_in: Vec::new(), blind_to: Vec::new(), reason: None, seconds: 0.0 }

@@ -202,6 +202,9 @@ mod tests {
             of: Vec::new(),
             parameters: Vec::new(),
             ambiguous_with: Vec::new(),
+            kind: lut_gen::effect::Kind::Machine,
+            probability: 1.0,
+            explains: None,
         };
         let findings = codes.iter().map(finding).collect();
         Answer { verdict, findings, shows_in: Vec::new(), blind_to: Vec::new(), reason: None, seconds: 0.0 }

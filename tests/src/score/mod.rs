@@ -16,8 +16,8 @@ pub mod suite;
 pub mod table;
 
 use lut_gen::chain::LibraryError;
-use palpate::diagnose::search::Explanation;
-use palpate::diagnose::{self, Asked, DiagnoseError, Diagnosis, Edition, Evidence, Finding, Models, Verdict};
+use palpate::diagnose::sets::Weighed;
+use palpate::diagnose::{self, DiagnoseError, Diagnosis, Evidence, Finding, Models, Verdict};
 use palpate::experiment::Experiment;
 use palpate::identify;
 use palpate::simulate::{SimulateError, Solver, Spec};
@@ -115,8 +115,6 @@ pub struct Scored {
     pub answer: Answer,
     /// How good that is.
     pub outcome: Outcome,
-    /// The same case as the second edition answers it, where both were asked.
-    pub second: Option<Box<Scored>>,
     /// Held-out errors with the base, with what was found, and with what an oracle would have found; where something shows.
     pub gain: Option<Gain>,
     /// What became of an ambiguous answer when its plan was followed.
@@ -130,20 +128,11 @@ pub struct Scored {
 }
 
 impl Scored {
-    /// Makes a case, has it diagnosed by both editions, and scores the answers.
+    /// Makes a case, has it diagnosed, and scores the answer.
     ///
     /// # Errors
     /// [`ScoreError`]: when a solve fails.
     pub fn of(case: &Case, solver: &Solver, models: &Models) -> Result<Self, ScoreError> {
-        let second = Self::by(Edition::Second, case, solver, models)?;
-        Ok(Self { second: Some(Box::new(second)), ..Self::by(Edition::First, case, solver, models)? })
-    }
-
-    /// The same by one edition.
-    ///
-    /// # Errors
-    /// As [`Scored::of`].
-    pub fn by(edition: Edition, case: &Case, solver: &Solver, models: &Models) -> Result<Self, ScoreError> {
         let start = std::time::Instant::now();
         let truth = case.truth();
         let without: Vec<&str> = match truth.what {
@@ -153,8 +142,7 @@ impl Scored {
         let made = case.make(solver)?;
         let experiment = made.experiment();
         known_models(&experiment, models)?;
-        let diagnoses =
-            diagnose::diagnose_as(Asked { without: &without, edition }, &experiment, models, &|_, _, _| {})?;
+        let diagnoses = diagnose::diagnose_without(&without, &experiment, models, &|_, _, _| {})?;
         let [diagnosis] = diagnoses.as_slice() else { return Err(ScoreError::Answers(diagnoses.len())) };
         let answer = Answer::of(diagnosis);
         let strength = match &diagnosis.evidence {
@@ -182,19 +170,12 @@ impl Scored {
             told,
             answer,
             outcome,
-            second: None,
             gain,
             followed,
             hits,
             detail,
             other_s,
         })
-    }
-
-    /// The same case as the second edition answers it, where that was asked.
-    #[must_use]
-    pub fn by_second(&self) -> Self {
-        self.second.as_deref().unwrap_or(self).clone()
     }
 
     /// True when every effect shows; false when there is none.
@@ -236,11 +217,8 @@ impl Scored {
             )
         });
         let strength: Vec<String> = self.strength.iter().flatten().map(|s| format!("{s:.1}")).collect();
-        let second = self.second.as_ref().map_or_else(String::new, |second| {
-            format!("; second edition: {} -> {}", second.answer.line(), second.outcome.word().to_uppercase())
-        });
         format!(
-            "{} {} {:?} {:?} [{}] strength {} -> {} -> {}{followed}{second} | {} | true mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
+            "{} {} {:?} {:?} [{}] strength {} -> {} -> {}{followed} | {} | true mu {:.4} alpha {:.2} | diagnosed {:.1} s, the rest {:.1} s",
             self.design.name(),
             self.seed,
             self.truth.what,
@@ -268,35 +246,24 @@ fn known_models(experiment: &Experiment, models: &Models) -> Result<(), LibraryE
     Ok(())
 }
 
-/// How many of the likeliest single effects a line tells.
-const TOLD: usize = 4;
+/// How many of the likeliest sets a line tells.
+const TOLD: usize = 6;
 
-/// For each of the likeliest effects alone: the fall of the sum of squares, the largest reading that is left over its threshold, by how much it is likelier than what has no cause, and
-/// what it passes (n: noise, p: prediction, b: placebos; B: at a bound). Estimates stand before what is true.
+/// The likeliest sets, each with its probability and the discrepancies beside it (% of the force). Estimates of the noise stand before what is true.
 fn detail(e: &Evidence, spec: &Spec) -> String {
-    let letter = |on: bool, letter: &'static str| if on { letter } else { "-" };
-    let top = |s: &Explanation| {
-        let codes: Vec<&str> = s.fit.codes().collect();
-        format!(
-            "{}:{:.0}/{:.2}/{:+.1}{}{}{}{}",
-            codes.join("+"),
-            e.compared_square - s.fit.square,
-            s.adequacy.worst(),
-            s.beyond_causeless,
-            letter(s.beats_noise, "n"),
-            letter(s.predicts, "p"),
-            letter(s.beats_placebo, "b"),
-            if s.fit.at_bound { "B" } else { "" },
-        )
+    let top = |(set, probability): (&Weighed, &f64)| {
+        let codes: Vec<&str> = set.fit.codes().collect();
+        let sizes = e.judged.groups.iter().zip(&set.evidence.sizes).filter(|(_, size)| **size > 0.0);
+        let beside: String = sizes.map(|(over, size)| format!(" {over} {:.1}", 100.0 * size)).collect();
+        format!("{}:{probability:.3}{beside}", codes.join("+"))
     };
-    let tops: Vec<String> = e.singles.iter().take(TOLD).chain(e.pairs.iter().take(TOLD)).map(top).collect();
+    let tops: Vec<String> = e.sets.iter().zip(&e.judged.sets).take(TOLD).map(top).collect();
     let (n, t) = (&e.noise, &spec.noise);
     let ripple = e.ripple.map_or_else(String::new, |r| {
         format!(" ripple over {:?} {:.2} amplitude {:.5} share {:.2}", r.over, r.frequency, r.amplitude_n, r.share)
     });
-    let nameless = e.beyond_nameless.map_or_else(String::new, |by| format!(" nameless {by:+.1}"));
     format!(
-        "worst {:.2}{ripple}{nameless} | {} | sigma {:.4}/{:.4} contact {:.3}/{:.3} gain {:.4}/{:.4} time {:.2}/{:.2} white {:.1} relative {:.3}/{:.3} \
+        "worst {:.2}{ripple} | {} | sigma {:.4}/{:.4} contact {:.3}/{:.3} gain {:.4}/{:.4} time {:.2}/{:.2} white {:.1} relative {:.3}/{:.3} \
          | base mu {:.4} alpha {:.2} square {:.0} of {}",
         e.adequacy.worst(),
         tops.join(" "),

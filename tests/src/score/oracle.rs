@@ -4,8 +4,8 @@ use lut_gen::chain::Chain;
 use nalgebra::DVector;
 use palpate::diagnose::coordinate::Candidate;
 use palpate::diagnose::fit::{Fit, Problem, predicted};
-use palpate::diagnose::search::Explanation;
-use palpate::diagnose::{Diagnosis, Models, Prepared, Verdict};
+use palpate::diagnose::sets::Weighed;
+use palpate::diagnose::{Diagnosis, Evidence, Models, Prepared, Verdict};
 use palpate::experiment::Experiment;
 use rayon::prelude::*;
 
@@ -37,10 +37,7 @@ impl Gain {
 pub fn gain(truth: &Truth, diagnosis: &Diagnosis, experiment: &Experiment, models: &Models) -> Option<Gain> {
     let evidence = diagnosis.evidence.as_deref()?;
     let codes = truth.codes();
-    let told: Vec<&Explanation> = codes
-        .iter()
-        .map(|code| evidence.singles.iter().find(|e| e.fit.candidates.iter().all(|c| c.effect.code == *code)))
-        .collect::<Option<_>>()?;
+    let told: Vec<&Weighed> = codes.iter().map(|code| alone(evidence, code)).collect::<Option<_>>()?;
     if told.is_empty() || diagnosis.verdict == Verdict::Clean {
         return None;
     }
@@ -61,8 +58,13 @@ pub fn gain(truth: &Truth, diagnosis: &Diagnosis, experiment: &Experiment, model
     Some(Gain { before_n, found_n, oracle_n })
 }
 
+/// The likeliest set of one effect alone.
+fn alone<'a>(evidence: &'a Evidence, code: &str) -> Option<&'a Weighed> {
+    evidence.sets.iter().find(|set| matches!(&set.fit.candidates[..], [only] if only.effect.code == code))
+}
+
 /// The effects together, at the parameters that each has alone.
-fn start(told: &[&Explanation]) -> Option<(Vec<Candidate>, DVector<f64>)> {
+fn start(told: &[&Weighed]) -> Option<(Vec<Candidate>, DVector<f64>)> {
     let first: &Fit = &told.first()?.fit;
     let mut candidates = first.candidates.clone();
     let mut x: Vec<f64> = first.x.iter().copied().collect();

@@ -151,7 +151,17 @@ mod tests {
 
     fn finding(set: &[&'static str]) -> Finding {
         let parameters = Vec::new();
-        Finding { code: set[0], form: "", owner: 0, of: Vec::new(), parameters, ambiguous_with: set[1..].to_vec() }
+        Finding {
+            code: set[0],
+            form: "",
+            kind: lut_gen::effect::Kind::Machine,
+            owner: 0,
+            of: Vec::new(),
+            parameters,
+            ambiguous_with: set[1..].to_vec(),
+            probability: 1.0,
+            explains: None,
+        }
     }
 
     fn answer(sets: &[&[&'static str]]) -> Answer {

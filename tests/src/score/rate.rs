@@ -37,13 +37,6 @@ pub fn wilson95(hits: usize, cases: usize) -> (f64, f64) {
     (((middle - half) / whole).max(0.0), ((middle + half) / whole).min(1.0))
 }
 
-/// How often something is so in one of two lists of answers to the same cases and not in the other, in words.
-#[must_use]
-pub fn paired<T>(what: &str, first: &[T], second: &[T], of: impl Fn(&T) -> bool) -> String {
-    let only = |a: &[T], b: &[T]| a.iter().zip(b).filter(|(a, b)| of(a) && !of(b)).count();
-    format!("{what}: {} by the second only, {} by the first only.", only(second, first), only(first, second))
-}
-
 /// Probability of at most `hits` in `cases` at a share of `p`, 0 < p < 1.
 fn at_most(hits: usize, cases: usize, p: f64) -> f64 {
     let mut log_term = cases as f64 * (-p).ln_1p();
@@ -70,12 +63,6 @@ pub fn percent(hits: usize, cases: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_one_of_two_says_is_counted() {
-        let told = paired("Right", &[true, true, false, false], &[true, false, true, true], |right| *right);
-        assert_eq!(told, "Right: 2 by the second only, 1 by the first only.");
-    }
 
     /// None of n: 1 - 0.05^(1/n). One of 20: the 95 % quantile of a beta distribution of 2 and 19, 0.21611 (R: qbeta(0.95, 2, 19)).
     #[test]

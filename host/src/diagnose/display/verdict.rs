@@ -6,7 +6,9 @@ use crate::infer::covariance::Z95;
 use super::held_out::HeldOut;
 use super::search::{self, Explanation, Search};
 use super::{ChannelDiagnosis, Finding};
-use crate::diagnose::search::RATIO_100;
+
+/// Likelihood ratio of 100 as a difference of sums of squares.
+const RATIO_100: f64 = 9.21;
 
 /// A plausible amount must lie this far beyond the threshold to be seen in nine cases of ten.
 const POWER: f64 = 1.28;

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::super::coordinate;
 use super::super::design::{Branch, Design};
 use super::super::fit::{self, Fit, Problem};
-use super::super::search::{Search, known_before};
+use super::super::search::Search;
 use super::super::whiten::Whitening;
 use super::motion::Plan;
 use crate::infer::covariance::Factor;
@@ -141,7 +141,7 @@ fn placed(plan: &Plan, design: &Design, model: &Model) -> Model {
 /// Distance of a forecast from another one whose parameters are known as far as its fit knows them, and which both may be wrong as the chain is. None (0) where a
 /// number is none.
 pub(super) fn distance(from: &Forecast, to: &Forecast, fit: &Fit) -> f64 {
-    let known = Factor::of(&(&fit.information + known_before(&fit.coordinates)));
+    let known = Factor::of(&(&fit.information + coordinate::known_before(&fit.coordinates)));
     let Some(known) = known else { return 0.0 };
     let free = LowRank::unit(known.rooted(&to.slopes), "parameters");
     let errors = [&to.errors, &from.errors].map(|columns| LowRank::unit(columns.clone(), "chain"));

@@ -13,7 +13,8 @@ use crate::experiment::Experiment;
 use super::check::{Check, Touched};
 use super::design::{Branch, Design, LEAST_SAMPLES, Node, Series};
 use super::fit::Fit;
-use super::search::{Explanation, Search};
+use super::search::Search;
+use super::sets::Weighed;
 use crate::infer::covariance::Factor;
 use crate::infer::product::inner;
 use bench::{Bench, Forecast, distance};
@@ -258,10 +259,10 @@ impl Plan {
 pub fn proposals(
     experiment: &Experiment,
     search: &Search<'_>,
-    held: &[Explanation],
+    rivals: &[&Weighed],
     blind: &[&'static str],
 ) -> Vec<Proposal> {
-    let rivals = distinct(held);
+    let rivals = distinct(rivals);
     let models: Vec<&Model> = std::iter::once(&search.base.model).chain(rivals.iter().map(|fit| &fit.model)).collect();
     let plans = feasible(search.problem.design, &models);
     let mut list: Vec<Proposal> = plans
@@ -280,15 +281,15 @@ pub fn proposals(
 }
 
 /// The best explanation of every set of codes.
-fn distinct(held: &[Explanation]) -> Vec<&Fit> {
+fn distinct<'a>(rivals: &[&'a Weighed]) -> Vec<&'a Fit> {
     let mut seen: Vec<Vec<&str>> = Vec::new();
     let mut out = Vec::new();
-    for explanation in held {
-        let mut codes: Vec<&str> = explanation.fit.codes().collect();
+    for set in rivals {
+        let mut codes: Vec<&str> = set.fit.codes().collect();
         codes.sort_unstable();
         if !seen.contains(&codes) {
             seen.push(codes);
-            out.push(&explanation.fit);
+            out.push(&set.fit);
         }
     }
     out.truncate(RIVALS);

@@ -20,8 +20,9 @@ const DESCENTS: usize = 2;
 fn beginnings(q: &Quantity, sizes: &Sizes) -> Vec<f64> {
     const LITTLE: f64 = 0.05;
     let own = q.starts.iter().map(|v| q.scaled(*v, sizes));
-    let far = own.clone().filter(|v| q.spread == Spread::Even && *v != q.null);
-    let close = far.map(|v| q.null + LITTLE * (v - q.null));
+    let null = q.scaled(q.begins, sizes);
+    let far = own.clone().filter(|v| q.spread == Spread::Even && *v != null);
+    let close = far.map(|v| null + LITTLE * (v - null));
     own.clone().chain(close).collect()
 }
 

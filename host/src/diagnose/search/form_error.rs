@@ -1,7 +1,7 @@
 //! What effects may be wrong by as they are written down, which is no evidence for another one.
 
 use lut_gen::chain::Model;
-use lut_gen::effect::{Stage, adhesion, friction, nameless, poisson, relaxation, sensor_creep, softening};
+use lut_gen::effect::{Stage, adhesion, friction, poisson, relaxation, sensor_creep, softening};
 use nalgebra::{DMatrix, DVector};
 
 use super::super::coordinate::Candidate;
@@ -129,8 +129,6 @@ fn share_of(candidate: &Candidate, fit: &Fit) -> (f64, f64) {
     let outside = matches!(candidate.effect.stage, Stage::Machine | Stage::Sensor | Stage::Clock);
     let solved = fit.model.whole.as_ref().is_some_and(|whole| whole.covers(candidate.effect.code));
     match (solved, outside) {
-        // what has no name has no form to be wrong by
-        _ if candidate.effect.code == nameless::EFFECT.code => (0.0, 0.0),
         (true, _) if candidate.effect.code == softening::EFFECT.code => SOFTENED,
         (true, _) if candidate.effect.code == friction::EFFECT.code => RUBBED,
         (true, _) if candidate.effect.code == relaxation::ONE.code => SOLVED_SHARE,
@@ -140,26 +138,6 @@ fn share_of(candidate: &Candidate, fit: &Fit) -> (f64, f64) {
         (false, false) if candidate.effect.code == adhesion::EFFECT.code => ADHESIVE,
         (false, false) => ROUGH,
     }
-}
-
-/// Part of the sum of squares that an effect explains which is no evidence for a second one: what its finite elements miss is not another error in every group of
-/// conditions, as [`form_error`] takes it, but much the same in all. Beside softening of 140 to 310 standard deviations a second effect that is not there explains up to 0.08 % of
-/// what it does.
-pub(super) fn coherent(fit: &Fit) -> f64 {
-    const SOFTENED: f64 = 0.001;
-    let softens = |c: &Candidate| c.effect.code == softening::EFFECT.code;
-    if fit.candidates.iter().any(softens) { SOFTENED } else { 0.0 }
-}
-
-/// How far an effect may be wrong, relative, on the whole.
-pub(super) fn mean_share(candidate: &Candidate, fit: &Fit) -> f64 {
-    let (forth, back) = share_of(candidate, fit);
-    0.5 * (forth + back)
-}
-
-/// True for an effect that is written down roughly only.
-pub(super) fn is_rough(candidate: &Candidate, fit: &Fit) -> bool {
-    [ROUGH, ADHESIVE].contains(&share_of(candidate, fit))
 }
 
 /// The same as errors to be allowed.

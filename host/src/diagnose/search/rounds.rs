@@ -6,8 +6,8 @@ use lut_gen::chain::{Detail, Whole};
 use nalgebra::{DMatrix, DVector};
 
 use super::super::coordinate::{Candidate, Coordinate, coordinates, point};
-use super::super::fit::{Fit, Problem};
-use super::{RATIO_100, Search, allowed, score};
+use super::super::fit::{Fit, Problem, freedom};
+use super::{Search, allowed};
 
 /// Change of the sum of squares that ends the solves of one fit: two of them at one place differ by as much.
 pub(super) const SAME: f64 = 2.0;
@@ -16,14 +16,6 @@ pub(super) const SETTLES: usize = 5;
 /// Change that ends them as a part of what is left beyond noise, of which a tenth more than expected may be there: what leaves far more is not named, and need not be brought to its end.
 const LEFT: f64 = 0.05;
 const NOISY: f64 = 1.1;
-/// How far behind what is sure more solves must promise to end for them not to be made: two likelihood ratios of a hundred.
-pub(super) const BEHIND: f64 = 2.0 * RATIO_100;
-/// What rounds may yet gain, as a part of what the last promises: rounds that each bring two thirds of the way that the one before did gain twice as much. A second term that crept towards a score
-/// was left four short of it with once.
-const MORE: f64 = 2.0;
-/// What fits near two solves, one after the other, may leave more or less than each other for the next round not to be expected to lead to less than both: what is near is then known, and only the place
-/// of it is not.
-pub(super) const STEADY: f64 = 4.0;
 /// A fit near a solve may promise this much less than what was left at the solve; of one that promises more only that is believed.
 const KEPT: f64 = 4.0;
 
@@ -42,17 +34,6 @@ impl Solved {
     /// What the fit promises to gain on the solve.
     pub fn promise(&self) -> f64 {
         self.here.discounted - self.near.discounted
-    }
-
-    /// True where more solves, that gain [`MORE`] times what this one promises, would come near a score.
-    pub fn may_reach(&self, best: f64) -> bool {
-        score(&self.near) - MORE * self.promise().max(0.0) < best + BEHIND
-    }
-
-    /// True where what is near this one would not come near a score, and is known, because another round led to the same.
-    fn is_known_behind(&self, other: &Self, best: f64) -> bool {
-        let steady = (self.near.discounted - other.near.discounted).abs() < STEADY;
-        steady && score(&self.near) - STEADY > best + BEHIND
     }
 
     /// Where the next round begins after this one, which was made after another.
@@ -100,32 +81,11 @@ impl Search<'_> {
         Solved { near: problem.refit(&near, &allowed), here: own.at(candidates, x, &allowed) }
     }
 
-    /// What a fit that was left at its solve, since what is near that did not come true, comes to about other noise: left there where the fit found again promises no more than it did in vain, and solved anew where it promises more
-    /// and would come near the best score with it. A second term with the exponent of the first, which promised 17 at every place and gained nothing at the next, was named so in the place of a wrong radius.
-    pub(super) fn believed(&self, left: &Fit, again: Fit, best: f64) -> Fit {
-        if score(&again) > best + BEHIND || !self.is_at_its_solve(left) {
-            return again;
-        }
-        match self.at_hand(&again).filter(|first| first.promise() > KEPT) {
-            Some(first) if left.vain.is_some_and(|vain| first.promise() < vain + STEADY) => {
-                Fit { vain: Some(first.promise()), ..first.here }
-            }
-            Some(first) => self.rounds(&again.candidates, first, (SETTLES - 1, SAME), f64::INFINITY).unwrap_or(again),
-            None => again,
-        }
-    }
-
-    /// True where a fit lies where its finite elements were solved.
-    fn is_at_its_solve(&self, fit: &Fit) -> bool {
-        let place = fit.model.whole.as_ref().and_then(|whole| self.place_of(fit, whole));
-        place.is_some_and(|x| (&x - &fit.x).amax() < 1e-9)
-    }
-
     /// Rounds from a fit, the first of them the solve that it is near to, if there is one.
     pub(super) fn rounds_of(&self, fit: &Fit, (most, same): (usize, f64)) -> Option<Fit> {
         match self.at_hand(fit) {
-            Some(first) => self.rounds(&fit.candidates, first, (most, same), f64::INFINITY),
-            None => self.rounds_at(&fit.candidates, &fit.x, (most, same), f64::INFINITY),
+            Some(first) => self.rounds(&fit.candidates, first, (most, same)),
+            None => self.rounds_at(&fit.candidates, &fit.x, (most, same)),
         }
     }
 
@@ -136,30 +96,22 @@ impl Search<'_> {
         candidates: &[Candidate],
         x: &DVector<f64>,
         (most, same): (usize, f64),
-        against: f64,
     ) -> Option<Fit> {
         let first = self.solve_at(candidates, x, Detail::Names)?;
-        self.rounds(candidates, first, (most - 1, same), against)
+        self.rounds(candidates, first, (most - 1, same))
     }
 
-    /// The same after a first solve, some times more at most, and not where they would not come near a score.
-    pub(super) fn rounds(
-        &self,
-        candidates: &[Candidate],
-        first: Solved,
-        (more, same): (usize, f64),
-        against: f64,
-    ) -> Option<Fit> {
+    /// The same after a first solve, some times more at most.
+    pub(super) fn rounds(&self, candidates: &[Candidate], first: Solved, (more, same): (usize, f64)) -> Option<Fit> {
         let settled = |solved: &Solved| solved.promise() < same.max(LEFT * self.left(&solved.near));
         let mut x = first.near.x.clone();
         let (mut best, mut worse) = (first, 0);
         let mut ended = settled(&best);
         for _ in 0..more {
-            if ended || !best.may_reach(against) {
+            if ended {
                 break;
             }
             let solved = self.solve_at(candidates, &x, Detail::Names)?;
-            let known_behind = solved.is_known_behind(&best, against);
             if solved.here.discounted < best.here.discounted {
                 x = solved.after(&best);
                 ended = settled(&solved);
@@ -174,19 +126,16 @@ impl Search<'_> {
                 // too far: half of the way
                 x = 0.5 * (&best.here.x + &x);
             }
-            if known_behind {
-                return Some(best.near);
-            }
         }
         let promise = best.promise();
         let mut end = if promise < KEPT { best.near } else { best.here };
-        (end.vain, end.settled) = ((worse > 0).then_some(promise), ended);
+        end.settled = ended;
         Some(end)
     }
 
     /// What a fit leaves beyond what noise does, as a sum of squares.
     fn left(&self, fit: &Fit) -> f64 {
-        (fit.discounted - NOISY * self.freedom(fit)).max(0.0)
+        (fit.discounted - NOISY * freedom(&self.problem.used, fit)).max(0.0)
     }
 }
 

@@ -1,120 +1,115 @@
-//! Every candidate with what it explains and which demands it meets.
+//! What is believed of every effect, and the sets of effects that were weighed.
 
-use crate::diagnose::search::{Explanation, RATIO_100};
+use lut_gen::effect;
+
+use crate::diagnose::sets::{Judged, Weighed};
 use crate::diagnose::{Diagnosis, Evidence, Verdict};
 use crate::experiment::Experiment;
 use crate::report::{Page, number};
 
 use super::words;
 
+/// Most sets that are told.
+const SETS: usize = 10;
+/// Probability below which an effect is told with others in one row.
+const OF_NOTE: f64 = 0.01;
+
 /// The section.
-pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evidence, verdict: Verdict) {
-    page.section("Every candidate");
-    if evidence.singles.is_empty() {
-        page.paragraph("No effect was tried: where nothing is visible, whatever fits best would only fit the noise.");
-        return;
-    }
-    let count = number(evidence.expected_square());
-    page.paragraph(&format!(
-        "Each effect of the catalogue was added to the base and everything was fitted again. In the noise that the likeliest of them leaves, the base has a sum of squares of {} where {count} is expected; \
-         'explains' is the share of that excess that an effect removes. A name needs every demand; the order is that of the likelihood with a charge for each parameter. \
-         'behind' is the distance to the best: {} is a likelihood ratio of 100.",
-        number(evidence.compared_square.round()),
-        number(RATIO_100),
-    ));
-    let best = evidence.singles.first().map_or(0.0, Explanation::score);
-    table(page, experiment, evidence, &evidence.singles, best);
-    let several = |e: &&Explanation| e.fit.candidates.len() > 1;
-    let together: Vec<Explanation> = evidence.held.iter().filter(several).cloned().collect();
-    if let Some(first) = together.first() {
-        page.paragraph(if evidence.singles.iter().any(Explanation::holds) {
-            "A single effect meets every demand, but a further one makes these data so much likelier that both are named:"
-        } else {
-            "No single effect meets every demand. These do together:"
-        });
-        table(page, experiment, evidence, &together, first.score());
-    } else if verdict == Verdict::Unknown && evidence.held.is_empty() {
-        page.paragraph("Two effects at once were tried as well; no pair meets every demand either.");
+pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evidence) {
+    page.section("Every effect");
+    page.paragraph(
+        "Sets of up to three effects were compared by how likely they make these data (their evidence), each with a smooth discrepancy of unknown size beside it, \
+         which stands for whatever has no name. The probability of an effect is the sum over all sets that hold it. \
+         'Explains' is the share of the misfit, squared newtons that the base alone leaves of the likeliest set's forces, that goes without the effect.",
+    );
+    effects(page, &evidence.judged);
+    kinds(page, &evidence.judged);
+    sets(page, experiment, evidence);
+}
+
+/// Whole percents; what rounds to all or nothing and is neither says so.
+#[must_use]
+pub fn percent(share: f64) -> String {
+    match share {
+        s if s > 0.995 && s < 1.0 => "> 99 %".to_owned(),
+        s if s > 0.0 && s < 0.005 => "< 1 %".to_owned(),
+        s => format!("{} %", (100.0 * s).round() as i64),
     }
 }
 
-/// Whole percents, without a minus before nothing.
-fn percent(share: f64) -> String {
-    format!("{} %", (100.0 * share).round() as i64)
-}
-
-/// What comes closest to a name where none is given.
-pub(super) fn nearest(experiment: &Experiment, found: &Diagnosis) -> Option<String> {
-    let evidence = found.evidence.as_deref().filter(|_| found.verdict == Verdict::Unknown)?;
-    let first = evidence.singles.first()?;
-    let share = evidence.explained(first.fit.square)?;
-    Some(format!(
-        "Of single effects, {} comes closest: it removes {} of what exceeds the noise, but {}. It is not a name for what is wrong here.",
-        words::candidates(experiment, &first.fit.candidates),
-        percent(share),
-        if !first.holds() {
-            told(first)
-        } else if evidence.is_nameless() {
-            "a departure without a name explains these data about as well".to_owned()
-        } else {
-            "it did not predict what was left out better than the base".to_owned()
-        },
-    ))
-}
-
-fn table(page: &mut Page, experiment: &Experiment, evidence: &Evidence, list: &[Explanation], best: f64) {
-    let head = [
-        "effect",
-        "explains",
-        "beats noise",
-        "predicts left-out",
-        "beats placebos",
-        "in its bounds",
-        "adequate residual",
-        "behind",
-        "",
-    ];
-    let rows: Vec<Vec<String>> = list
+fn effects(page: &mut Page, judged: &Judged) {
+    let (told, others): (Vec<_>, Vec<_>) = judged.beliefs.iter().partition(|b| b.probability > OF_NOTE);
+    let kind = |code: &str| effect::find(code, None).map_or("", |effect| effect.kind.words());
+    let mut rows: Vec<Vec<String>> = told
         .iter()
-        .map(|e| {
-            let share = evidence.explained(e.fit.square).map_or_else(|| "-".to_owned(), percent);
+        .map(|b| {
+            let explains = b.explains.map_or_else(|| "-".to_owned(), percent);
+            vec![b.code.to_owned(), kind(b.code).to_owned(), percent(b.probability), explains]
+        })
+        .collect();
+    if !others.is_empty() {
+        let codes: Vec<&str> = others.iter().map(|b| b.code).collect();
+        rows.push(vec![words::listed(&codes, "and"), String::new(), "< 1 % each".to_owned(), "-".to_owned()]);
+    }
+    page.table(&["effect", "kind", "probability", "explains"], &rows);
+}
+
+/// What kind of thing is wrong, which may be certain while no form is.
+fn kinds(page: &mut Page, judged: &Judged) {
+    let likely = judged.kinds.iter().filter(|(_, p)| *p > OF_NOTE);
+    let each: Vec<String> = likely.map(|(kind, p)| format!("{} {}", kind.words(), percent(*p))).collect();
+    if !each.is_empty() {
+        page.paragraph(&format!("By kind: {}.", each.join(", ")));
+    }
+}
+
+fn sets(page: &mut Page, experiment: &Experiment, evidence: &Evidence) {
+    page.heading("The likeliest sets");
+    let Some(best) = evidence.sets.first().map(|set| set.log) else { return };
+    let each = evidence.sets.iter().zip(&evidence.judged.sets).take(SETS);
+    let rows: Vec<Vec<String>> = each
+        .map(|(set, probability)| {
             vec![
-                words::candidates(experiment, &e.fit.candidates),
-                share,
-                mark(e.beats_noise),
-                mark(e.predicts),
-                mark(e.beats_placebo),
-                mark(!e.fit.at_bound),
-                mark(e.adequacy.passes()),
-                format!("{:.*}", usize::from(e.score() - best < 100.0), e.score() - best),
-                told(e),
+                words::candidates(experiment, &set.fit.candidates),
+                percent(*probability),
+                number(((set.log - best) * 10.0).round() / 10.0),
+                beside(set, &evidence.judged),
             ]
         })
         .collect();
-    page.table(&head, &rows);
+    page.table(
+        &[
+            "effects",
+            "probability",
+            "logarithm of the odds against the first",
+            "beside them, without a name, % of the force",
+        ],
+        &rows,
+    );
 }
 
-fn mark(met: bool) -> String {
-    if met { "\u{2713} yes" } else { "\u{2717} no" }.to_owned()
+/// Discrepancies beside a set.
+fn beside(set: &Weighed, judged: &Judged) -> String {
+    let sizes = judged.groups.iter().zip(&set.evidence.sizes).filter(|(_, size)| **size > 0.0);
+    let each: Vec<String> = sizes.map(|(over, size)| format!("{over} {}", number(tenth(100.0 * size)))).collect();
+    if each.is_empty() { "nothing".to_owned() } else { each.join(", ") }
 }
 
-/// The outcome in words.
-fn told(explanation: &Explanation) -> String {
-    if explanation.holds() {
-        return "holds".to_owned();
-    }
-    if !explanation.beats_noise {
-        return "gains no more than chance".to_owned();
-    }
-    if explanation.fit.at_bound {
-        return "runs into a bound".to_owned();
-    }
-    if !explanation.predicts {
-        return "does not predict what was left out".to_owned();
-    }
-    if !explanation.beats_placebo {
-        return "does no better than a random curve".to_owned();
-    }
-    let left: Vec<&str> = explanation.adequacy.shows_in.iter().map(|v| v.word()).collect();
-    format!("leaves {}", words::listed(&left, "and"))
+/// What stays without a name, in a sentence; none where nothing is wrong or nothing was weighed.
+#[must_use]
+pub fn remainder(found: &Diagnosis) -> Option<String> {
+    let judged = &found.evidence.as_deref().filter(|_| found.verdict != Verdict::Clean)?.judged;
+    let over: Vec<&str> = judged.remainder.iter().map(|(over, _)| *over).collect();
+    Some(match judged.remainder_share() {
+        None => "Beside that nothing stays beyond the noise.".to_owned(),
+        Some(share) => format!(
+            "About {} % of the force stays without a name, over {}.",
+            number(tenth(100.0 * share)),
+            words::listed(&over, "and")
+        ),
+    })
+}
+
+fn tenth(value: f64) -> f64 {
+    (10.0 * value).round() / 10.0
 }

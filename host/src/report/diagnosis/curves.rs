@@ -82,7 +82,7 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
         evidence.design.series.len(),
         match drawn {
             Some(drawn) if drawn.named => " Dashed: the extended simulation, fitted to the same data.",
-            Some(_) => " Dashed: the single explanation that comes closest; it does not meet every demand on a name.",
+            Some(_) => " Dashed: the likeliest set of effects; it is not a name for what is wrong.",
             None => "",
         }
     ));

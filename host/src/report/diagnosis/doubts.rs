@@ -51,7 +51,7 @@ const ASSUMPTIONS: [&str; 4] = [
     "Spots are independent of each other: what neighbouring spots share, and what the whole session shares, is not noise here but a discrepancy.",
     "Runs that agree in specimen, ball, rate, motion and cycle are taken to repeat one condition, and the declared labels (cycle, spot, clock) to be right.",
     "Intervals hold for the extended model as named. They do not contain the chance that the name is wrong.",
-    "At most two effects at once are looked for, and effects of opposite sign can cancel.",
+    "At most three effects at once are looked for, and effects of opposite sign can cancel.",
 ];
 
 fn source(evidence: &Evidence) -> String {
@@ -83,7 +83,7 @@ fn zero(evidence: &Evidence) -> String {
 fn noise(page: &mut Page, evidence: &Evidence) {
     let (sensor, jitter) = (evidence.noise.sensor, evidence.noise.jitter);
     let row = |name: &str, value: String| vec![name.to_owned(), value];
-    // what an explanation that does not hold would leave of it is another one, which notes may refer to
+    // what a set that is not named would leave of it is another one, which notes may refer to
     let about =
         if evidence.held.is_empty() { "noise of these data, as the base sees it" } else { "noise of these data" };
     page.table(

@@ -3,7 +3,6 @@
 use lut_gen::effect::Spread;
 
 use crate::diagnose::fit::Fit;
-use crate::diagnose::search::Explanation;
 use crate::diagnose::{Diagnosis, Estimate, Evidence, Verdict};
 use crate::experiment::Experiment;
 use crate::report::{Page, number};
@@ -15,7 +14,7 @@ pub(super) fn section(
     page: &mut Page,
     experiment: &Experiment,
     (found, evidence): (&Diagnosis, &Evidence),
-    best: Option<&Explanation>,
+    best: Option<&Fit>,
 ) {
     page.section("Before and after, on what no fit has seen");
     held_out(page, found, evidence);
@@ -24,7 +23,7 @@ pub(super) fn section(
     let named = matches!(found.verdict, Verdict::Named | Verdict::Ambiguous);
     evidence.widened(named).for_each(|told| page.paragraph(&format!("{}{}.", told[..1].to_uppercase(), &told[1..])));
     match best {
-        Some(explanation) => effects(page, experiment, &explanation.fit),
+        Some(fit) => effects(page, experiment, fit),
         None => page.paragraph("Nothing was added to the base."),
     }
     if best.is_some() && evidence.held.len() > 1 {
@@ -43,11 +42,7 @@ pub(super) fn section(
 
 fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
     let Some(held_out) = &evidence.held_out else {
-        page.paragraph(if evidence.held.is_empty() {
-            "There is no extension to be measured."
-        } else {
-            "Nothing could be left out, so the gain is not measured."
-        });
+        page.paragraph("There is no extension to be measured, or nothing that could be left out.");
         return;
     };
     let change = |before: f64, after: f64| format!("{:+.0} %", 100.0 * (after / before - 1.0));
@@ -66,8 +61,8 @@ fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
         ],
     );
     page.paragraph(&format!(
-        "Each of these was left out in turn; base and rivals were fitted to the others, the likeliest rival there was taken, and the left-out one predicted: {}. \
-         The errors are those of plain best fits: least squares of mu, alpha and a contact point for every spot to all samples of the other conditions, way down, hold and way back, the contact points of the left-out runs at their best. \
+        "Each of these was left out in turn; base and what is named were fitted to the others, the likeliest rival there was taken, and the left-out one predicted: {}. \
+         The errors are those of plain best fits: least squares of mu, alpha and a contact point for every spot to all samples of the others; runs that were left out whole have their contact points at their best. \
          The log score is of the verdict's own fits; it knows how spots scatter and how well the others told the parameters, and decides.",
         held_out.conditions.join(", ")
     ));
@@ -75,7 +70,7 @@ fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
         page.warning("The error in newton did not fall: what the extension gains lies below the scatter between spots, or another contact point, modulus and exponent do as well.");
     }
     if found.verdict == Verdict::Unknown && weighed.1 >= weighed.0 {
-        page.warning("The explanation predicted left-out conditions no better than the base: its name was withdrawn.");
+        page.warning("What is likeliest predicted what was left out no better than the base: its name was withdrawn.");
     }
 }
 

@@ -77,7 +77,7 @@ fn caption(drawn: bool) -> &'static str {
 }
 
 fn bars(experiment: &Experiment, evidence: &Evidence, drawn: Option<&Drawn<'_>>) -> Bars {
-    let after = drawn.map(|drawn| &drawn.explanation.adequacy.readings);
+    let after = drawn.and_then(|drawn| drawn.left).map(|left| &left.readings);
     let groups = VARIABLES.iter().filter_map(|variable| {
         let own = evidence.margins.iter().enumerate().filter(|(_, m)| m.variable == *variable);
         let bars: Vec<Bar> = own

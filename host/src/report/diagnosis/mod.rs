@@ -16,8 +16,9 @@ use crate::diagnose::{Diagnosis, Refusal, Verdict};
 use crate::experiment::Experiment;
 
 use super::Page;
-use drawn::{drawn, explanation};
+use drawn::{drawn, named};
 
+pub use candidates::{percent, remainder};
 pub use words::{meaning, name, sentence};
 
 /// Builds the page for all materials of an experiment.
@@ -40,17 +41,17 @@ pub fn page(experiment: &Experiment, found: &[Diagnosis]) -> Page {
 }
 
 fn material(page: &mut Page, experiment: &Experiment, found: &Diagnosis) {
-    verdict(page, experiment, found);
+    verdict(page, found);
     let evidence = found.evidence.as_deref();
     if let Some(evidence) = evidence {
         let drawn = drawn(experiment, found);
         curves::section(page, experiment, evidence, drawn.as_ref());
         margins::section(page, experiment, evidence, drawn.as_ref());
-        candidates::section(page, experiment, evidence, found.verdict);
+        candidates::section(page, experiment, evidence);
         names::confounded(page, found);
         names::blind(page, found);
         names::next(page, found);
-        gain::section(page, experiment, (found, evidence), explanation(found));
+        gain::section(page, experiment, (found, evidence), named(found));
     }
     doubts::section(page, found, evidence);
     if let Some(evidence) = evidence {
@@ -59,13 +60,13 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Diagnosis) {
 }
 
 /// Sentence, meaning, faults, and for a refusal what to do about it.
-fn verdict(page: &mut Page, experiment: &Experiment, found: &Diagnosis) {
+fn verdict(page: &mut Page, found: &Diagnosis) {
     page.section("Verdict");
     page.verdict(&sentence(found));
-    page.paragraph(meaning(found.verdict));
-    if let Some(nearest) = candidates::nearest(experiment, found) {
-        page.paragraph(&nearest);
+    if let Some(remainder) = candidates::remainder(found) {
+        page.paragraph(&remainder);
     }
+    page.paragraph(meaning(found.verdict));
     if !found.faults.is_empty() {
         page.heading("Faults of the data");
         for fault in &found.faults {

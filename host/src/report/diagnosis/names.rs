@@ -27,7 +27,7 @@ pub(super) fn confounded(page: &mut Page, found: &Diagnosis) {
                 format!(" It could hide {}, which these data would not show.", words::listed(&others, "or"))
             };
             page.paragraph(&format!(
-                "{}: no other explanation is left within a likelihood ratio of 100.{blind}",
+                "{}: without it these data are a hundred times less likely, whatever else is there.{blind}",
                 finding.code
             ));
             continue;

@@ -17,9 +17,10 @@ use crate::diagnose::jitter::Posterior;
 use crate::diagnose::margin::{Margin, Variable};
 use crate::diagnose::noise::{Curve, Jitter, Noise, SensorNoise, Source};
 use crate::diagnose::plain::Plain;
-use crate::diagnose::search::Explanation;
+use crate::diagnose::sets::{Belief, Judged, Weighed};
 use crate::diagnose::{Evidence, Finding, Stand};
 use crate::experiment::{Base, BaseLaw, Indenter, Length, Sensor, Specimen};
+use crate::infer::evidence::Evidence as Weight;
 
 fn experiment() -> Experiment {
     let indenter = |name: &str, radius_mm| Indenter { name: name.to_owned(), radius_mm: Length::Known(radius_mm) };
@@ -66,6 +67,9 @@ fn finding(code: &'static str, ambiguous_with: Vec<&'static str>) -> Finding {
         of: Vec::new(),
         parameters: vec![("g1", 0.2, (0.18, 0.22))],
         ambiguous_with,
+        kind: effect::find(code, None).unwrap().kind,
+        probability: 0.999,
+        explains: Some(0.9),
     }
 }
 
@@ -133,24 +137,38 @@ fn fit(candidates: Vec<Candidate>, square: f64) -> Fit {
         residual,
         jacobian,
         at_bound: false,
-        vain: None,
         settled: false,
         unseen: None,
     }
 }
 
-fn explanation(code: &str, square: f64) -> Explanation {
-    let candidate = Candidate { effect: effect::find(code, None).unwrap(), owner: 0 };
-    let adequacy = Adequacy { readings: vec![0.4, -1.1], threshold: 3.5, shows_in: Vec::new() };
-    let fit = fit(vec![candidate], square);
-    Explanation {
-        fit,
-        adequacy,
-        beats_noise: true,
-        predicts: true,
-        beats_placebo: true,
-        beyond_causeless: 10.0,
-        gain: 100.0,
+fn weighed(codes: &[&str], log: f64) -> Weighed {
+    let of = |code: &&str| Candidate { effect: effect::find(code, None).unwrap(), owner: 0 };
+    let fit = fit(codes.iter().map(of).collect(), 18.0);
+    let (x, deviations) = (fit.x.as_slice().to_vec(), vec![0.1; fit.x.len()]);
+    let evidence = Weight { log, alone: log - 1.0, sizes: vec![0.0, 0.012], x, deviations };
+    Weighed { fit, known: DMatrix::zeros(2 * NODES, 0), evidence, log }
+}
+
+/// Relaxation for certain, creep of the sensor perhaps.
+fn judged(verdict: Verdict) -> Judged {
+    let belief = |code, probability, explains| Belief { code, probability, explains };
+    Judged {
+        verdict,
+        findings: Vec::new(),
+        beliefs: vec![
+            belief("relaxation", 0.9991, Some(0.86)),
+            belief("sensor-creep", 0.3, Some(-0.02)),
+            belief("friction", 0.001, None),
+        ],
+        kinds: vec![(effect::Kind::Memory, 0.9991), (effect::Kind::Sensor, 0.3)],
+        partly: Vec::new(),
+        explains: Some(0.86),
+        explained_n: Some(0.1),
+        intervals: [(0.21, 0.23), (10.0, 11.0)],
+        remainder: vec![("hold", 0.012)],
+        groups: vec!["depth", "hold"],
+        sets: vec![0.7, 0.2991, 0.0009],
     }
 }
 
@@ -160,7 +178,7 @@ fn stand(curves: Vec<Curve>) -> Stand {
     Stand { plain, parameters, of_noise: parameters, unseen: None, curves }
 }
 
-fn evidence(held: Vec<Explanation>) -> Evidence {
+fn evidence(held: Vec<Weighed>) -> Evidence {
     let curve = |s: &Series| Curve {
         force_n: s.nodes.iter().map(|n| n.depth_mm.powf(1.5)).collect(),
         slope_n_per_mm: s.nodes.iter().map(|n| 1.5 * n.depth_mm.sqrt()).collect(),
@@ -198,17 +216,15 @@ fn evidence(held: Vec<Explanation>) -> Evidence {
             sensor_freedom: 30.0,
         },
         base: fit(Vec::new(), 1018.0),
-        compared_square: 1018.0,
         contacts_mm: vec![0.01, -0.01],
         after: (!held.is_empty()).then(|| stand(curves.clone())),
         before: stand(curves),
         adequacy,
         margins: vec![margin(Variable::HoldTime, "hold, 0 to 25 %"), margin(Variable::Radius, "ball 1, 0 to 33 %")],
         ripple: None,
-        pairs: Vec::new(),
-        singles: vec![explanation("relaxation", 18.0), explanation("friction", 518.0)],
-        beyond_nameless: None,
-        second: None,
+        left: (!held.is_empty()).then(|| Adequacy { readings: vec![0.4, -1.1], threshold: 3.5, shows_in: Vec::new() }),
+        sets: vec![weighed(&["relaxation"], 0.0), weighed(&["relaxation", "sensor-creep"], -0.85), weighed(&[], -7.0)],
+        judged: judged(Verdict::Named),
         held_out: (!held.is_empty()).then_some(HeldOut {
             rmse_before_n: 0.1,
             rmse_after_n: 0.02,
@@ -264,17 +280,17 @@ fn the_page_of_a_named_effect_has_every_section_in_order() {
     found.findings = vec![finding("relaxation", vec!["sensor-creep"])];
     found.shows_in = vec!["hold time"];
     found.blind_to = vec!["poisson"];
-    found.evidence = Some(Box::new(evidence(vec![explanation("relaxation", 18.0), explanation("sensor-creep", 20.0)])));
+    found.evidence = Some(Box::new(evidence(vec![weighed(&["relaxation"], 0.0), weighed(&["sensor-creep"], -1.0)])));
     found.cancelling = vec!["the gain of the sensor is part of mu"];
     let html = page(&experiment(), &[found]).html();
     let heads = [
         "Verdict",
         "Measured against simulated",
         "Where the residual is",
-        "Every candidate",
+        "Every effect",
         "What this could be confused with",
         "What this design cannot see",
-        "Before and after, on conditions that no fit has seen",
+        "Before and after, on what no fit has seen",
         "Parameters",
         "What this could be wrong about",
     ];
@@ -283,8 +299,13 @@ fn the_page_of_a_named_effect_has_every_section_in_order() {
     assert_eq!(html.matches("<svg").count(), html.matches("</svg>").count());
     assert!(!html.contains("NaN") && !html.contains("<script") && !html.contains("src="));
     assert!(html.contains("by &lt;hand&gt;"));
-    // relaxation removes the whole excess over the 18 expected of noise, friction half of it
-    assert!(html.contains("<td>100 %</td>") && html.contains("<td>50 %</td>"), "{html}");
+    // probability and share of each effect, what is beside the likeliest set, and what stays
+    assert!(html.contains("<td>&gt; 99 %</td>") && html.contains("<td>86 %</td>"), "{html}");
+    assert!(
+        html.contains("<td>hold 1.2</td>")
+            && html.contains("About 1.2 % of the force stays without a name, over hold.")
+    );
+    assert!(html.contains("By kind: memory of the specimen &gt; 99 %, sensor 30 %."));
     // the ball's name stands where the margin has its number; the reading is told though its bar is cut
     assert!(html.contains("r6, 0 to 33 %") && html.contains("-25.0"));
     assert!(html.contains("a hold on a stiff block") && html.contains("-80 %"));
@@ -294,24 +315,22 @@ fn the_page_of_a_named_effect_has_every_section_in_order() {
 #[test]
 fn a_clean_page_shows_no_extension() {
     let mut found = diagnosis(Verdict::Clean);
-    let mut evidence = evidence(vec![explanation("relaxation", 18.0)]);
-    evidence.singles.clear();
-    found.evidence = Some(Box::new(evidence));
+    found.evidence = Some(Box::new(evidence(Vec::new())));
     let html = page(&experiment(), &[found]).html();
-    assert!(html.contains("No effect was tried") && html.contains("Nothing was added to the base."));
+    assert!(html.contains("Nothing was added to the base.") && !html.contains("stays without a name"));
     assert!(!html.contains("stroke-dasharray=\"7 4\""), "a dashed curve is the extended model's");
 }
 
 #[test]
 fn where_nothing_holds_the_noise_is_told_to_be_that_of_the_base() {
     const BASES: &str = "noise of these data, as the base sees it";
-    let of = |held: Vec<Explanation>| {
+    let of = |held: Vec<Weighed>| {
         let mut found = diagnosis(Verdict::Unknown);
         found.evidence = Some(Box::new(evidence(held)));
         page(&experiment(), &[found]).html()
     };
     assert!(of(Vec::new()).contains(BASES));
-    assert!(!of(vec![explanation("relaxation", 18.0)]).contains(BASES));
+    assert!(!of(vec![weighed(&["relaxation"], 0.0)]).contains(BASES));
 }
 
 #[test]
@@ -325,7 +344,7 @@ fn a_refusal_is_a_page_with_its_reason_and_what_to_measure() {
     assert!(html.contains("no two runs repeat a condition") && html.contains("What to measure instead"));
     assert!(html.contains("noise_N") && html.contains("(restart)") && html.contains("c.csv: the ball never went down"));
     assert_eq!(html.matches("stood at 1.2 mm").count(), 1, "a fault is told once");
-    assert!(!html.contains("Every candidate") && !html.contains("What this could be wrong about"));
+    assert!(!html.contains("Every effect") && !html.contains("What this could be wrong about"));
 }
 
 #[test]

@@ -3,8 +3,10 @@
 use lut_gen::effect::{self, Owner};
 
 use crate::diagnose::coordinate::Candidate;
-use crate::diagnose::{Diagnosis, Evidence, Finding, Refusal, Verdict};
+use crate::diagnose::{Diagnosis, Finding, Refusal, Verdict};
 use crate::experiment::Experiment;
+
+use super::candidates::percent;
 
 /// The verdict in one sentence that needs no other, with the stable code in brackets.
 #[must_use]
@@ -19,24 +21,19 @@ pub fn sentence(found: &Diagnosis) -> String {
                 material
             )
         }
-        Verdict::Named => {
-            format!("The simulation of {} is wrong here, and the data say why: {} ({code}).", material, causes(found))
-        }
+        Verdict::Named => format!(
+            "The simulation of {material} is wrong here, and the data say why: {}{} ({code}).",
+            causes(found),
+            share(found)
+        ),
         Verdict::Ambiguous => format!(
-            "The simulation of {} is wrong here, and these data leave more than one cause: {} ({code}).",
-            material,
-            causes(found)
+            "The simulation of {material} is wrong here, and these data leave more than one cause: {}{} ({code}).",
+            causes(found),
+            share(found)
         ),
-        Verdict::Unknown if found.evidence.as_deref().is_some_and(Evidence::is_nameless) => format!(
-            "The simulation of {} is wrong here, and no effect in the catalogue explains it clearly better than a departure without a name{} ({code}).",
-            material,
-            shows(found)
-        ),
-        Verdict::Unknown => format!(
-            "The simulation of {} is wrong here, and no effect in the catalogue explains how{} ({code}).",
-            material,
-            shows(found)
-        ),
+        Verdict::Unknown => {
+            format!("The simulation of {material} is wrong here, and {}{} ({code}).", in_part(found), shows(found))
+        }
         Verdict::TooFewData => {
             format!("There are too few data on {} to say anything: {} ({code}).", material, reason(found))
         }
@@ -49,16 +46,16 @@ pub fn sentence(found: &Diagnosis) -> String {
 pub fn meaning(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Clean => {
-            "clean: no part of the residual is larger than what noise alone makes of one data set in two hundred. It does not mean that the simulation is right: the blind spots below would not have been seen."
+            "clean: no effect is likelier there than not, and no discrepancy is a hundred times likelier than none. It does not mean that the simulation is right: the blind spots below would not have been seen."
         }
         Verdict::Named => {
-            "named: one explanation beats noise and placebo effects, predicts conditions that were left out better than the base, stays within physical bounds, leaves nothing visible, and is a hundred times likelier than any other of that kind."
+            "named: each effect is there with a probability above 99 % (99.9 % for each further one), whatever has no name allowed for. Together they explain more than half of the misfit and more than all else, and they predict what was left out of the fit better than the base does."
         }
         Verdict::Ambiguous => {
-            "ambiguous: one explanation meets every demand on a name, and others leave nothing visible either and are within a likelihood ratio of 100 of it. Each of them would mend the simulation here; only another run can tell which is at work."
+            "ambiguous: one of these effects is there with a probability above 99 %, but none for certain. Each of them would mend the simulation here; only another run can tell which is at work."
         }
         Verdict::Unknown => {
-            "unknown: the residual is larger than noise makes it, and no explanation meets every demand on a name, or the likeliest is not clearly likelier than any smooth function of depth and radius, or than relaxation in more times than two. A cause outside the catalogue is as possible as more causes at once than were tried."
+            "unknown: the simulation is wrong beyond noise, and no effect is both certain and important enough for a name. A cause outside the catalogue is as possible as several at once."
         }
         Verdict::TooFewData => "too-few-data: no run of this material can be compared with a simulation.",
         Verdict::Refused => {
@@ -78,6 +75,44 @@ fn reason(found: &Diagnosis) -> String {
         Some(Refusal::NoSuchNoise) => "repeats differ by what is no noise".to_owned(),
         Some(Refusal::Faulty(told)) => told.trim_end_matches('.').to_owned(),
     }
+}
+
+/// What the names explain of the misfit, where it is known.
+fn share(found: &Diagnosis) -> String {
+    let explains = found.evidence.as_deref().and_then(|evidence| evidence.judged.explains);
+    explains.map_or_else(String::new, |share| format!(", {} of the misfit", percent(share)))
+}
+
+/// What is known of an unknown cause: an effect that is there and explains too little, one that may be, a kind, or nothing.
+fn in_part(found: &Diagnosis) -> String {
+    /// Probability from which an effect or a kind is told, and from which it is there for certain.
+    const LIKELY: f64 = 0.5;
+    const CERTAIN: f64 = 0.99;
+    let nothing = "no effect in the catalogue explains how".to_owned();
+    let Some(judged) = found.evidence.as_deref().map(|evidence| &evidence.judged) else { return nothing };
+    if !judged.partly.is_empty() {
+        let each: Vec<String> = judged.partly.iter().map(|twins| listed(&names(twins), "or")).collect();
+        let each = listed(&each.iter().map(String::as_str).collect::<Vec<_>>(), "and");
+        return match judged.explains {
+            Some(share) if share < LIKELY => format!("{each} explains only {} of it", percent(share.max(0.0))),
+            Some(share) => format!("{each} would explain {} of it, but its name does not hold", percent(share)),
+            None => format!("{each} is a part of it, how large is not known"),
+        };
+    }
+    match (judged.beliefs.first(), judged.kinds.first()) {
+        (Some(first), Some((kind, p))) if *p > CERTAIN && first.probability <= CERTAIN => {
+            format!("what is wrong is of one kind, {}, but its form is open", kind.words())
+        }
+        (Some(first), _) if first.probability > LIKELY => {
+            let sure = percent(first.probability);
+            format!("{} is the likeliest cause (probability {sure}) but no name", name(first.code))
+        }
+        _ => nothing,
+    }
+}
+
+fn names<'a>(codes: &[&'a str]) -> Vec<&'a str> {
+    codes.iter().map(|code| name(code)).collect()
 }
 
 fn shows(found: &Diagnosis) -> String {

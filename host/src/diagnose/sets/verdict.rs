@@ -27,11 +27,11 @@ pub(super) struct Conclusion {
 }
 
 /// The verdict of what is believed, the likeliest first. `share` is what the best set of some
-/// effects explains of the misfit, `any` the probability that one of them is there; `is_discrepant`
-/// where a discrepancy is there for certain.
+/// effects explains of the misfit, `any` the probability that one of them is there; `is_wrong`
+/// where something is wrong for certain.
 pub(super) fn concluded(
     told: &[Belief],
-    is_discrepant: bool,
+    is_wrong: bool,
     share: impl Fn(&[&'static str]) -> Option<f64>,
     any: impl Fn(&[&'static str]) -> f64,
 ) -> Conclusion {
@@ -43,7 +43,7 @@ pub(super) fn concluded(
     let explains = share(&found.concat());
     if found.is_empty() {
         let likely = told.first().is_some_and(|b| b.probability > NO_ACCOUNT);
-        let verdict = if likely || is_discrepant { Verdict::Unknown } else { Verdict::Clean };
+        let verdict = if likely || is_wrong { Verdict::Unknown } else { Verdict::Clean };
         return Conclusion { verdict, findings: Vec::new(), partly: Vec::new(), explains: None };
     }
     if explains.is_none_or(|share| share < EXPLAINS) {
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn without_a_likely_effect_the_remainder_decides() {
         let none = [belief("lag", 0.2)];
-        let said = |told: &[Belief], is_discrepant| concluded(told, is_discrepant, |_| None, |_| 0.0).verdict;
+        let said = |told: &[Belief], is_wrong| concluded(told, is_wrong, |_| None, |_| 0.0).verdict;
         assert_eq!(said(&none, false), Verdict::Clean);
         assert_eq!(said(&none, true), Verdict::Unknown);
         assert_eq!(said(&[], false), Verdict::Clean);

@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use super::discrepancy::Group;
 use super::search::BEHIND;
 use super::weigh::{Weighed, beside_its_solve};
+use crate::diagnose::check::Check;
 use crate::diagnose::coordinate::Coordinate;
 use crate::diagnose::design::Design;
 use crate::diagnose::fit::{explained, freedom, predicted};
@@ -76,9 +77,7 @@ impl<'a> Shares<'a> {
     /// Of effects of some codes, in the likeliest set that has as many of them as any; none where no
     /// set has one, or nothing is left without them.
     pub fn of(&self, codes: &[&'static str]) -> Option<f64> {
-        let has = |set: &Weighed| codes.iter().filter(|code| set.fit.codes().any(|c| c == **code)).count();
-        let most = self.sets.iter().map(has).max().filter(|most| *most > 0)?;
-        let at = self.sets.iter().position(|set| has(set) == most)?;
+        let at = self.likeliest_with(codes)?;
         let fit = &self.sets[at].fit;
         match self.misfit(at) {
             Some(misfit) => Some(self.share(at, misfit, |effect| codes.contains(&fit.candidates[effect].effect.code))),
@@ -88,6 +87,20 @@ impl<'a> Shares<'a> {
                 explained(base.fit.square, expected, fit.square)
             }
         }
+    }
+
+    /// Root mean square of what some effects explain, N; none where that is nothing.
+    pub fn explained_n(&self, codes: &[&'static str]) -> Option<f64> {
+        let at = self.likeliest_with(codes)?;
+        let share = self.of(codes).filter(|share| *share > 0.0)?;
+        Some(share.sqrt() * self.misfit(at)?.left_n)
+    }
+
+    /// The likeliest set that has as many of some effects as any.
+    fn likeliest_with(&self, codes: &[&'static str]) -> Option<usize> {
+        let has = |set: &Weighed| codes.iter().filter(|code| set.fit.codes().any(|c| c == **code)).count();
+        let most = self.sets.iter().map(has).max().filter(|most| *most > 0)?;
+        self.sets.iter().position(|set| has(set) == most)
     }
 
     /// Takes out what cancels; what is unlikely anyway counts for nothing.
@@ -110,9 +123,7 @@ impl<'a> Shares<'a> {
     /// of each other, and large ones that cancel are two wrongs.
     fn cancels(&self, at: usize) -> bool {
         let set = &self.sets[at];
-        let smooth = set.evidence.sizes.iter().take(self.discrepancy.groups());
-        let is_alone = smooth.fold(0.0_f64, |most, size| most.max(*size)) == 0.0;
-        let Some(misfit) = self.misfit(at).filter(|_| !is_alone) else { return false };
+        let Some(misfit) = self.misfit(at).filter(|_| !self.is_alone(set)) else { return false };
         let effects = set.fit.candidates.len();
         let left_n = |own: Option<usize>| {
             let model = only(&misfit.model, |setting| setting >= effects || Some(setting) == own);
@@ -121,6 +132,11 @@ impl<'a> Shares<'a> {
         let without_n = left_n(None);
         // of what effects do to each other this says nothing
         (0..effects).any(|own| 1.0 - (without_n / left_n(Some(own))).powi(2) < CANCELLED)
+    }
+
+    /// True for a set with no discrepancy beside it.
+    fn is_alone(&self, set: &Weighed) -> bool {
+        set.evidence.sizes.iter().take(self.discrepancy.groups()).all(|size| *size == 0.0)
     }
 
     /// Share of a set's misfit that goes without some of its effects.
@@ -143,12 +159,13 @@ impl<'a> Shares<'a> {
         let problem = beside_its_solve(self.search, &set.fit);
         let (fit, found) = (&set.fit, &set.evidence.x);
         // the discrepancy takes most of a step of the base back: told together they stay small
-        let is_base = |at: usize| !matches!(fit.coordinates[at], Coordinate::Of(..));
+        let is_alone = self.is_alone(set);
+        let is_base = |at: usize| !is_alone && !matches!(fit.coordinates[at], Coordinate::Of(..));
         let x = DVector::from_fn(found.len(), |at, _| if is_base(at) { fit.x[at] } else { found[at] });
         let model_at = |x: &DVector<f64>| problem.model(&fit.coordinates, &fit.candidates, x);
         let model = model_at(&x);
         let here_n = self.forces_n(&model);
-        let amounts = amounts(&set.linearised(), &set.evidence, self.discrepancy);
+        let amounts = amounts(&set.linearised(), &set.evidence, self.discrepancy).filter(|_| !is_alone);
         let mut beside_n = amounts.map_or_else(|| DVector::zeros(self.forces_n.nrows()), |of| &self.forces_n * of);
         for at in (0..found.len()).filter(|at| is_base(*at)) {
             let step = fit.coordinates[at].step();
@@ -163,22 +180,37 @@ impl<'a> Shares<'a> {
         Misfit { model, beside_n, left_n }
     }
 
-    /// Forces of a model at the nodes of all runs, one after the other, N.
+    /// Forces of a model at the nodes of all runs, one after the other, N. Contact points of runs lie where the
+    /// model has them all: what spots differ by is no misfit.
     fn forces_n(&self, model: &Model) -> Vec<f64> {
         let problem = &self.search.problem;
-        predicted(problem.design, problem.chain, model, &problem.contacts_mm).concat()
+        predicted(problem.design, problem.chain, model, &vec![0.0; problem.design.series.len()]).concat()
     }
 
     /// Root mean square of what a plain fit of the base leaves of a model's forces with a discrepancy
-    /// beside them, N.
+    /// beside them, and of its readings without a ball on the specimen, N.
     fn left_n(&self, model: &Model, forces_n: &[f64], beside_n: &DVector<f64>) -> f64 {
         let mut data: Design = self.search.problem.design.clone();
         let nodes = data.series.iter_mut().flat_map(|series| &mut series.nodes);
         let rows = nodes.zip(forces_n.iter().zip(beside_n.iter()));
         rows.for_each(|(node, (force_n, more_n))| node.force_n = force_n + more_n);
         let with = Model::base(model.mu_mpa, model.alpha);
-        Plainly { design: &data, chain: self.search.problem.chain, with: &with }.left_of_base_n()
+        let (base, square, samples) =
+            Plainly { design: &data, chain: self.search.problem.chain, with: &with }.base_near();
+        let beside: Vec<f64> = data.checks.iter().flat_map(|check| apart_n(check, model, &base)).collect();
+        // a reading counts as much as a window of a run on the specimen does
+        let nodes = data.series.iter().map(|series| series.nodes.len()).sum::<usize>().max(1) as f64;
+        let weight = samples / nodes;
+        let more: f64 = beside.iter().map(|n| weight * n * n).sum();
+        ((square + more) / (samples + weight * beside.len() as f64).max(1.0)).sqrt()
     }
+}
+
+/// What readings of a run without a ball on the specimen differ by between two models, N.
+fn apart_n(check: &Check, one: &Model, other: &Model) -> Vec<f64> {
+    let readings = check.readings();
+    let each = check.predicted(one).into_iter().zip(check.predicted(other)).take(readings);
+    each.map(|(one, other)| one - other).collect()
 }
 
 /// A model that has some of its settings only. What finite elements add is known of all together.

@@ -1,4 +1,4 @@
-//! The search of the second edition: sets of effects, and the noise that each is judged in.
+//! The search: sets of effects, and the noise that each is judged in.
 //!
 //! Jitter is estimated from repeats about a model. Where that is wrong by a tenth of the force, jitter
 //! passes for many times what it is, and hides whatever else is there. So the noise is told about the
@@ -6,19 +6,45 @@
 
 use super::search::Leading;
 use super::solve::solved;
-use super::weigh::{Weighed, explanation};
-use super::{Second, Shares, discrepancy, of_groups, verdict_of};
+use super::weigh::Weighed;
+use super::{Judged, Shares, discrepancy, of_groups};
 use crate::diagnose::coordinate::Candidate;
 use crate::diagnose::finding::Verdict;
 use crate::diagnose::fit::Fit;
 use crate::diagnose::progress::Progress;
-use crate::diagnose::search::{Found, Search};
+use crate::diagnose::search::Search;
 use crate::infer::evidence::Discrepancy;
 
 /// How far behind the likeliest (logarithm) a set without a discrepancy may lie for the noise to be
 /// told about it, and how often that is done.
 const TOLD: f64 = 25.0;
 const TELLS: usize = 4;
+
+/// What a search came to.
+pub struct Found<'a> {
+    /// Data and noise as what was found sees them.
+    pub search: Search<'a>,
+    /// Sets that were weighed, the base among them, the likeliest first.
+    pub sets: Vec<Weighed>,
+    /// The likeliest set of what is named, one for each choice among twins, the likeliest first.
+    pub held: Vec<Weighed>,
+    /// What is believed.
+    pub judged: Judged,
+}
+
+impl Found<'_> {
+    /// Sets between which another run is to decide: what is named, or, where something is wrong and nothing is
+    /// named, the likely ones.
+    pub fn rivals(&self) -> Vec<&Weighed> {
+        const LIKELY: f64 = 0.05;
+        if !self.held.is_empty() || self.judged.verdict == Verdict::Clean {
+            return self.held.iter().collect();
+        }
+        let each = self.sets.iter().zip(&self.judged.sets);
+        let likely = each.filter(|(set, probability)| **probability > LIKELY && !set.fit.candidates.is_empty());
+        likely.map(|(set, _)| set).collect()
+    }
+}
 
 /// A search in one noise.
 struct State<'a> {
@@ -37,7 +63,7 @@ impl<'a> State<'a> {
         let groups = discrepancy::groups(&search.problem, &search.curves);
         let discrepancy = of_groups(&search, &groups);
         let tried: Vec<&Fit> = known.iter().filter(|fit| !fit.candidates.is_empty()).collect();
-        let leading = Leading { search: &search, discrepancy: &discrepancy, is_thorough: true };
+        let leading = Leading { search: &search, discrepancy: &discrepancy };
         let sets = solved(&search, leading.led(&tried, seen), &discrepancy);
         let sets = Shares::new(&search, &groups, &discrepancy, sets).sets().to_vec();
         let log = sets.first()?.log - 0.5 * search.problem.whitening.log_determinant();
@@ -57,7 +83,7 @@ impl<'a> State<'a> {
 }
 
 /// Searches for what explains the data, and judges it; none where nothing can be compared.
-pub fn found<'a>(search: Search<'a>, stated_n: Option<f64>, progress: &Progress<'_>) -> Option<(Found<'a>, Second)> {
+pub fn found<'a>(search: Search<'a>, stated_n: Option<f64>, progress: &Progress<'_>) -> Option<Found<'a>> {
     progress("effects", 0, TELLS);
     let mut seen = Vec::new();
     let mut state = State::of(search, &[], &mut seen)?;
@@ -73,29 +99,23 @@ pub fn found<'a>(search: Search<'a>, stated_n: Option<f64>, progress: &Progress<
         }
     }
     let State { search, groups, discrepancy, sets, .. } = state;
-    let second = verdict_of(&search, &groups, &Shares::new(&search, &groups, &discrepancy, sets.clone()))?;
-    let told = |is: &dyn Fn(usize) -> bool| {
-        let some = sets.iter().filter(|set| is(set.fit.candidates.len()));
-        some.map(|set| explanation(&search, set)).collect::<Vec<_>>()
-    };
-    let (singles, pairs) = (told(&|count| count == 1), told(&|count| count > 1));
-    let mut held: Vec<_> = holding(&second, &sets).into_iter().map(|set| explanation(&search, set)).collect();
-    held.iter_mut().for_each(|e| e.fit.reach_in(&search.twins));
-    Some((Found { search, singles, pairs, held, beyond_nameless: None }, second))
+    let judged = Judged::of(&search, &groups, &Shares::new(&search, &groups, &discrepancy, sets.clone()))?;
+    let held = holding(&judged.findings, &sets);
+    Some(Found { search, sets, held, judged })
 }
 
 /// The likeliest sets of what is named, one for each twin.
-fn holding<'b>(second: &Second, sets: &'b [Weighed]) -> Vec<&'b Weighed> {
-    if !matches!(second.verdict, Verdict::Named | Verdict::Ambiguous) {
+fn holding(findings: &[Vec<&'static str>], sets: &[Weighed]) -> Vec<Weighed> {
+    if findings.is_empty() {
         return Vec::new();
     }
-    let mut held: Vec<&Weighed> = Vec::new();
-    for codes in choices(&second.findings) {
+    let mut held: Vec<Weighed> = Vec::new();
+    for codes in choices(findings) {
         let is_that = |set: &&Weighed| {
             let its: Vec<&str> = set.fit.codes().collect();
             its.iter().all(|code| codes.contains(code)) && codes.iter().all(|code| its.contains(code))
         };
-        held.extend(sets.iter().find(is_that));
+        held.extend(sets.iter().find(is_that).cloned());
     }
     held.sort_by(|a, b| b.log.total_cmp(&a.log));
     held

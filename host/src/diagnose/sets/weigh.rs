@@ -2,18 +2,18 @@
 
 use lut_gen::effect::Spread;
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use crate::diagnose::coordinate::{Candidate, Coordinate};
-use crate::diagnose::evidence::Adequacy;
 use crate::diagnose::fit::{Fit, Problem};
-use crate::diagnose::search::{Explanation, Search, form_error};
+use crate::diagnose::search::{Search, form_error};
 use crate::infer::evidence::{Discrepancy, Evidence, Linearised, Parameter, Prior, evidence};
 use crate::infer::lowrank::Fold;
 use crate::infer::presence;
 
-/// A fit with its evidence.
+/// A set of effects, fitted, with its evidence.
 #[derive(Debug, Clone)]
-pub(super) struct Weighed {
+pub struct Weighed {
     /// The fit, in the noise that all are compared in.
     pub fit: Fit,
     /// What it may be wrong by as its effects are written down.
@@ -26,13 +26,13 @@ pub(super) struct Weighed {
 
 impl Weighed {
     /// Of a fit that was made in another noise; none where it has no evidence.
-    pub fn again(search: &Search<'_>, fit: &Fit, discrepancy: &Discrepancy, sizes: &[f64]) -> Option<Self> {
+    pub(super) fn again(search: &Search<'_>, fit: &Fit, discrepancy: &Discrepancy, sizes: &[f64]) -> Option<Self> {
         let here = beside_its_solve(search, fit).at(&fit.candidates, &fit.x, &Fold::none());
         Self::of(search, here, discrepancy, sizes)
     }
 
     /// Of a fit in the noise of a search; `sizes` are those of the discrepancies of a like fit, if any.
-    pub fn of(search: &Search<'_>, fit: Fit, discrepancy: &Discrepancy, sizes: &[f64]) -> Option<Self> {
+    pub(super) fn of(search: &Search<'_>, fit: Fit, discrepancy: &Discrepancy, sizes: &[f64]) -> Option<Self> {
         let known = form_error(&beside_its_solve(search, &fit), &fit);
         let evidence = evidence(&linearised(&fit, &known), discrepancy, sizes)?;
         let odds: f64 = fit.candidates.iter().map(|c| log_odds(c, &search.candidates)).sum();
@@ -40,25 +40,46 @@ impl Weighed {
         Some(Self { fit, known, evidence, log })
     }
 
+    /// The same with the sizes of the discrepancies searched from those of another set, where that makes it
+    /// likelier.
+    fn beside(mut self, sizes: &[f64], discrepancy: &Discrepancy) -> Self {
+        let found = evidence(&self.linearised(), discrepancy, sizes);
+        if let Some(found) = found.filter(|found| found.log > self.evidence.log) {
+            self.log += found.log - self.evidence.log;
+            self.evidence = found;
+        }
+        self
+    }
+
     /// The model about its fit.
-    pub fn linearised(&self) -> Linearised<'_> {
+    pub(super) fn linearised(&self) -> Linearised<'_> {
         linearised(&self.fit, &self.known)
     }
 }
 
-/// A set as reports tell it.
-pub(super) fn explanation(search: &Search<'_>, set: &Weighed) -> Explanation {
-    let fit = set.fit.clone();
-    let wrong = form_error(&search.problem, &fit);
-    Explanation {
-        adequacy: Adequacy::of(&fit, &search.margins, &search.panel, &wrong, &search.twins),
-        beats_noise: true,
-        predicts: true,
-        beats_placebo: true,
-        beyond_causeless: f64::INFINITY,
-        gain: search.base.square - fit.square,
-        fit,
+/// How far behind the likeliest a set may lie and still be searched from other sizes, and of how many
+/// sets the sizes are taken.
+const NEAR: f64 = 40.0;
+const GIVEN: usize = 3;
+
+/// Sets with sizes of their discrepancies that are comparable: a search for sizes ends at a peak, and
+/// two sets that stand at different peaks do not compare.
+pub(super) fn level(all: Vec<Weighed>, discrepancy: &Discrepancy) -> Vec<Weighed> {
+    let mut order: Vec<&Weighed> = all.iter().collect();
+    order.sort_by(|a, b| b.log.total_cmp(&a.log));
+    let Some(best) = order.first().map(|set| set.log) else { return all };
+    let mut given: Vec<Vec<f64>> = Vec::new();
+    for set in order {
+        let sizes = &set.evidence.sizes[..discrepancy.groups().min(set.evidence.sizes.len())];
+        if given.len() < GIVEN && !given.iter().any(|known| known == sizes) {
+            given.push(sizes.to_vec());
+        }
     }
+    let again = |set: Weighed| match set.log > best - NEAR {
+        true => given.iter().fold(set, |set, sizes| set.beside(sizes, discrepancy)),
+        false => set,
+    };
+    all.into_par_iter().map(again).collect()
 }
 
 /// The problem with the finite elements that a fit is near to.

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::search::BEHIND;
-use super::weigh::Weighed;
+use super::weigh::{Weighed, level};
 use crate::diagnose::fit::Fit;
 use crate::diagnose::search::Search;
 use crate::infer::evidence::Discrepancy;
@@ -33,6 +33,7 @@ pub(super) fn solved(search: &Search<'_>, mut all: Vec<Weighed>, discrepancy: &D
             }
         }
     }
+    all = level(all, discrepancy);
     sort(&mut all);
     if let Some(best) = all.first().filter(|best| lut_gen::chain::is_rough(&best.fit.model)) {
         let fit = search.ended(&best.fit, MANY);

@@ -8,10 +8,10 @@ use lut_gen::effect::Spread;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::weigh::{Weighed, beside_its_solve, log_odds};
+use super::weigh::{Weighed, beside_its_solve, level, log_odds};
 use crate::diagnose::coordinate::Candidate;
 use crate::diagnose::fit::Fit;
-use crate::diagnose::search::{Search, names, signature};
+use crate::diagnose::search::{Search, signature};
 use crate::infer::evidence::{Discrepancy, Parameter, Prior, promises};
 
 /// Effects in a set.
@@ -31,8 +31,6 @@ const ADDS: f64 = 2.0;
 pub(super) struct Leading<'s, 'a> {
     pub search: &'s Search<'a>,
     pub discrepancy: &'s Discrepancy,
-    /// Every effect is fitted alone, or what promises to be there only.
-    pub is_thorough: bool,
 }
 
 impl Leading<'_, '_> {
@@ -56,7 +54,7 @@ impl Leading<'_, '_> {
             let idle: Vec<bool> = all.iter().map(|set| is_idle(set, &all)).collect();
             let (gone, kept): (Vec<_>, Vec<_>) = all.into_iter().zip(idle).partition(|(_, is_idle)| *is_idle);
             seen.extend(gone.into_iter().map(|(set, _)| set.fit.candidates));
-            all = kept.into_iter().map(|(set, _)| set).collect();
+            all = level(kept.into_iter().map(|(set, _)| set).collect(), discrepancy);
             let best = |is: &dyn Fn(usize) -> bool| {
                 let own = all.iter().filter(|set| is(set.fit.candidates.len()));
                 own.map(|set| set.log).fold(f64::NEG_INFINITY, f64::max)
@@ -117,8 +115,8 @@ impl Leading<'_, '_> {
             each.fold(f64::NEG_INFINITY, f64::max) + log_odds(&search.candidates[at], &search.candidates)
         };
         let mut ranked: Vec<(f64, usize)> = own.into_iter().map(|at| (best(at), at)).collect();
-        // the noise about the base may hide what is there, however little it promises
-        if !(is_base && self.is_thorough) {
+        // every effect is tried alone: the noise about the base may hide what is there, however little it promises
+        if !is_base {
             ranked.retain(|(best, _)| *best > LEAST);
             ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
             ranked.truncate(PARTNERS);
@@ -147,6 +145,13 @@ fn is_idle(set: &Weighed, all: &[Weighed]) -> bool {
         (fewer || simpler) && other.fit.square < fit.square + ADDS
     };
     all.iter().any(tells_all)
+}
+
+/// What a fit's effects are, whatever their form.
+fn names(fit: &Fit) -> Vec<(&'static str, usize)> {
+    let mut names: Vec<_> = fit.candidates.iter().map(|c| (c.effect.code, c.owner)).collect();
+    names.sort_unstable();
+    names
 }
 
 fn with(fit: &Fit, candidate: Candidate) -> Vec<Candidate> {

@@ -1,0 +1,205 @@
+//! Sets of effects, compared by their evidence: a discrepancy of unknown size is in each of them, the
+//! base included (`docs/decisions/0005-one-model.md`).
+
+mod discrepancy;
+mod found;
+mod search;
+mod share;
+mod solve;
+mod verdict;
+mod weigh;
+
+use lut_gen::effect::Kind;
+
+use super::coordinate::Candidate;
+use super::finding::Verdict;
+use super::search::Search;
+use crate::infer::compare::{Beliefs, Set};
+use crate::infer::evidence::{Discrepancy, Sizes};
+use crate::infer::mixture::{Part, quantile};
+use share::Shares;
+use verdict::{Conclusion, concluded};
+
+pub(super) use found::{Found, found};
+pub use weigh::Weighed;
+
+/// Size of a discrepancy, as a share of the force: as often above as below, and a factor of 2.7 to
+/// either side. Simulations of soft solids agree with tests to about a percent.
+const SIZE: (f64, f64) = (0.005, 1.0);
+/// Logarithm of the odds, a hundred, from which on something is wrong for certain: an effect or a discrepancy.
+const SURE: f64 = 4.6;
+/// Probability of an effect from which on it is told what it explains alone.
+const OF_NOTE: f64 = 0.01;
+
+/// What is believed of one effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Belief {
+    /// Its code.
+    pub code: &'static str,
+    /// Probability that it is there.
+    pub probability: f64,
+    /// Share of the misfit that it explains alone, where it is of note and there is a misfit.
+    pub explains: Option<f64>,
+}
+
+/// What is believed of the data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judged {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Names that hold, the most important first, each with the twins that may stand in its place.
+    pub findings: Vec<Vec<&'static str>>,
+    /// Effects that were tried, the likeliest first.
+    pub beliefs: Vec<Belief>,
+    /// Kinds of effects with the probability that one of them is there, the likeliest first.
+    pub kinds: Vec<(Kind, f64)>,
+    /// Names of what is there and explains too little, each with its twins.
+    pub partly: Vec<Vec<&'static str>>,
+    /// Share of the misfit that the names or these explain.
+    pub explains: Option<f64>,
+    /// Root mean square of what the names explain, N; none where they show in no force.
+    pub explained_n: Option<f64>,
+    /// 95 % intervals of `mu` (MPa) and `alpha`, over all sets that were weighed.
+    pub intervals: [(f64, f64); 2],
+    /// Discrepancies beside the likeliest set, as a share of the force, by what they vary with; the
+    /// largest first.
+    pub remainder: Vec<(&'static str, f64)>,
+    /// What each group of discrepancies varies with, in the order of the sizes of a set's evidence.
+    pub groups: Vec<&'static str>,
+    /// Probability of every set that was weighed, the likeliest first.
+    pub sets: Vec<f64>,
+}
+
+fn of_groups(search: &Search<'_>, groups: &[discrepancy::Group]) -> Discrepancy {
+    let rows = search.problem.whitening.residuals();
+    let columns = groups.iter().map(|group| &group.columns);
+    Discrepancy::new(rows, columns, Sizes::about(SIZE.0, SIZE.1))
+}
+
+impl Judged {
+    /// Of sets that were weighed; none where there is none.
+    fn of(search: &Search<'_>, groups: &[discrepancy::Group], shares: &Shares<'_>) -> Option<Self> {
+        let compared = shares.sets();
+        let best = compared.first()?;
+        let codes = codes(&search.candidates);
+        let number = |c: &Candidate| codes.iter().position(|code| *code == c.effect.code).unwrap_or(codes.len());
+        let members = |set: &Weighed| set.fit.candidates.iter().map(number).collect();
+        let sets: Vec<Set> = compared.iter().map(|set| Set { members: members(set), log: set.log }).collect();
+        let beliefs = Beliefs::of(&sets, codes.len());
+        let mut told: Vec<Belief> = codes
+            .iter()
+            .zip(&beliefs.members)
+            .map(|(code, probability)| Belief {
+                code,
+                probability: *probability,
+                explains: (*probability > OF_NOTE).then(|| shares.of(&[*code])).flatten(),
+            })
+            .collect();
+        told.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        let mut remainder: Vec<(&'static str, f64)> = groups
+            .iter()
+            .map(|group| group.over)
+            .zip(best.evidence.sizes.iter().copied())
+            .filter(|(_, a)| *a > 0.0)
+            .collect();
+        remainder.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let is_sure =
+            compared.iter().map(|set| set.log).fold(f64::NEG_INFINITY, log_sum) - nothing_wrong(compared) > SURE;
+        let any = |of: &[&'static str]| {
+            let numbers: Vec<usize> =
+                codes.iter().enumerate().filter(|(_, c)| of.contains(c)).map(|(at, _)| at).collect();
+            beliefs.any(&sets, &numbers)
+        };
+        let Conclusion { verdict, findings, partly, explains } = concluded(&told, is_sure, |of| shares.of(of), any);
+        let explained_n = shares.explained_n(&findings.concat());
+        let kinds = kinds(&search.candidates, any);
+        Some(Self {
+            verdict,
+            findings,
+            beliefs: told,
+            kinds,
+            partly,
+            explains,
+            explained_n,
+            intervals: intervals(compared),
+            remainder,
+            groups: groups.iter().map(|group| group.over).collect(),
+            sets: beliefs.sets,
+        })
+    }
+
+    /// Takes the names back: they stay as what is there in part.
+    pub fn withdraw(&mut self) {
+        self.verdict = Verdict::Unknown;
+        self.partly = std::mem::take(&mut self.findings);
+    }
+
+    /// Probability of a code, and the share of the misfit that it explains alone.
+    #[must_use]
+    pub fn belief(&self, code: &str) -> Option<&Belief> {
+        self.beliefs.iter().find(|belief| belief.code == code)
+    }
+
+    /// Size of all discrepancies together, as a share of the force; none where there is none.
+    #[must_use]
+    pub fn remainder_share(&self) -> Option<f64> {
+        let square: f64 = self.remainder.iter().map(|(_, size)| size * size).sum();
+        (square > 0.0).then(|| square.sqrt())
+    }
+}
+
+/// Logarithm of the evidence that nothing is wrong: of the base without a discrepancy.
+fn nothing_wrong(compared: &[Weighed]) -> f64 {
+    let base = compared.iter().find(|set| set.fit.candidates.is_empty());
+    base.map_or(f64::NEG_INFINITY, |base| base.evidence.alone)
+}
+
+/// Logarithm of the sum of two numbers whose logarithms are given.
+fn log_sum(a: f64, b: f64) -> f64 {
+    let (low, high) = (a.min(b), a.max(b));
+    if low.is_finite() { high + (low - high).exp().ln_1p() } else { high }
+}
+
+/// 95 % intervals of `mu` (MPa) and `alpha`: of the mixture of all sets, discrepancies allowed for.
+fn intervals(compared: &[Weighed]) -> [(f64, f64); 2] {
+    const TAIL: f64 = 0.025;
+    std::array::from_fn(|at| {
+        let part = |set: &Weighed| {
+            let (mean, deviation) = (set.evidence.x[at], set.evidence.deviations[at]);
+            let part = Part { weight: set.log, mean, deviation: deviation.max(f64::MIN_POSITIVE) };
+            [part.weight, part.mean, part.deviation].iter().all(|v| v.is_finite()).then_some(part)
+        };
+        let parts: Vec<Part> = compared.iter().filter_map(part).collect();
+        let coordinate = &compared[0].fit.coordinates[at];
+        let (low, high) = coordinate.bounds();
+        let end = |share: f64| coordinate.value(quantile(&parts, share).clamp(low, high));
+        (end(TAIL), end(1.0 - TAIL))
+    })
+}
+
+/// Probability that something of each kind is there, the likeliest first.
+fn kinds(candidates: &[Candidate], any: impl Fn(&[&'static str]) -> f64) -> Vec<(Kind, f64)> {
+    let mut kinds: Vec<Kind> = Vec::new();
+    for candidate in candidates {
+        if !kinds.contains(&candidate.effect.kind) {
+            kinds.push(candidate.effect.kind);
+        }
+    }
+    let of = |kind: Kind| -> Vec<&'static str> {
+        candidates.iter().filter(|c| c.effect.kind == kind).map(|c| c.effect.code).collect()
+    };
+    let mut told: Vec<(Kind, f64)> = kinds.into_iter().map(|kind| (kind, any(&of(kind)))).collect();
+    told.sort_by(|a, b| b.1.total_cmp(&a.1));
+    told
+}
+
+/// Codes of all candidates, each once.
+fn codes(candidates: &[Candidate]) -> Vec<&'static str> {
+    let mut codes: Vec<&'static str> = Vec::new();
+    for candidate in candidates {
+        if !codes.contains(&candidate.effect.code) {
+            codes.push(candidate.effect.code);
+        }
+    }
+    codes
+}
