@@ -8,8 +8,6 @@ mod arguments;
 mod record;
 
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use arguments::Arguments;
@@ -18,7 +16,7 @@ use palpate::diagnose::Models;
 use palpate::simulate::Solver;
 use tests::document::replace_section;
 use tests::hidden::Case;
-use tests::score::{ScoreError, Scored, suite, table::Score};
+use tests::score::{Scored, cores::on_all_cores, suite, table::Score};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::parse(std::env::args().skip(1))?;
@@ -33,7 +31,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bar = bar(cases.len())?;
     let mut scored: Vec<(usize, Scored)> = Vec::new();
     let mut failures: Vec<String> = Vec::new();
-    for (at, result) in score_all(&cases, &solver, &models, &bar, arguments.verbose) {
+    let results = on_all_cores(&cases, |case| {
+        let result = Scored::of(case, &solver, &models);
+        bar.inc(1);
+        if let (true, Ok(scored)) = (arguments.verbose, &result) {
+            bar.suspend(|| println!("{}", scored.line()));
+        }
+        result
+    });
+    for (at, result) in results {
         match result {
             Ok(one) => scored.push((at, one)),
             Err(error) => failures.push(format!("{} {}: {error}", cases[at].design.name(), cases[at].seed)),
@@ -62,41 +68,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         std::fs::write(&path, replace_section(&document, "score", &text)?)?;
     }
     if failures.is_empty() { Ok(()) } else { Err(format!("{} cases could not be scored", failures.len()).into()) }
-}
-
-/// Scores cases on as many threads as there are cores; results with the places of their cases, in any order.
-///
-/// These are threads of their own and not of the pool: what a case solves it solves in the pool, and while it waits for that, with the shared
-/// models locked, a thread of the pool would take up the next case and wait for the same lock.
-fn score_all(
-    cases: &[Case],
-    solver: &Solver,
-    models: &Models,
-    bar: &ProgressBar,
-    verbose: bool,
-) -> Vec<(usize, Result<Scored, ScoreError>)> {
-    let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let work = || {
-        while let Some((at, case)) = next_of(cases, &next) {
-            let result = Scored::of(case, solver, models);
-            bar.inc(1);
-            if let (true, Ok(scored)) = (verbose, &result) {
-                bar.suspend(|| println!("{}", scored.line()));
-            }
-            results.lock().unwrap_or_else(PoisonError::into_inner).push((at, result));
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 0..rayon::current_num_threads() {
-            scope.spawn(work);
-        }
-    });
-    results.into_inner().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn next_of<'a>(cases: &'a [Case], next: &AtomicUsize) -> Option<(usize, &'a Case)> {
-    let at = next.fetch_add(1, Ordering::Relaxed);
-    cases.get(at).map(|case| (at, case))
 }
 
 fn cases(arguments: &Arguments) -> Result<Vec<Case>, String> {

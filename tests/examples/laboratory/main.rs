@@ -9,8 +9,6 @@
 mod arguments;
 
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use arguments::Arguments;
@@ -22,6 +20,7 @@ use tests::laboratory::World;
 use tests::laboratory::score::Scored;
 use tests::laboratory::table::Score;
 use tests::score::ScoreError;
+use tests::score::cores::on_all_cores;
 use tests::score::share::Yardstick;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -65,14 +64,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if failures.is_empty() { Ok(()) } else { Err(format!("{} worlds could not be scored", failures.len()).into()) }
 }
 
-/// Scores worlds on threads of their own, as many as there are cores; not of the pool, in which a
-/// world's solves wait for the models' lock.
+/// Scores worlds, several at a time.
 fn score_all<'a>(
     worlds: &'a [World],
     yardstick: &Yardstick<'_>,
     arguments: &Arguments,
 ) -> Vec<(&'a World, Result<Option<Scored>, ScoreError>)> {
-    let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let scored = |world: &World| match world.make(yardstick)? {
         Some(made) => {
             if let Some(folder) = &arguments.folders {
@@ -82,27 +79,20 @@ fn score_all<'a>(
         }
         None => Ok(None),
     };
-    let work = || {
-        while let Some(world) = worlds.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let begin = Instant::now();
-            let result = scored(world);
-            if arguments.verbose {
-                let line = match &result {
-                    Ok(Some(one)) => one.line(),
-                    Ok(None) => format!("{} {} {} is no world", world.design.name(), world.seed, world.what().word()),
-                    Err(error) => format!("{} {}: {error}", world.design.name(), world.seed),
-                };
-                println!("{line} | {:.0} s", begin.elapsed().as_secs_f64());
-            }
-            results.lock().unwrap_or_else(PoisonError::into_inner).push((world, result));
+    let told = |world: &World| {
+        let begin = Instant::now();
+        let result = scored(world);
+        if arguments.verbose {
+            let line = match &result {
+                Ok(Some(one)) => one.line(),
+                Ok(None) => format!("{} {} {} is no world", world.design.name(), world.seed, world.what().word()),
+                Err(error) => format!("{} {}: {error}", world.design.name(), world.seed),
+            };
+            println!("{line} | {:.0} s", begin.elapsed().as_secs_f64());
         }
+        result
     };
-    std::thread::scope(|scope| {
-        for _ in 0..rayon::current_num_threads() {
-            scope.spawn(work);
-        }
-    });
-    results.into_inner().unwrap_or_else(PoisonError::into_inner)
+    on_all_cores(worlds, told).into_iter().map(|(at, result)| (&worlds[at], result)).collect()
 }
 
 fn record(s: &Scored) -> Value {

@@ -210,7 +210,7 @@ mod tests {
             of: Vec::new(),
             parameters: Vec::new(),
             ambiguous_with: set[1..].to_vec(),
-            kind: lut_gen::effect::find(set[0], None).unwrap().kind,
+            kind: lut_gen::effect::find(set[0], None).map_or(lut_gen::effect::Kind::Machine, |effect| effect.kind),
             probability: 1.0,
             explains: None,
         };

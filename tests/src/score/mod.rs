@@ -4,6 +4,7 @@
 //! What can be seen is decided without the diagnosis' verdict, from forces without noise ([`mod@strength`]).
 
 pub mod control;
+pub mod cores;
 pub mod coverage;
 mod detail;
 pub mod follow;

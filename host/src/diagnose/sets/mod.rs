@@ -61,8 +61,8 @@ pub struct Judged {
     pub explained_n: Option<f64>,
     /// 95 % intervals of `mu` (MPa) and `alpha`, over all sets that were weighed.
     pub intervals: [(f64, f64); 2],
-    /// Discrepancies beside the likeliest set, as a share of the force, by what they vary with; the
-    /// largest first.
+    /// Discrepancies beside the likeliest set, by what they vary with: root mean square where they are, as a
+    /// share of the force there. The largest first.
     pub remainder: Vec<(&'static str, f64)>,
     /// What each group of discrepancies varies with, in the order of the sizes of a set's evidence.
     pub groups: Vec<&'static str>,
@@ -80,7 +80,9 @@ impl Judged {
     /// Of sets that were weighed; none where there is none.
     fn of(search: &Search<'_>, groups: &[discrepancy::Group], shares: &Shares<'_>) -> Option<Self> {
         let compared = shares.sets();
-        let best = compared.first()?;
+        if compared.is_empty() {
+            return None;
+        }
         let codes = codes(&search.candidates);
         let number = |c: &Candidate| codes.iter().position(|code| *code == c.effect.code).unwrap_or(codes.len());
         let members = |set: &Weighed| set.fit.candidates.iter().map(number).collect();
@@ -96,15 +98,8 @@ impl Judged {
             })
             .collect();
         told.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        let mut remainder: Vec<(&'static str, f64)> = groups
-            .iter()
-            .map(|group| group.over)
-            .zip(best.evidence.sizes.iter().copied())
-            .filter(|(_, a)| *a > 0.0)
-            .collect();
-        remainder.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let is_sure =
-            compared.iter().map(|set| set.log).fold(f64::NEG_INFINITY, log_sum) - nothing_wrong(compared) > SURE;
+        let whole = compared.iter().map(|set| set.log).fold(f64::NEG_INFINITY, log_sum);
+        let is_sure = whole - nothing_wrong(compared) > SURE;
         let any = |of: &[&'static str]| {
             let numbers: Vec<usize> =
                 codes.iter().enumerate().filter(|(_, c)| of.contains(c)).map(|(at, _)| at).collect();
@@ -122,7 +117,7 @@ impl Judged {
             explains,
             explained_n,
             intervals: intervals(compared),
-            remainder,
+            remainder: shares.remainder(groups),
             groups: groups.iter().map(|group| group.over).collect(),
             sets: beliefs.sets,
         })

@@ -96,6 +96,31 @@ impl<'a> Shares<'a> {
         Some(share.sqrt() * self.misfit(at)?.left_n)
     }
 
+    /// What the likeliest set has beside it without a name: root mean square as a share of the force, by what
+    /// it varies with, where it is. The largest first.
+    pub fn remainder(&self, groups: &[Group]) -> Vec<(&'static str, f64)> {
+        let best = self.sets.first();
+        let amounts = best.and_then(|set| amounts(&set.linearised(), &set.evidence, self.discrepancy));
+        let Some(amounts) = amounts else { return Vec::new() };
+        let forces = self.search.curves.iter().flat_map(|curve| curve.force_n.iter().copied());
+        let forces: Vec<f64> = forces.collect();
+        let mut at = 0;
+        let mut all: Vec<(&'static str, f64)> = Vec::new();
+        for group in groups {
+            let own = amounts.rows(at, group.forces_n.ncols());
+            at += group.forces_n.ncols();
+            let there = &group.forces_n * own;
+            let rows = forces.iter().enumerate().filter(|(row, _)| group.forces_n.row(*row).amax() > 0.0);
+            let (square, whole) =
+                rows.fold((0.0, 0.0), |(square, whole), (row, n)| (square + there[row].powi(2), whole + n * n));
+            if square > 0.0 && whole > 0.0 {
+                all.push((group.over, (square / whole).sqrt()));
+            }
+        }
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        all
+    }
+
     /// The likeliest set that has as many of some effects as any.
     fn likeliest_with(&self, codes: &[&'static str]) -> Option<usize> {
         let has = |set: &Weighed| codes.iter().filter(|code| set.fit.codes().any(|c| c == **code)).count();
