@@ -360,6 +360,21 @@ impl Fit {
         self.discounted.min(self.square) + CHARGE * self.coordinates.len() as f64
     }
 
+    /// A quantity of an effect that lies at a bound which is not its null value; none where all lie within.
+    #[must_use]
+    pub fn end_of_effect(&self) -> Option<&'static str> {
+        let at_end = |(c, x): (&Coordinate, &f64)| match c {
+            Coordinate::Of(_, q) if q.spread == Spread::Even && c.is_at_end(*x) => {
+                let null = c.of(q.null);
+                let (low, high) = c.bounds();
+                let end = if x - low < high - x { low } else { high };
+                ((end - null).abs() > 1e-9).then_some(q.name)
+            }
+            _ => None,
+        };
+        self.coordinates.iter().zip(&self.x).find_map(at_end)
+    }
+
     /// Codes of its effects, in their order.
     pub fn codes(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.candidates.iter().map(|c| c.effect.code)

@@ -399,10 +399,7 @@ impl Diagnosis {
         };
         verdict::conclude(self, experiment, &seen, &mut found, held_out.as_ref());
         let mut before = Stand::of(design, chain, &first.base);
-        // where nothing is visible, unseen effects are what intervals have to hold
-        if self.verdict == Verdict::Unknown {
-            before.parameters = holding(before.parameters, found.judged.intervals);
-        }
+        before.parameters = holding(before.parameters, found.judged.intervals);
         let Found { search, sets, held, judged } = found;
         // a noise that was told about what is not named may leave the base anywhere
         let (Search { problem, noise, base, .. }, margins, adequacy) = match held.is_empty() {

@@ -159,7 +159,13 @@ pub(super) fn conclude(
                 None => "what explains it cannot be tested on what no fit has seen: its name is withdrawn; press with another ball or rate".to_owned(),
             });
         }
-        if !gains || seen.spoils(judged.explained_n) || held.is_empty() {
+        let at_end = held.first().and_then(|best| best.fit.end_of_effect());
+        if let Some(quantity) = at_end {
+            diagnosis.messages.push(format!(
+                "what explains it ends at the bound of {quantity}, beyond which laboratories do not go: its name is withdrawn"
+            ));
+        }
+        if !gains || at_end.is_some() || seen.spoils(judged.explained_n) || held.is_empty() {
             judged.withdraw();
             held.clear();
         }

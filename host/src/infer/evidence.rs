@@ -250,32 +250,55 @@ struct Scaled {
     factor: Factor,
 }
 
+/// A model beside discrepancies, to be weighed at any sizes of these.
+struct Scale<'m> {
+    products: Products,
+    /// Sizes that each group may have, with their prior probabilities.
+    grids: Vec<Sizes>,
+    parameters: &'m [Parameter],
+}
+
+impl<'m> Scale<'m> {
+    fn of(model: &'m Linearised<'_>, discrepancy: &Discrepancy) -> Self {
+        let products = Products::of(model, &DMatrix::zeros(model.residual.len(), 0), discrepancy);
+        Self { products, grids: discrepancy.sizes_beside(model), parameters: &model.parameters }
+    }
+
+    fn sizes(&self, group: usize) -> &[(f64, f64)] {
+        &self.grids[group].0
+    }
+
+    /// Sizes of a choice, one of each group by number, and their prior probabilities.
+    fn told_of(&self, chosen: &[usize]) -> (Vec<f64>, Vec<f64>) {
+        chosen.iter().enumerate().map(|(group, at)| self.sizes(group)[*at]).unzip()
+    }
+
+    /// The number of a size; that of none where it is no size of the group.
+    fn place(&self, group: usize, size: f64) -> usize {
+        self.sizes(group).iter().position(|(known, _)| *known == size).unwrap_or(0)
+    }
+
+    /// Logarithm of the marginal likelihood at a choice, its prior included.
+    fn value(&self, chosen: &[usize]) -> Option<(f64, Integral)> {
+        let (sizes, weights) = self.told_of(chosen);
+        let prior: f64 = weights.iter().map(|weight| weight.ln()).sum();
+        let (told, determinant) = self.products.at(&sizes)?;
+        let integral = integrated(self.parameters, &told)?;
+        Some((integral.log + prior - 0.5 * determinant, integral))
+    }
+}
+
 /// Evidence of a model; `None` where a number is none or a parameter with a flat prior is not told
 /// of at all. Sizes are searched from those that are given: those of a like model are near, and
 /// without any the search begins at none.
 #[must_use]
 pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64]) -> Option<Evidence> {
-    let products = Products::of(model, &DMatrix::zeros(model.residual.len(), 0), discrepancy);
-    let grids = discrepancy.sizes_beside(model);
-    let all = |group: usize| &grids[group].0;
-    let told_of = |chosen: &[usize]| -> (Vec<f64>, Vec<f64>) {
-        chosen.iter().enumerate().map(|(group, at)| all(group)[*at]).unzip()
-    };
-    let value = |chosen: &[usize]| -> Option<(f64, Integral)> {
-        let (sizes, weights) = told_of(chosen);
-        let prior: f64 = weights.iter().map(|weight| weight.ln()).sum();
-        let (told, determinant) = products.at(&sizes)?;
-        let integral = integrated(&model.parameters, &told)?;
-        Some((integral.log + prior - 0.5 * determinant, integral))
-    };
-    let place = |group: usize| {
-        let size = from.get(group).copied().unwrap_or(0.0);
-        all(group).iter().position(|(known, _)| *known == size).unwrap_or(0)
-    };
-    let none = vec![0; grids.len()];
-    let mut chosen: Vec<usize> = (0..none.len()).map(place).collect();
-    let alone = value(&none)?.0;
-    let mut best = value(&chosen)?;
+    let scale = Scale::of(model, discrepancy);
+    let none = vec![0; scale.grids.len()];
+    let given = |group: usize| scale.place(group, from.get(group).copied().unwrap_or(0.0));
+    let mut chosen: Vec<usize> = (0..none.len()).map(given).collect();
+    let alone = scale.value(&none)?.0;
+    let mut best = scale.value(&chosen)?;
     for _ in 0..SWEEPS {
         let before = chosen.clone();
         for group in 0..none.len() {
@@ -284,10 +307,10 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64])
                 0 if group < discrepancy.groups => FIRST.to_vec(),
                 at => vec![0, at.saturating_sub(1), at + 1],
             };
-            for size in near.into_iter().filter(|size| *size < all(group).len()) {
+            for size in near.into_iter().filter(|size| *size < scale.sizes(group).len()) {
                 let mut there = chosen.clone();
                 there[group] = size;
-                if let Some(found) = value(&there).filter(|found| found.0 > best.0) {
+                if let Some(found) = scale.value(&there).filter(|found| found.0 > best.0) {
                     (best, chosen) = (found, there);
                 }
             }
@@ -296,9 +319,37 @@ pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64])
             break;
         }
     }
-    let (sizes, _) = told_of(&chosen);
+    let (sizes, _) = scale.told_of(&chosen);
     let (log, Integral { x, hessian, .. }) = best;
     Some(Evidence { log, alone, sizes, x, deviations: standard_errors(&hessian) })
+}
+
+/// What sizes that are not known add to the variance of every parameter about where its evidence has it:
+/// each group in turn may have any of its sizes, the others as they are. A discrepancy that the
+/// parameters take up shows in no residual, and is as likely as before the data.
+#[must_use]
+pub fn of_unknown_sizes(model: &Linearised<'_>, discrepancy: &Discrepancy, evidence: &Evidence) -> Vec<f64> {
+    let scale = Scale::of(model, discrepancy);
+    let chosen: Vec<usize> = evidence.sizes.iter().enumerate().map(|(group, size)| scale.place(group, *size)).collect();
+    let mut added = vec![0.0; evidence.x.len()];
+    for group in 0..chosen.len() {
+        let there = |size: usize| {
+            let mut other = chosen.clone();
+            other[group] = size;
+            scale.value(&other).map(|(log, integral)| (log, standard_errors(&integral.hessian), integral.x))
+        };
+        let each: Vec<_> = (0..scale.sizes(group).len()).filter_map(there).collect();
+        let most = each.iter().map(|(log, ..)| *log).fold(f64::NEG_INFINITY, f64::max);
+        let whole: f64 = each.iter().map(|(log, ..)| (log - most).exp()).sum();
+        for (at, added) in added.iter_mut().enumerate() {
+            let square = |(log, deviations, x): &(f64, Vec<f64>, Vec<f64>)| {
+                (log - most).exp() * (deviations[at].powi(2) + (x[at] - evidence.x[at]).powi(2))
+            };
+            let more = each.iter().map(square).sum::<f64>() / whole - evidence.deviations[at].powi(2);
+            *added += more.max(0.0);
+        }
+    }
+    added
 }
 
 /// Amounts of the columns of the discrepancy that are likeliest beside a model whose parameters and
@@ -538,6 +589,28 @@ mod tests {
         let there = amounts(&model, &found, &discrepancy).unwrap();
         assert_eq!(found.sizes[1], 0.0);
         assert!((there[0] - 5.0).abs() < 0.3 && there[1] == 0.0, "{there}");
+    }
+
+    /// A discrepancy that a parameter takes up shows in no residual: the parameter is as uncertain as the prior of
+    /// its size has it. One across the parameter leaves it as it is.
+    #[test]
+    fn what_a_parameter_takes_up_keeps_the_prior_of_its_size() {
+        let (along, across) = (column(1.0), column(4.0));
+        let residual = DVector::zeros(ROWS);
+        let base = DMatrix::from_columns(&[20.0 * &along]);
+        let known = DMatrix::zeros(ROWS, 0);
+        let flat = Parameter { x: 0.0, bounds: (-1e9, 1e9), prior: Prior::Flat };
+        let model = Linearised { residual: &residual, jacobian: &base, parameters: vec![flat], known: &known };
+        let sizes = Sizes::about(3.0, 0.5);
+        let expected: f64 = sizes.0.iter().map(|(size, weight)| weight * (size / 20.0).powi(2)).sum();
+        let added = |group: &DVector<f64>| {
+            let groups = [DMatrix::from_columns(&[group.clone()])];
+            let discrepancy = Discrepancy::new(ROWS, &groups, sizes.clone());
+            let found = evidence(&model, &discrepancy, &[]).unwrap();
+            of_unknown_sizes(&model, &discrepancy, &found)[0]
+        };
+        assert!((added(&along) / expected - 1.0).abs() < 1e-6, "{} {expected}", added(&along));
+        assert!(added(&across) < 0.02 * expected, "{}", added(&across));
     }
 
     /// What a further parameter promises is what the evidence with it has more, the sizes being the same.

@@ -10,12 +10,13 @@ mod verdict;
 mod weigh;
 
 use lut_gen::effect::Kind;
+use rayon::prelude::*;
 
 use super::coordinate::Candidate;
 use super::finding::Verdict;
 use super::search::Search;
 use crate::infer::compare::{Beliefs, Set};
-use crate::infer::evidence::{Discrepancy, Sizes};
+use crate::infer::evidence::{Discrepancy, Sizes, of_unknown_sizes};
 use crate::infer::mixture::{Part, quantile};
 use share::Shares;
 use verdict::{Conclusion, concluded};
@@ -116,7 +117,7 @@ impl Judged {
             partly,
             explains,
             explained_n,
-            intervals: intervals(compared),
+            intervals: intervals(compared, shares.discrepancy()),
             remainder: shares.remainder(groups),
             groups: groups.iter().map(|group| group.over).collect(),
             sets: beliefs.sets,
@@ -155,16 +156,22 @@ fn log_sum(a: f64, b: f64) -> f64 {
     if low.is_finite() { high + (low - high).exp().ln_1p() } else { high }
 }
 
-/// 95 % intervals of `mu` (MPa) and `alpha`: of the mixture of all sets, discrepancies allowed for.
-fn intervals(compared: &[Weighed]) -> [(f64, f64); 2] {
+/// 95 % intervals of `mu` (MPa) and `alpha`: of the mixture of all sets, discrepancies allowed for, those
+/// of sizes that do not show among them.
+fn intervals(compared: &[Weighed], discrepancy: &Discrepancy) -> [(f64, f64); 2] {
     const TAIL: f64 = 0.025;
+    /// How far (logarithm) behind the likeliest a set may lie to count.
+    const COUNTS: f64 = 7.0;
+    let likely: Vec<&Weighed> = compared.iter().filter(|set| set.log > compared[0].log - COUNTS).collect();
+    let more: Vec<Vec<f64>> =
+        likely.par_iter().map(|set| of_unknown_sizes(&set.linearised(), discrepancy, &set.evidence)).collect();
     std::array::from_fn(|at| {
-        let part = |set: &Weighed| {
-            let (mean, deviation) = (set.evidence.x[at], set.evidence.deviations[at]);
+        let part = |(set, more): (&&Weighed, &Vec<f64>)| {
+            let (mean, deviation) = (set.evidence.x[at], set.evidence.deviations[at].hypot(more[at].sqrt()));
             let part = Part { weight: set.log, mean, deviation: deviation.max(f64::MIN_POSITIVE) };
             [part.weight, part.mean, part.deviation].iter().all(|v| v.is_finite()).then_some(part)
         };
-        let parts: Vec<Part> = compared.iter().filter_map(part).collect();
+        let parts: Vec<Part> = likely.iter().zip(&more).filter_map(part).collect();
         let coordinate = &compared[0].fit.coordinates[at];
         let (low, high) = coordinate.bounds();
         let end = |share: f64| coordinate.value(quantile(&parts, share).clamp(low, high));

@@ -69,6 +69,11 @@ impl<'a> Shares<'a> {
         Self { search, discrepancy, forces_n, sets, misfits }.sound()
     }
 
+    /// What the sets were weighed beside.
+    pub fn discrepancy(&self) -> &'a Discrepancy {
+        self.discrepancy
+    }
+
     /// The sets, the likeliest first.
     pub fn sets(&self) -> &[Weighed] {
         &self.sets
