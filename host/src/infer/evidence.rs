@@ -604,7 +604,7 @@ mod tests {
         let sizes = Sizes::about(3.0, 0.5);
         let expected: f64 = sizes.0.iter().map(|(size, weight)| weight * (size / 20.0).powi(2)).sum();
         let added = |group: &DVector<f64>| {
-            let groups = [DMatrix::from_columns(&[group.clone()])];
+            let groups = [DMatrix::from_columns(std::slice::from_ref(group))];
             let discrepancy = Discrepancy::new(ROWS, &groups, sizes.clone());
             let found = evidence(&model, &discrepancy, &[]).unwrap();
             of_unknown_sizes(&model, &discrepancy, &found)[0]

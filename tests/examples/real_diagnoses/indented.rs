@@ -11,7 +11,7 @@ use palpate::report::figure::{Axis, Figure, Series, Stroke};
 use palpate::report::number;
 use tests::document::table;
 
-use super::{Outcome, picture, recorded};
+use super::{Outcome, independent, picture, recorded};
 
 fn short(x: f64) -> String {
     number(format!("{x:.2e}").parse().unwrap_or(x))
@@ -39,7 +39,7 @@ fn told(what: &str, found: &Diagnosis) -> Vec<Vec<String>> {
     if let Some(evidence) = found.evidence.as_deref() {
         row("noise", noise(evidence));
         row("base", base(evidence));
-        row("nearest single effects", nearest(evidence));
+        row("likeliest sets", nearest(evidence));
         if let Some(held) = &evidence.held_out {
             let (before, after) = (1e3 * held.rmse_before_n, 1e3 * held.rmse_after_n);
             row(
@@ -160,7 +160,7 @@ pub fn beef(figures: &Path) -> Outcome<Option<String>> {
             more.into_iter().map(|(_, one)| (format!("{}, with a second piece at other rates", one.material), one)),
         );
     }
-    let mut out = answer(&found) + "\n";
+    let mut out = answer(&found) + "\n" + &independent::section(&experiment) + "\n";
     for (name, one) in found.iter().take(shown) {
         if let Some(evidence) = one.evidence.as_deref() {
             let file = format!("real-diagnosis-beef-{}.svg", name.to_lowercase());
@@ -194,7 +194,7 @@ pub fn silicone(figures: &Path) -> Outcome<Option<String>> {
         whole.sensor.noise_n = experiment.sensor.noise_n;
         found.extend(all("whole files, with the run that stops and starts again (P002-7)", &whole, &models)?);
     }
-    let mut out = answer(&found) + "\n";
+    let mut out = answer(&found) + "\n" + &independent::section(&experiment) + "\n";
     if let Some(evidence) = found[1].1.evidence.as_deref() {
         let title = "Silicone: measured (circles) and base (lines)";
         out += &picture(figures, "real-diagnosis-silicone.svg", title, &drawn(title, evidence))?;

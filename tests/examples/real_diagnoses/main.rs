@@ -7,6 +7,7 @@ mod damper;
 mod ecoflex;
 mod foam;
 mod indented;
+mod independent;
 mod recorded;
 mod tables;
 mod two_balls;
