@@ -210,7 +210,7 @@ fn print_finding(finding: &Finding) {
         names => format!(" of {}", names.join(" or of ")),
     };
     outln!("effect           {} ({}){of}{twins}", finding.code, finding.form);
-    outln!("  probability    {:>10}", report::diagnosis::percent(finding.probability));
+    outln!("  probability    {:>10}", report::diagnosis::probability(finding.probability));
     if let Some(share) = finding.explains {
         outln!("  explains       {:>10} of the misfit", report::diagnosis::percent(share));
     }

@@ -37,6 +37,12 @@ pub fn percent(share: f64) -> String {
     }
 }
 
+/// A probability in percent; none is certain.
+#[must_use]
+pub fn probability(p: f64) -> String {
+    if p > 0.999 { "> 99.9 %".to_owned() } else { percent(p) }
+}
+
 fn effects(page: &mut Page, judged: &Judged) {
     let (told, others): (Vec<_>, Vec<_>) = judged.beliefs.iter().partition(|b| b.probability > OF_NOTE);
     let kind = |code: &str| effect::find(code, None).map_or("", |effect| effect.kind.words());
@@ -44,7 +50,7 @@ fn effects(page: &mut Page, judged: &Judged) {
         .iter()
         .map(|b| {
             let explains = b.explains.map_or_else(|| "-".to_owned(), percent);
-            vec![b.code.to_owned(), kind(b.code).to_owned(), percent(b.probability), explains]
+            vec![b.code.to_owned(), kind(b.code).to_owned(), probability(b.probability), explains]
         })
         .collect();
     if !others.is_empty() {
@@ -57,7 +63,7 @@ fn effects(page: &mut Page, judged: &Judged) {
 /// What kind of thing is wrong, which may be certain while no form is.
 fn kinds(page: &mut Page, judged: &Judged) {
     let likely = judged.kinds.iter().filter(|(_, p)| *p > OF_NOTE);
-    let each: Vec<String> = likely.map(|(kind, p)| format!("{} {}", kind.words(), percent(*p))).collect();
+    let each: Vec<String> = likely.map(|(kind, p)| format!("{} {}", kind.words(), probability(*p))).collect();
     if !each.is_empty() {
         page.paragraph(&format!("By kind: {}.", each.join(", ")));
     }
@@ -68,10 +74,10 @@ fn sets(page: &mut Page, experiment: &Experiment, evidence: &Evidence) {
     let Some(best) = evidence.sets.first().map(|set| set.log) else { return };
     let each = evidence.sets.iter().zip(&evidence.judged.sets).take(SETS);
     let rows: Vec<Vec<String>> = each
-        .map(|(set, probability)| {
+        .map(|(set, p)| {
             vec![
                 words::candidates(experiment, &set.fit.candidates),
-                percent(*probability),
+                probability(*p),
                 number(((set.log - best) * 10.0).round() / 10.0),
                 beside(set, &evidence.judged),
             ]

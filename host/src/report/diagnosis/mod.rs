@@ -18,7 +18,7 @@ use crate::experiment::Experiment;
 use super::Page;
 use drawn::{drawn, named};
 
-pub use candidates::{percent, remainder};
+pub use candidates::{percent, probability, remainder};
 pub use words::{meaning, name, sentence};
 
 /// Builds the page for all materials of an experiment.

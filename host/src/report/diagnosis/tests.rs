@@ -300,12 +300,12 @@ fn the_page_of_a_named_effect_has_every_section_in_order() {
     assert!(!html.contains("NaN") && !html.contains("<script") && !html.contains("src="));
     assert!(html.contains("by &lt;hand&gt;"));
     // probability and share of each effect, what is beside the likeliest set, and what stays
-    assert!(html.contains("<td>&gt; 99 %</td>") && html.contains("<td>86 %</td>"), "{html}");
+    assert!(html.contains("<td>&gt; 99.9 %</td>") && html.contains("<td>86 %</td>"), "{html}");
     assert!(
         html.contains("<td>hold 1.2</td>")
             && html.contains("About 1.2 % of the force stays without a name, over hold.")
     );
-    assert!(html.contains("By kind: memory of the specimen &gt; 99 %, sensor 30 %."));
+    assert!(html.contains("By kind: memory of the specimen &gt; 99.9 %, sensor 30 %."));
     // the ball's name stands where the margin has its number; the reading is told though its bar is cut
     assert!(html.contains("r6, 0 to 33 %") && html.contains("-25.0"));
     assert!(html.contains("a hold on a stiff block") && html.contains("-80 %"));
