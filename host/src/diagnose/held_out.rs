@@ -32,7 +32,17 @@ pub struct HeldOut {
     pub conditions: Vec<String>,
 }
 
+/// How much larger the error in newtons may be with the effects for them to predict as well: contact points of
+/// runs that were left out are fitted, and take up what an offset of the contact explains.
+const AS_WELL: f64 = 1.1;
+
 impl HeldOut {
+    /// True where the effects predict better than the base, each with its noise, and in newtons no worse.
+    #[must_use]
+    pub fn gains(&self) -> bool {
+        self.deviance_after < self.deviance_before && self.rmse_after_n < AS_WELL * self.rmse_before_n
+    }
+
     /// Errors before and after in percent of the largest force.
     #[must_use]
     pub fn percent_of_peak(&self) -> (f64, f64) {

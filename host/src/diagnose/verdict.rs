@@ -152,10 +152,13 @@ pub(super) fn conclude(
     tell(diagnosis, experiment, seen);
     let Found { sets, held, judged, .. } = found;
     if !judged.findings.is_empty() {
-        let gains = held_out.is_some_and(|h| h.deviance_after < h.deviance_before);
+        let gains = held_out.is_some_and(HeldOut::gains);
         if !gains {
             diagnosis.messages.push(match held_out {
-                Some(_) => "what explains it does not predict what was left out better than the base does: its name is withdrawn".to_owned(),
+                Some(h) => format!(
+                    "what explains it does not predict what was left out better than the base does ({:.2e} N rms with it, {:.2e} N without): its name is withdrawn",
+                    h.rmse_after_n, h.rmse_before_n
+                ),
                 None => "what explains it cannot be tested on what no fit has seen: its name is withdrawn; press with another ball or rate".to_owned(),
             });
         }

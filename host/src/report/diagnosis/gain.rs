@@ -69,7 +69,7 @@ fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
     if found.verdict != Verdict::Unknown && error_n.1 >= error_n.0 {
         page.warning("The error in newton did not fall: what the extension gains lies below the scatter between spots, or another contact point, modulus and exponent do as well.");
     }
-    if found.verdict == Verdict::Unknown && weighed.1 >= weighed.0 {
+    if found.verdict == Verdict::Unknown && !held_out.gains() {
         page.warning("What is likeliest predicted what was left out no better than the base: its name was withdrawn.");
     }
 }

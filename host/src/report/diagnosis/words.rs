@@ -3,8 +3,10 @@
 use lut_gen::effect::{self, Owner};
 
 use crate::diagnose::coordinate::Candidate;
+use crate::diagnose::sets::Judged;
 use crate::diagnose::{Diagnosis, Finding, Refusal, Verdict};
 use crate::experiment::Experiment;
+use crate::report::number;
 
 use super::candidates::percent;
 
@@ -32,7 +34,12 @@ pub fn sentence(found: &Diagnosis) -> String {
             share(found)
         ),
         Verdict::Unknown => {
-            format!("The simulation of {material} is wrong here, and {}{} ({code}).", in_part(found), shows(found))
+            format!(
+                "The simulation of {material} is {} here, and {}{} ({code}).",
+                off(found),
+                in_part(found),
+                shows(found)
+            )
         }
         Verdict::TooFewData => {
             format!("There are too few data on {} to say anything: {} ({code}).", material, reason(found))
@@ -83,6 +90,15 @@ fn share(found: &Diagnosis) -> String {
     explains.map_or_else(String::new, |share| format!(", {} of the misfit", percent(share)))
 }
 
+/// How wrong a simulation is that is wrong by what has no name.
+fn off(found: &Diagnosis) -> String {
+    let judged = found.evidence.as_deref().map(|evidence| &evidence.judged).filter(|judged| judged.partly.is_empty());
+    match judged.and_then(Judged::remainder_share) {
+        Some(share) => format!("off by about {} % of the force", number((1000.0 * share).round() / 10.0)),
+        None => "wrong".to_owned(),
+    }
+}
+
 /// What is known of an unknown cause: an effect that is there and explains too little, one that may be, a kind, or nothing.
 fn in_part(found: &Diagnosis) -> String {
     /// Probability from which an effect or a kind is told, and from which it is there for certain.
@@ -95,7 +111,9 @@ fn in_part(found: &Diagnosis) -> String {
         let each = listed(&each.iter().map(String::as_str).collect::<Vec<_>>(), "and");
         return match judged.explains {
             Some(share) if share < LIKELY => format!("{each} explains only {} of it", percent(share.max(0.0))),
-            Some(share) => format!("{each} would explain {} of it, but its name does not hold", percent(share)),
+            Some(share) => {
+                format!("{each} would explain {} of it, but all that a name needs is not there", percent(share))
+            }
             None => format!("{each} is a part of it, how large is not known"),
         };
     }
