@@ -70,7 +70,7 @@ fn another_solver_s_foam_has_no_name() {
     for case in ["00-control", "00-control-replicates"] {
         let Some(found) = diagnosed(case) else { return };
         assert!(found.findings.is_empty(), "{case}: {:?}", codes(&found));
-        let left = found.evidence.as_ref().unwrap().judged.remainder_share().unwrap_or(0.0);
+        let left = found.evidence.as_ref().unwrap().judged.remainder.unwrap_or(0.0);
         assert!(left < 0.01, "{case}: {left}");
         holds_the_truth(&found);
     }

@@ -132,15 +132,9 @@ fn sets(evidence: &Evidence) -> Vec<Value> {
     evidence.sets.iter().zip(&judged.sets).take(MOST).map(one).collect()
 }
 
-/// What stays without a name, in percent of the force: of all together, and by what it varies with.
+/// What stays without a name, in percent of the force, and what it varies with.
 fn remainder(judged: &Judged) -> Value {
-    let each: Vec<Value> =
-        judged.remainder.iter().map(|(over, size)| json!({ "over": over, "percent": 100.0 * size })).collect();
-    json!({
-        "percent": judged.remainder_share().map_or(0.0, |share| 100.0 * share),
-        "shows_in": judged.remainder.iter().map(|(over, _)| over).collect::<Vec<_>>(),
-        "parts": each,
-    })
+    json!({ "percent": judged.remainder.map_or(0.0, |share| 100.0 * share), "shows_in": judged.shows_in })
 }
 
 /// Parameters with their intervals, those of noise alone, and what widened them in a fit.

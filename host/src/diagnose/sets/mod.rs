@@ -62,9 +62,11 @@ pub struct Judged {
     pub explained_n: Option<f64>,
     /// 95 % intervals of `mu` (MPa) and `alpha`, over all sets that were weighed.
     pub intervals: [(f64, f64); 2],
-    /// Discrepancies beside the likeliest set, by what they vary with: root mean square where they are, as a
-    /// share of the force there. The largest first.
-    pub remainder: Vec<(&'static str, f64)>,
+    /// What stays without a name beside the likeliest set: root mean square as a share of the force, `mu` and
+    /// `alpha` fitted again; none where nothing stays.
+    pub remainder: Option<f64>,
+    /// What that varies with, the largest first; what spots differ by among it.
+    pub shows_in: Vec<&'static str>,
     /// What each group of discrepancies varies with, in the order of the sizes of a set's evidence.
     pub groups: Vec<&'static str>,
     /// Probability of every set that was weighed, the likeliest first.
@@ -118,7 +120,8 @@ impl Judged {
             explains,
             explained_n,
             intervals: intervals(compared, shares.discrepancy()),
-            remainder: shares.remainder(groups),
+            remainder: shares.left_share(),
+            shows_in: shares.left_over(groups),
             groups: groups.iter().map(|group| group.over).collect(),
             sets: beliefs.sets,
         })
@@ -134,13 +137,6 @@ impl Judged {
     #[must_use]
     pub fn belief(&self, code: &str) -> Option<&Belief> {
         self.beliefs.iter().find(|belief| belief.code == code)
-    }
-
-    /// Size of all discrepancies together, as a share of the force; none where there is none.
-    #[must_use]
-    pub fn remainder_share(&self) -> Option<f64> {
-        let square: f64 = self.remainder.iter().map(|(_, size)| size * size).sum();
-        (square > 0.0).then(|| square.sqrt())
     }
 }
 

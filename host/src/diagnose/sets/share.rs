@@ -101,29 +101,36 @@ impl<'a> Shares<'a> {
         Some(share.sqrt() * self.misfit(at)?.left_n)
     }
 
-    /// What the likeliest set has beside it without a name: root mean square as a share of the force, by what
-    /// it varies with, where it is. The largest first.
-    pub fn remainder(&self, groups: &[Group]) -> Vec<(&'static str, f64)> {
+    /// What the likeliest set leaves without a name: root mean square of what stays of its forces, and of the
+    /// discrepancy beside them, once `mu` and `alpha` are fitted again beside its effects, as a share of
+    /// the force; none where nothing is beside it but what spots differ by.
+    pub fn left_share(&self) -> Option<f64> {
+        let set = self.sets.first().filter(|set| !self.is_alone(set))?;
+        let Misfit { model, beside_n, .. } = self.found(set);
+        let forces_n = self.forces_n(&model);
+        let nodes = self.search.problem.design.series.iter().flat_map(|series| &series.nodes);
+        let counted = nodes.zip(&forces_n).filter(|(node, _)| !node.lifted);
+        let whole: f64 = counted.map(|(node, n)| node.samples.max(1) as f64 * n * n).sum();
+        let (_, left, _) = self.near(&model, &forces_n, &beside_n);
+        let share = (left / whole).sqrt();
+        (share.is_finite() && share > 0.0).then_some(share)
+    }
+
+    /// What the discrepancies of the likeliest set vary with, the largest first.
+    pub fn left_over(&self, groups: &[Group]) -> Vec<&'static str> {
         let best = self.sets.first();
         let amounts = best.and_then(|set| amounts(&set.linearised(), &set.evidence, self.discrepancy));
         let Some(amounts) = amounts else { return Vec::new() };
-        let forces = self.search.curves.iter().flat_map(|curve| curve.force_n.iter().copied());
-        let forces: Vec<f64> = forces.collect();
         let mut at = 0;
         let mut all: Vec<(&'static str, f64)> = Vec::new();
         for group in groups {
             let own = amounts.rows(at, group.forces_n.ncols());
             at += group.forces_n.ncols();
-            let there = &group.forces_n * own;
-            let rows = forces.iter().enumerate().filter(|(row, _)| group.forces_n.row(*row).amax() > 0.0);
-            let (square, whole) =
-                rows.fold((0.0, 0.0), |(square, whole), (row, n)| (square + there[row].powi(2), whole + n * n));
-            if square > 0.0 && whole > 0.0 {
-                all.push((group.over, (square / whole).sqrt()));
-            }
+            all.push((group.over, (&group.forces_n * own).norm()));
         }
+        all.retain(|(_, size)| *size > 0.0);
         all.sort_by(|a, b| b.1.total_cmp(&a.1));
-        all
+        all.into_iter().map(|(over, _)| over).collect()
     }
 
     /// The likeliest set that has as many of some effects as any.
@@ -220,19 +227,25 @@ impl<'a> Shares<'a> {
     /// Root mean square of what a plain fit of the base leaves of a model's forces with a discrepancy
     /// beside them, and of its readings without a ball on the specimen, N.
     fn left_n(&self, model: &Model, forces_n: &[f64], beside_n: &DVector<f64>) -> f64 {
-        let mut data: Design = self.search.problem.design.clone();
-        let nodes = data.series.iter_mut().flat_map(|series| &mut series.nodes);
-        let rows = nodes.zip(forces_n.iter().zip(beside_n.iter()));
-        rows.for_each(|(node, (force_n, more_n))| node.force_n = force_n + more_n);
+        let data = self.search.problem.design;
         let with = Model::base(model.mu_mpa, model.alpha);
-        let (base, square, samples) =
-            Plainly { design: &data, chain: self.search.problem.chain, with: &with }.base_near();
+        let (base, square, samples) = self.near(&with, forces_n, beside_n);
         let beside: Vec<f64> = data.checks.iter().flat_map(|check| apart_n(check, model, &base)).collect();
         // a reading counts as much as a window of a run on the specimen does
         let nodes = data.series.iter().map(|series| series.nodes.len()).sum::<usize>().max(1) as f64;
         let weight = samples / nodes;
         let more: f64 = beside.iter().map(|n| weight * n * n).sum();
         ((square + more) / (samples + weight * beside.len() as f64).max(1.0)).sqrt()
+    }
+
+    /// A plain fit of a model's `mu` and `alpha` to forces with a discrepancy beside them: the model, its sum of
+    /// squares, N2, and the number of samples.
+    fn near(&self, with: &Model, forces_n: &[f64], beside_n: &DVector<f64>) -> (Model, f64, f64) {
+        let mut data: Design = self.search.problem.design.clone();
+        let nodes = data.series.iter_mut().flat_map(|series| &mut series.nodes);
+        let rows = nodes.zip(forces_n.iter().zip(beside_n.iter()));
+        rows.for_each(|(node, (force_n, more_n))| node.force_n = force_n + more_n);
+        Plainly { design: &data, chain: self.search.problem.chain, with }.base_near()
     }
 }
 

@@ -105,13 +105,12 @@ fn beside(set: &Weighed, judged: &Judged) -> String {
 #[must_use]
 pub fn remainder(found: &Diagnosis) -> Option<String> {
     let judged = &found.evidence.as_deref().filter(|_| found.verdict != Verdict::Clean)?.judged;
-    let over: Vec<&str> = judged.remainder.iter().map(|(over, _)| *over).collect();
-    Some(match judged.remainder_share() {
+    Some(match judged.remainder {
         None => "Beside that nothing stays beyond the noise.".to_owned(),
         Some(share) => format!(
             "About {} % of the force stays without a name, over {}.",
             number(tenth(100.0 * share)),
-            words::listed(&over, "and")
+            words::listed(&judged.shows_in, "and")
         ),
     })
 }

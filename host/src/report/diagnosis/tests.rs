@@ -166,7 +166,8 @@ fn judged(verdict: Verdict) -> Judged {
         explains: Some(0.86),
         explained_n: Some(0.1),
         intervals: [(0.21, 0.23), (10.0, 11.0)],
-        remainder: vec![("hold", 0.012)],
+        remainder: Some(0.012),
+        shows_in: vec!["hold"],
         groups: vec!["depth", "hold"],
         sets: vec![0.7, 0.2991, 0.0009],
     }

@@ -3,7 +3,6 @@
 use lut_gen::effect::{self, Owner};
 
 use crate::diagnose::coordinate::Candidate;
-use crate::diagnose::sets::Judged;
 use crate::diagnose::{Diagnosis, Finding, Refusal, Verdict};
 use crate::experiment::Experiment;
 use crate::report::number;
@@ -93,7 +92,7 @@ fn share(found: &Diagnosis) -> String {
 /// How wrong a simulation is that is wrong by what has no name.
 fn off(found: &Diagnosis) -> String {
     let judged = found.evidence.as_deref().map(|evidence| &evidence.judged).filter(|judged| judged.partly.is_empty());
-    match judged.and_then(Judged::remainder_share) {
+    match judged.and_then(|judged| judged.remainder) {
         Some(share) => format!("off by about {} % of the force", number((1000.0 * share).round() / 10.0)),
         None => "wrong".to_owned(),
     }
