@@ -1,6 +1,7 @@
 //! Shared ground of the cross-crate tests: where golden files lie, one sample of every message,
 //! force curves of other codes, simulated palpations, experiments with hidden effects, what must hold of any bytes, and the documents that commands rewrite.
 
+pub mod arguments;
 pub mod bench;
 pub mod bounding;
 pub mod display;

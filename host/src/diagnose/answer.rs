@@ -125,8 +125,8 @@ fn sets(evidence: &Evidence) -> Vec<Value> {
     let one = |(set, probability): (&Weighed, &f64)| {
         let effects: Vec<Value> =
             set.fit.candidates.iter().map(|c| json!({ "code": c.effect.code, "form": c.effect.form })).collect();
-        let sizes = judged.groups.iter().zip(&set.evidence.sizes).filter(|(_, size)| **size > 0.0);
-        let beside: Vec<Value> = sizes.map(|(over, size)| json!({ "over": over, "percent": 100.0 * size })).collect();
+        let beside = judged.beside(set).map(|(over, size)| json!({ "over": over, "percent": 100.0 * size }));
+        let beside: Vec<Value> = beside.collect();
         json!({ "effects": effects, "probability": probability, "beside": beside })
     };
     evidence.sets.iter().zip(&judged.sets).take(MOST).map(one).collect()

@@ -60,6 +60,18 @@ impl Coordinate {
         (x - low).min(high - x) < 1e-3 * (high - low)
     }
 
+    /// The same for a bound at which its effect, if it has one, is something.
+    pub(super) fn is_at_bound(&self, x: f64) -> bool {
+        match self {
+            Coordinate::Of(_, q) => {
+                let (low, high) = self.bounds();
+                let is_near = |end: f64| (x - end).abs() < 1e-3 * (high - low);
+                [low, high].into_iter().any(|end| is_near(end) && (end - self.of(q.null)).abs() > 1e-9)
+            }
+            Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => self.is_at_end(x),
+        }
+    }
+
     /// Step of a difference quotient.
     pub(super) fn step(&self) -> f64 {
         match self {

@@ -195,19 +195,13 @@ impl Problem<'_> {
     fn told(&self, candidates: &[Candidate], end: End) -> Fit {
         let End { x, residual, jacobian, .. } = end;
         let coordinates = coordinates(self.design, candidates);
-        let bounds: Vec<(f64, f64)> = coordinates.iter().map(Coordinate::bounds).collect();
         let square = residual.norm_squared();
         // exponents end where force models do: of two terms, either of which may be the second, a law that goes on beyond is still two terms
         let open = |at: usize| candidates[at].effect.code == second_term::EFFECT.code;
-        let ends = coordinates.iter().zip(x.iter().zip(&bounds)).any(|(c, (x, (low, high)))| match c {
+        let ends = coordinates.iter().zip(&x).any(|(c, x)| match c {
             Coordinate::Of(at, q) if q.spread == Spread::Logarithmic && open(*at) => false,
             Coordinate::LnAlpha if (0..candidates.len()).any(open) => false,
-            Coordinate::Of(_, q) => {
-                let near = |end: f64| (x - end).abs() < 1e-3 * (high - low);
-                let null = c.of(q.null);
-                (near(*low) && (low - null).abs() > 1e-9) || (near(*high) && (high - null).abs() > 1e-9)
-            }
-            Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => c.is_at_end(*x),
+            _ => c.is_at_bound(*x),
         });
         let model = self.model(&coordinates, candidates, &x);
         let at_bound = ends || relaxing_part(&model) > relaxation::MOST;
@@ -364,12 +358,7 @@ impl Fit {
     #[must_use]
     pub fn end_of_effect(&self) -> Option<&'static str> {
         let at_end = |(c, x): (&Coordinate, &f64)| match c {
-            Coordinate::Of(_, q) if q.spread == Spread::Even && c.is_at_end(*x) => {
-                let null = c.of(q.null);
-                let (low, high) = c.bounds();
-                let end = if x - low < high - x { low } else { high };
-                ((end - null).abs() > 1e-9).then_some(q.name)
-            }
+            Coordinate::Of(_, q) if q.spread == Spread::Even && c.is_at_bound(*x) => Some(q.name),
             _ => None,
         };
         self.coordinates.iter().zip(&self.x).find_map(at_end)

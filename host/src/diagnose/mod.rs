@@ -57,7 +57,7 @@ use noise::{Curve, Noise, Source};
 use plain::{Plain, Plainly};
 use plan::Proposal;
 use ripple::Ripple;
-use search::{Search, form_error};
+use search::Search;
 use sets::{Found, Judged, Weighed};
 use twins::Twins;
 
@@ -115,7 +115,9 @@ pub struct Evidence {
     pub base: Fit,
     /// The base as it stands alone: its plain best fit, with intervals in a noise that was told of nothing else.
     pub before: Stand,
-    /// The plain best fit of the set that is [shown](Evidence::shown); none where nothing was tried.
+    /// The set that figures show beside the base: the likeliest of what had a name, be that withdrawn or not, else the likeliest with an effect.
+    pub shown: Option<Weighed>,
+    /// Its plain best fit; none where nothing was tried.
     pub after: Option<Stand>,
     /// Contact point of every run, mm, as the base fit sees it.
     pub contacts_mm: Vec<f64>,
@@ -125,7 +127,7 @@ pub struct Evidence {
     pub margins: Vec<Margin>,
     /// A ripple of the force, if there is one.
     pub ripple: Option<Ripple>,
-    /// What the set that is shown leaves.
+    /// What it leaves.
     pub left: Option<Adequacy>,
     /// Sets of effects that were weighed, the base among them, the likeliest first.
     pub sets: Vec<Weighed>,
@@ -176,12 +178,6 @@ impl Stand {
 }
 
 impl Evidence {
-    /// The set that figures show beside the base: the likeliest of what is named, else the likeliest with an effect.
-    #[must_use]
-    pub fn shown(&self) -> Option<&Weighed> {
-        self.held.first().or_else(|| self.sets.iter().find(|set| !set.fit.candidates.is_empty()))
-    }
-
     /// `mu` (MPa) and `alpha` of the likeliest set that is named at its plain best fit, each in an interval that has those of all that may be: which of these is true is not known.
     #[must_use]
     pub fn extended(&self) -> Option<[Estimate; 2]> {
@@ -374,7 +370,9 @@ impl Diagnosis {
         first.base.unseen = unseen::widening(&first.problem, &first.base);
         let adequacy = clean.adequacy(&first.base, &DMatrix::zeros(first.problem.whitening.residuals(), 0));
         self.shows_in = adequacy.shows_in.iter().map(|v| v.word()).collect();
-        let twins = Twins::of(&found.search);
+        // in the same noise they are the same
+        let others = found.is_told.then(|| Twins::of(&found.search));
+        let twins = others.as_ref().unwrap_or(&clean);
         for set in &mut found.held {
             set.fit.unseen = unseen::widening(&found.search.problem, &set.fit);
             set.fit.reach_in(&twins.draws);
@@ -383,14 +381,16 @@ impl Diagnosis {
         let held_out = (!found.held.is_empty()).then(|| held_out::of(experiment, search, &found.held)).flatten();
         self.cancelling = verdict::cancelling(design, &self.blind_to);
         self.proposals = plan::proposals(experiment, search, &found.rivals(), &self.blind_to);
-        let shown = found.held.first().or_else(|| found.sets.iter().find(|set| !set.fit.candidates.is_empty()));
-        let left = shown.map(|set| twins.adequacy(&set.fit, &form_error(&search.problem, &set.fit)));
-        let explained = shown.map(|set| Problem::curves(design, chain, &set.fit.model, &search.problem.contacts_mm));
+        let with_an_effect = || found.sets.iter().find(|set| !set.fit.candidates.is_empty());
+        let shown = found.held.first().or_else(with_an_effect).cloned();
+        let left = shown.as_ref().map(|set| twins.adequacy(&set.fit, &set.known));
+        let explained =
+            shown.as_ref().map(|set| Problem::curves(design, chain, &set.fit.model, &search.problem.contacts_mm));
         let predicted = explained.as_ref().unwrap_or(&search.curves);
         let is_adequate = left.as_ref().unwrap_or(&adequacy).passes();
         let ripple = ripple::of(experiment, design, predicted, &search.noise.sensor, is_adequate);
         self.messages.extend(ripple.map(|r| r.to_string()));
-        let after = shown.map(|set| Stand::of(design, chain, &set.fit));
+        let after = shown.as_ref().map(|set| Stand::of(design, chain, &set.fit));
         let seen = verdict::Seen {
             ripple: ripple.as_ref(),
             gradient: verdict::gradient(&search.noise).copied(),
@@ -400,14 +400,14 @@ impl Diagnosis {
         verdict::conclude(self, experiment, &seen, &mut found, held_out.as_ref());
         let mut before = Stand::of(design, chain, &first.base);
         before.parameters = holding(before.parameters, found.judged.intervals);
-        let Found { search, sets, held, judged } = found;
+        let Found { search, sets, held, judged, .. } = found;
         // a noise that was told about what is not named may leave the base anywhere
         let (Search { problem, noise, base, .. }, margins, adequacy) = match held.is_empty() {
             true => (first, clean.margins, adequacy),
             false => {
                 let none = DMatrix::zeros(search.problem.whitening.residuals(), 0);
                 let adequacy = twins.adequacy(&search.base, &none);
-                (search, twins.margins, adequacy)
+                (search, others.unwrap_or(clean).margins, adequacy)
             }
         };
         Evidence {
@@ -420,6 +420,7 @@ impl Diagnosis {
             adequacy,
             margins,
             ripple,
+            shown,
             left,
             sets,
             held,

@@ -40,6 +40,14 @@ pub struct Plain {
     pub rmse_n: f64,
 }
 
+impl Plain {
+    /// Where it lies, as a search has it.
+    fn point(&self) -> Vec<f64> {
+        let base = [self.model.mu_mpa.ln(), self.model.alpha.ln()];
+        base.into_iter().chain(self.contacts_mm.iter().copied()).collect()
+    }
+}
+
 /// What is fitted: the paths of an experiment, and effects that stay as they are.
 #[derive(Debug, Clone, Copy)]
 pub struct Plainly<'a> {
@@ -87,18 +95,14 @@ impl<'a> Plainly<'a> {
     #[must_use]
     pub fn left(&self, fit: &Plain, meant: Meant<'_>) -> (f64, f64) {
         let rows = Counted::of(self.design, meant);
-        let start: Vec<f64> =
-            [fit.model.mu_mpa.ln(), fit.model.alpha.ln()].into_iter().chain(fit.contacts_mm.iter().copied()).collect();
-        (self.searched(&rows, &start, Free::Contacts).value, rows.samples)
+        (self.searched(&rows, &fit.point(), Free::Contacts).value, rows.samples)
     }
 
     /// The same with the contact points that the fit found.
     #[must_use]
     pub fn left_there(&self, fit: &Plain, meant: Meant<'_>) -> (f64, f64) {
         let rows = Counted::of(self.design, meant);
-        let at: Vec<f64> =
-            [fit.model.mu_mpa.ln(), fit.model.alpha.ln()].into_iter().chain(fit.contacts_mm.iter().copied()).collect();
-        (self.residual(&rows, &at).norm_squared(), rows.samples)
+        (self.residual(&rows, &fit.point()).norm_squared(), rows.samples)
     }
 
     /// Contact points of every run, mm.

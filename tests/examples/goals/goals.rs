@@ -6,7 +6,7 @@ use tests::laboratory::score::{Mark, Scored as Judged};
 use tests::laboratory::{Truth, What as Hidden};
 use tests::score::Scored;
 use tests::score::outcome::Outcome;
-use tests::score::rate::wilson95;
+use tests::score::rate::{bounded, middle_and_worst};
 
 /// What a case counts for; none where a goal is not about it.
 pub struct Counted {
@@ -85,27 +85,19 @@ fn held(counted: &Counted, name: &str) -> Option<bool> {
     counted.held.iter().find(|(own, _)| *own == name).map(|(_, held)| *held)
 }
 
-/// "12 of 15 (80 %, 55 to 93): missed".
+/// "12 of 15 (80 %, 55 to 93): MISSED".
 fn rate(each: impl Iterator<Item = bool>, range: &std::ops::RangeInclusive<f64>) -> String {
     let (hits, cases) = each.fold((0, 0), |(hits, cases), hit| (hits + usize::from(hit), cases + 1));
-    if cases == 0 {
-        return "no cases".to_owned();
-    }
-    let (share, (low, high)) = (hits as f64 / cases as f64, wilson95(hits, cases));
     // a range of everything is no goal
-    let met = match range.contains(&share) {
-        _ if *range == (0.0..=1.0) => "",
+    let met = match range.contains(&(hits as f64 / cases as f64)) {
+        _ if cases == 0 || *range == (0.0..=1.0) => "",
         true => ": met",
         false => ": MISSED",
     };
-    format!("{hits} of {cases} ({:.0} %, {:.0} to {:.0}){met}", 100.0 * share, 100.0 * low, 100.0 * high)
+    bounded(hits, cases) + met
 }
 
 fn times(list: &[Counted]) -> String {
-    let mut seconds: Vec<f64> = list.iter().filter_map(|c| c.seconds).collect();
-    seconds.sort_by(f64::total_cmp);
-    match (seconds.get(seconds.len() / 2), seconds.last()) {
-        (Some(middle), Some(worst)) => format!("{middle:.1}, {worst:.1}"),
-        _ => "no cases".to_owned(),
-    }
+    let found = middle_and_worst(list.iter().filter_map(|c| c.seconds));
+    found.map_or_else(|| "none".to_owned(), |(middle, worst)| format!("{middle:.1}, {worst:.1}"))
 }

@@ -11,6 +11,7 @@ use std::time::Instant;
 use goals::{Counted, of_ideal, of_world, table};
 use palpate::diagnose::Models;
 use palpate::simulate::Solver;
+use tests::arguments::number;
 use tests::hidden::{Case, Design};
 use tests::laboratory::World;
 use tests::laboratory::score::Scored as Judged;
@@ -79,8 +80,4 @@ fn arguments(mut words: impl Iterator<Item = String>) -> Result<(usize, u64), St
         }
     }
     Ok((cases, first))
-}
-
-fn number<T: std::str::FromStr>(word: &str, value: &str) -> Result<T, String> {
-    value.parse().map_err(|_| format!("{word} {value}: expected a whole number"))
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use tests::arguments::number;
 use tests::hidden::Design;
 use tests::score::suite::FIRST_SEED;
 
@@ -75,10 +76,6 @@ impl Arguments {
         }
         Ok(asked)
     }
-}
-
-fn number<T: std::str::FromStr>(word: &str, value: &str) -> Result<T, String> {
-    value.parse().map_err(|_| format!("{word} {value}: expected a whole number"))
 }
 
 fn design(name: &str) -> Result<Design, String> {

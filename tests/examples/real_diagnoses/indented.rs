@@ -88,8 +88,8 @@ fn nearest(evidence: &Evidence) -> String {
     let one = |(set, probability): (&palpate::diagnose::sets::Weighed, &f64)| {
         let codes: Vec<String> =
             set.fit.candidates.iter().map(|c| format!("{} ({})", c.effect.code, c.effect.form)).collect();
-        let sizes = judged.groups.iter().zip(&set.evidence.sizes).filter(|(_, size)| **size > 0.0);
-        let beside: Vec<String> = sizes.map(|(over, size)| format!("{over} {:.1} %", 100.0 * size)).collect();
+        let beside: Vec<String> =
+            judged.beside(set).map(|(over, size)| format!("{over} {:.1} %", 100.0 * size)).collect();
         let beside = if beside.is_empty() { "nothing".to_owned() } else { beside.join(", ") };
         let names = if codes.is_empty() { "nothing".to_owned() } else { codes.join(" + ") };
         format!("{names}: probability {probability:.3}, beside it {beside}")

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use super::score::{Mark, Scored};
 use super::{DESIGNS, Truth, What};
 use crate::document;
-use crate::score::rate::wilson95;
+use crate::score::rate::{bounded, middle_and_worst};
 
 /// Scored worlds, and how many were not worlds at all.
 #[derive(Debug, Clone, Copy)]
@@ -15,20 +15,6 @@ pub struct Score<'a> {
     pub list: &'a [Scored],
     /// Seeds of which no amounts were found with which what should dominate does.
     pub discarded: usize,
-}
-
-/// "3 of 40 (7.5 %, 2.6 to 19.9)".
-fn rate(hits: usize, cases: usize) -> String {
-    if cases == 0 {
-        return "none".to_owned();
-    }
-    let (low, high) = wilson95(hits, cases);
-    format!(
-        "{hits} of {cases} ({:.0} %, {:.0} to {:.0})",
-        100.0 * hits as f64 / cases as f64,
-        100.0 * low,
-        100.0 * high
-    )
 }
 
 /// Worlds in which a cause of the catalogue dominates and shows.
@@ -46,7 +32,7 @@ impl Score<'_> {
     }
 
     fn share(list: &[&Scored], marks: &[Mark]) -> String {
-        rate(list.iter().filter(|s| marks.contains(&s.mark)).count(), list.len())
+        bounded(list.iter().filter(|s| marks.contains(&s.mark)).count(), list.len())
     }
 
     /// Everything, as Markdown.
@@ -93,10 +79,9 @@ impl Score<'_> {
         let held = |parameter: &str| {
             let hits = own.iter().flat_map(|s| &s.hits).filter(|hit| hit.name == parameter);
             let (count, held) = hits.fold((0, 0), |(n, held), hit| (n + 1, held + usize::from(hit.held)));
-            rate(held, count)
+            bounded(held, count)
         };
-        let mut seconds: Vec<f64> = own.iter().map(|s| s.answer.seconds).collect();
-        seconds.sort_by(f64::total_cmp);
+        let (middle, worst) = middle_and_worst(own.iter().map(|s| s.answer.seconds)).unwrap_or_default();
         vec![
             name.to_owned(),
             own.len().to_string(),
@@ -112,11 +97,7 @@ impl Score<'_> {
             ),
             held("mu_MPa"),
             held("alpha"),
-            format!(
-                "{:.1}, {:.1}",
-                seconds.get(seconds.len() / 2).copied().unwrap_or(0.0),
-                seconds.last().copied().unwrap_or(0.0)
-            ),
+            format!("{middle:.1}, {worst:.1}"),
         ]
     }
 

@@ -254,8 +254,7 @@ const TOLD: usize = 6;
 fn detail(e: &Evidence, spec: &Spec) -> String {
     let top = |(set, probability): (&Weighed, &f64)| {
         let codes: Vec<&str> = set.fit.codes().collect();
-        let sizes = e.judged.groups.iter().zip(&set.evidence.sizes).filter(|(_, size)| **size > 0.0);
-        let beside: String = sizes.map(|(over, size)| format!(" {over} {:.1}", 100.0 * size)).collect();
+        let beside: String = e.judged.beside(set).map(|(over, size)| format!(" {over} {:.1}", 100.0 * size)).collect();
         format!("{}:{probability:.3}{beside}", codes.join("+"))
     };
     let tops: Vec<String> = e.sets.iter().zip(&e.judged.sets).take(TOLD).map(top).collect();

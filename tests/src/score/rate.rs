@@ -54,6 +54,23 @@ pub fn share(hits: usize, cases: usize) -> String {
     if cases == 0 { "none".to_owned() } else { format!("{hits} of {cases} ({:.1} %)", percent(hits, cases)) }
 }
 
+/// "3 of 40 (8 %, 3 to 20)", with the 95 % bounds; "none" without cases.
+#[must_use]
+pub fn bounded(hits: usize, cases: usize) -> String {
+    if cases == 0 {
+        return "none".to_owned();
+    }
+    let (low, high) = wilson95(hits, cases);
+    format!("{hits} of {cases} ({:.0} %, {:.0} to {:.0})", percent(hits, cases), 100.0 * low, 100.0 * high)
+}
+
+/// The middle and the largest of some times; none without one.
+pub fn middle_and_worst(times: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let mut times: Vec<f64> = times.collect();
+    times.sort_by(f64::total_cmp);
+    Some((*times.get(times.len() / 2)?, *times.last()?))
+}
+
 /// Percent; 0 without cases.
 #[must_use]
 pub fn percent(hits: usize, cases: usize) -> f64 {

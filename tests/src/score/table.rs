@@ -6,7 +6,7 @@ use crate::hidden::{Design, NoiseKind, What};
 
 use super::Scored;
 use super::outcome::Outcome;
-use super::rate::{percent, share, upper95};
+use super::rate::{middle_and_worst, percent, share, upper95};
 
 /// What a surrogate study of the algorithm reached, percent (DIAGNOSIS.md): false alarm, exact, in a set, wrong name, outside unknown.
 fn surrogate(design: Design) -> Option<[u32; 5]> {
@@ -70,11 +70,8 @@ impl Score<'_> {
             let unknown = of(&|s| is_outside(s) && s.any_visible() && s.outcome == Outcome::OutsideUnknown);
             let known = surrogate(design).map(|all| all.map(|one| format!(" [{one}]")));
             let [a, b, c, d, e] = known.unwrap_or_default();
-            let mut seconds: Vec<f64> =
-                self.list.iter().filter(|s| s.design == design).map(|s| s.answer.seconds).collect();
-            seconds.sort_by(f64::total_cmp);
-            let middle = seconds.get(seconds.len() / 2).copied().unwrap_or(0.0);
-            let worst = seconds.last().copied().unwrap_or(0.0);
+            let own = self.list.iter().filter(|s| s.design == design);
+            let (middle, worst) = middle_and_worst(own.map(|s| s.answer.seconds)).unwrap_or_default();
             let _ = writeln!(
                 text,
                 "| {} | {} | {} of {clean}: {:.0} (<= {:.1}){a} | {:.0}{b} | {:.0}{c} | {:.1}{d} | {}{e} | {middle:.1}, {worst:.1} |",

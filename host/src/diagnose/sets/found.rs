@@ -5,6 +5,7 @@
 //! likeliest sets, one after the other, and that is kept in which the data as a whole are likeliest.
 
 use super::search::Leading;
+use super::share::Known;
 use super::solve::solved;
 use super::weigh::Weighed;
 use super::{Judged, Shares, discrepancy, of_groups};
@@ -24,6 +25,8 @@ const TELLS: usize = 4;
 pub struct Found<'a> {
     /// Data and noise as what was found sees them.
     pub search: Search<'a>,
+    /// The noise is another one than at first: it was told about a set.
+    pub is_told: bool,
     /// Sets that were weighed, the base among them, the likeliest first.
     pub sets: Vec<Weighed>,
     /// The likeliest set of what is named, one for each choice among twins, the likeliest first.
@@ -51,8 +54,7 @@ struct State<'a> {
     search: Search<'a>,
     groups: Vec<discrepancy::Group>,
     discrepancy: Discrepancy,
-    /// The likeliest first.
-    sets: Vec<Weighed>,
+    known: Known,
     /// Logarithm of the evidence of the likeliest for the data as they were measured, so that noises
     /// compare.
     log: f64,
@@ -65,20 +67,19 @@ impl<'a> State<'a> {
         let tried: Vec<&Fit> = known.iter().filter(|fit| !fit.candidates.is_empty()).collect();
         let leading = Leading { search: &search, discrepancy: &discrepancy };
         let sets = solved(&search, leading.led(&tried, seen), &discrepancy);
-        let sets = Shares::new(&search, &groups, &discrepancy, sets).sets().to_vec();
-        let log = sets.first()?.log - 0.5 * search.problem.whitening.log_determinant();
-        Some(Self { search, groups, discrepancy, sets, log })
+        let known = Shares::new(&search, &groups, &discrepancy, sets).into_known();
+        let log = known.sets.first()?.log - 0.5 * search.problem.whitening.log_determinant();
+        Some(Self { search, groups, discrepancy, known, log })
     }
 
     /// The set that the noise is to be told about next: the likeliest, or the likeliest without a
     /// discrepancy, in which it may be another one.
     fn next(&self, told: &[Vec<Candidate>]) -> Option<&Fit> {
         let is_new = |set: &&Weighed| !told.contains(&set.fit.candidates);
-        let groups = self.discrepancy.groups();
-        let is_alone = |set: &&Weighed| set.evidence.sizes.iter().take(groups).all(|size| *size == 0.0);
-        let near = self.sets.iter().filter(|set| set.log > self.sets[0].log - TOLD);
-        let mut alone = near.filter(is_alone).take(1);
-        self.sets.iter().take(1).find(is_new).or(alone.find(is_new)).map(|set| &set.fit)
+        let sets = &self.known.sets;
+        let near = sets.iter().filter(|set| set.log > sets[0].log - TOLD);
+        let mut alone = near.filter(|set| set.is_alone(&self.discrepancy)).take(1);
+        sets.iter().take(1).find(is_new).or(alone.find(is_new)).map(|set| &set.fit)
     }
 }
 
@@ -88,20 +89,23 @@ pub fn found<'a>(search: Search<'a>, stated_n: Option<f64>, progress: &Progress<
     let mut seen = Vec::new();
     let mut state = State::of(search, &[], &mut seen)?;
     let mut told: Vec<Vec<Candidate>> = vec![Vec::new()];
+    let mut is_told = false;
     for tell in 0..TELLS {
         progress("effects", tell, TELLS);
         let Some(next) = state.next(&told).cloned() else { break };
         told.push(next.candidates.clone());
-        let known: Vec<Fit> = state.sets.iter().map(|set| set.fit.clone()).collect();
+        let known: Vec<Fit> = state.known.sets.iter().map(|set| set.fit.clone()).collect();
         let other = state.search.about(&next, stated_n).and_then(|search| State::of(search, &known, &mut seen));
         if let Some(other) = other.filter(|other| other.log > state.log) {
-            state = other;
+            (state, is_told) = (other, true);
         }
     }
-    let State { search, groups, discrepancy, sets, .. } = state;
-    let judged = Judged::of(&search, &groups, &Shares::new(&search, &groups, &discrepancy, sets.clone()))?;
+    let State { search, groups, discrepancy, known, .. } = state;
+    let shares = Shares::of_known(&search, &discrepancy, known);
+    let judged = Judged::of(&search, &groups, &shares)?;
+    let Known { sets, .. } = shares.into_known();
     let held = holding(&judged.findings, &sets);
-    Some(Found { search, sets, held, judged })
+    Some(Found { search, is_told, sets, held, judged })
 }
 
 /// The likeliest sets of what is named, one for each twin.

@@ -101,8 +101,7 @@ impl Judged {
             })
             .collect();
         told.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        let whole = compared.iter().map(|set| set.log).fold(f64::NEG_INFINITY, log_sum);
-        let is_sure = whole - nothing_wrong(compared) > SURE;
+        let is_sure = nothing_wrong(compared, &beliefs.sets) < (-SURE).exp();
         let any = |of: &[&'static str]| {
             let numbers: Vec<usize> =
                 codes.iter().enumerate().filter(|(_, c)| of.contains(c)).map(|(at, _)| at).collect();
@@ -133,6 +132,12 @@ impl Judged {
         self.partly = std::mem::take(&mut self.findings);
     }
 
+    /// The discrepancies beside a set: what each varies with, and its size as a share of the force.
+    pub fn beside<'s>(&'s self, set: &'s Weighed) -> impl Iterator<Item = (&'static str, f64)> + 's {
+        let sizes = self.groups.iter().copied().zip(set.evidence.sizes.iter().copied());
+        sizes.filter(|(_, size)| *size > 0.0)
+    }
+
     /// Probability of a code, and the share of the misfit that it explains alone.
     #[must_use]
     pub fn belief(&self, code: &str) -> Option<&Belief> {
@@ -140,16 +145,10 @@ impl Judged {
     }
 }
 
-/// Logarithm of the evidence that nothing is wrong: of the base without a discrepancy.
-fn nothing_wrong(compared: &[Weighed]) -> f64 {
-    let base = compared.iter().find(|set| set.fit.candidates.is_empty());
-    base.map_or(f64::NEG_INFINITY, |base| base.evidence.alone)
-}
-
-/// Logarithm of the sum of two numbers whose logarithms are given.
-fn log_sum(a: f64, b: f64) -> f64 {
-    let (low, high) = (a.min(b), a.max(b));
-    if low.is_finite() { high + (low - high).exp().ln_1p() } else { high }
+/// Probability that nothing is wrong, over that of all sets: of the base without a discrepancy.
+fn nothing_wrong(compared: &[Weighed], probabilities: &[f64]) -> f64 {
+    let base = compared.iter().zip(probabilities).find(|(set, _)| set.fit.candidates.is_empty());
+    base.map_or(0.0, |(base, probability)| probability * (base.evidence.alone - base.log).exp())
 }
 
 /// 95 % intervals of `mu` (MPa) and `alpha`: of the mixture of all sets, discrepancies allowed for, those

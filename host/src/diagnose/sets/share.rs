@@ -34,18 +34,25 @@ const CANCELLED: f64 = -0.5;
 pub(super) struct Shares<'a> {
     search: &'a Search<'a>,
     discrepancy: &'a Discrepancy,
+    known: Known,
+}
+
+/// What is known of sets, apart from what they were weighed in.
+pub(super) struct Known {
+    /// The likeliest first.
+    pub sets: Vec<Weighed>,
+    /// What each leaves to explain, once that is asked for.
+    misfits: Vec<OnceCell<Misfit>>,
     /// Columns of the discrepancy, N; nothing of what differs between spots.
     forces_n: DMatrix<f64>,
-    /// The likeliest first.
-    sets: Vec<Weighed>,
-    /// What each leaves to explain, once that is asked for; none where it shows in no force.
-    misfits: Vec<OnceCell<Option<Misfit>>>,
 }
 
 /// What a set leaves to explain.
 struct Misfit {
     /// The base at its fit with the effects at the amounts of the evidence.
     model: Model,
+    /// Amounts of the discrepancy's columns; none where a number is none.
+    amounts: Option<DVector<f64>>,
     /// The discrepancy, and the step of the base that goes with it, N.
     beside_n: DVector<f64>,
     /// Root mean square beyond the base, N.
@@ -66,7 +73,17 @@ impl<'a> Shares<'a> {
             at += group.forces_n.ncols();
         }
         let misfits = sets.iter().map(|_| OnceCell::new()).collect();
-        Self { search, discrepancy, forces_n, sets, misfits }.sound()
+        Self::of_known(search, discrepancy, Known { sets, misfits, forces_n }).sound()
+    }
+
+    /// The same of what is known already.
+    pub fn of_known(search: &'a Search<'a>, discrepancy: &'a Discrepancy, known: Known) -> Self {
+        Self { search, discrepancy, known }
+    }
+
+    /// What is known of the sets.
+    pub fn into_known(self) -> Known {
+        self.known
     }
 
     /// What the sets were weighed beside.
@@ -76,18 +93,18 @@ impl<'a> Shares<'a> {
 
     /// The sets, the likeliest first.
     pub fn sets(&self) -> &[Weighed] {
-        &self.sets
+        &self.known.sets
     }
 
     /// Of effects of some codes, in the likeliest set that has as many of them as any; none where no
     /// set has one, or nothing is left without them.
     pub fn of(&self, codes: &[&'static str]) -> Option<f64> {
         let at = self.likeliest_with(codes)?;
-        let fit = &self.sets[at].fit;
-        match self.misfit(at) {
+        let fit = &self.known.sets[at].fit;
+        match self.seen(at) {
             Some(misfit) => Some(self.share(at, misfit, |effect| codes.contains(&fit.candidates[effect].effect.code))),
             None => {
-                let base = self.sets.iter().find(|set| set.fit.candidates.is_empty())?;
+                let base = self.known.sets.iter().find(|set| set.fit.candidates.is_empty())?;
                 let expected = freedom(&self.search.problem.used, &self.search.base);
                 explained(base.fit.square, expected, fit.square)
             }
@@ -98,29 +115,28 @@ impl<'a> Shares<'a> {
     pub fn explained_n(&self, codes: &[&'static str]) -> Option<f64> {
         let at = self.likeliest_with(codes)?;
         let share = self.of(codes).filter(|share| *share > 0.0)?;
-        Some(share.sqrt() * self.misfit(at)?.left_n)
+        Some(share.sqrt() * self.seen(at)?.left_n)
     }
 
     /// What the likeliest set leaves without a name: root mean square of what stays of its forces, and of the
     /// discrepancy beside them, once `mu` and `alpha` are fitted again beside its effects, as a share of
     /// the force; none where nothing is beside it but what spots differ by.
     pub fn left_share(&self) -> Option<f64> {
-        let set = self.sets.first().filter(|set| !self.is_alone(set))?;
-        let Misfit { model, beside_n, .. } = self.found(set);
-        let forces_n = self.forces_n(&model);
+        self.known.sets.first().filter(|set| !set.is_alone(self.discrepancy))?;
+        let Misfit { model, beside_n, .. } = self.misfit(0);
+        let forces_n = self.forces_n(model);
         let nodes = self.search.problem.design.series.iter().flat_map(|series| &series.nodes);
         let counted = nodes.zip(&forces_n).filter(|(node, _)| !node.lifted);
         let whole: f64 = counted.map(|(node, n)| node.samples.max(1) as f64 * n * n).sum();
-        let (_, left, _) = self.near(&model, &forces_n, &beside_n);
+        let (_, left, _) = self.near(model, &forces_n, beside_n);
         let share = (left / whole).sqrt();
         (share.is_finite() && share > 0.0).then_some(share)
     }
 
     /// What the discrepancies of the likeliest set vary with, the largest first.
     pub fn left_over(&self, groups: &[Group]) -> Vec<&'static str> {
-        let best = self.sets.first();
-        let amounts = best.and_then(|set| amounts(&set.linearised(), &set.evidence, self.discrepancy));
-        let Some(amounts) = amounts else { return Vec::new() };
+        let best = self.known.sets.first().map(|_| self.misfit(0));
+        let Some(amounts) = best.and_then(|misfit| misfit.amounts.as_ref()) else { return Vec::new() };
         let mut at = 0;
         let mut all: Vec<(&'static str, f64)> = Vec::new();
         for group in groups {
@@ -136,31 +152,34 @@ impl<'a> Shares<'a> {
     /// The likeliest set that has as many of some effects as any.
     fn likeliest_with(&self, codes: &[&'static str]) -> Option<usize> {
         let has = |set: &Weighed| codes.iter().filter(|code| set.fit.codes().any(|c| c == **code)).count();
-        let most = self.sets.iter().map(has).max().filter(|most| *most > 0)?;
-        self.sets.iter().position(|set| has(set) == most)
+        let most = self.known.sets.iter().map(has).max().filter(|most| *most > 0)?;
+        self.known.sets.iter().position(|set| has(set) == most)
     }
 
     /// Takes out what cancels; what is unlikely anyway counts for nothing.
     fn sound(mut self) -> Self {
         let mut best = f64::NEG_INFINITY;
         let mut kept = Vec::new();
-        for (at, set) in self.sets.iter().enumerate() {
+        for (at, set) in self.known.sets.iter().enumerate() {
             let is_kept = set.fit.candidates.is_empty() || set.log < best - BEHIND || !self.cancels(at);
             if is_kept {
                 best = best.max(set.log);
             }
             kept.push(is_kept);
         }
-        retain(&mut self.sets, &kept);
-        retain(&mut self.misfits, &kept);
+        retain(&mut self.known.sets, &kept);
+        retain(&mut self.known.misfits, &kept);
         self
     }
 
     /// True where the discrepancy takes an effect of a set back, at least in part. The two know nothing
     /// of each other, and large ones that cancel are two wrongs.
     fn cancels(&self, at: usize) -> bool {
-        let set = &self.sets[at];
-        let Some(misfit) = self.misfit(at).filter(|_| !self.is_alone(set)) else { return false };
+        let set = &self.known.sets[at];
+        if set.is_alone(self.discrepancy) {
+            return false;
+        }
+        let Some(misfit) = self.seen(at) else { return false };
         let effects = set.fit.candidates.len();
         let left_n = |own: Option<usize>| {
             let model = only(&misfit.model, |setting| setting >= effects || Some(setting) == own);
@@ -171,39 +190,40 @@ impl<'a> Shares<'a> {
         (0..effects).any(|own| 1.0 - (without_n / left_n(Some(own))).powi(2) < CANCELLED)
     }
 
-    /// True for a set with no discrepancy beside it.
-    fn is_alone(&self, set: &Weighed) -> bool {
-        set.evidence.sizes.iter().take(self.discrepancy.groups()).all(|size| *size == 0.0)
-    }
-
     /// Share of a set's misfit that goes without some of its effects.
     fn share(&self, at: usize, misfit: &Misfit, of: impl Fn(usize) -> bool) -> f64 {
-        let effects = self.sets[at].fit.candidates.len();
+        let effects = self.known.sets[at].fit.candidates.len();
         // a contact point that is fitted stands behind the effects
         let others = only(&misfit.model, |setting| setting >= effects || !of(setting));
         1.0 - (self.left_n(&others, &self.forces_n(&others), &misfit.beside_n) / misfit.left_n).powi(2)
     }
 
-    fn misfit(&self, at: usize) -> Option<&Misfit> {
-        let found = self.misfits[at].get_or_init(|| {
-            let misfit = self.found(&self.sets[at]);
-            (misfit.left_n > SEEN * self.search.problem.largest_n()).then_some(misfit)
-        });
-        found.as_ref()
+    fn misfit(&self, at: usize) -> &Misfit {
+        self.known.misfits[at].get_or_init(|| self.found(&self.known.sets[at]))
+    }
+
+    /// The misfit of a set; none where it shows in no force.
+    fn seen(&self, at: usize) -> Option<&Misfit> {
+        let misfit = self.misfit(at);
+        (misfit.left_n > SEEN * self.search.problem.largest_n()).then_some(misfit)
     }
 
     fn found(&self, set: &Weighed) -> Misfit {
         let problem = beside_its_solve(self.search, &set.fit);
         let (fit, found) = (&set.fit, &set.evidence.x);
         // the discrepancy takes most of a step of the base back: told together they stay small
-        let is_alone = self.is_alone(set);
+        let is_alone = set.is_alone(self.discrepancy);
         let is_base = |at: usize| !is_alone && !matches!(fit.coordinates[at], Coordinate::Of(..));
         let x = DVector::from_fn(found.len(), |at, _| if is_base(at) { fit.x[at] } else { found[at] });
         let model_at = |x: &DVector<f64>| problem.model(&fit.coordinates, &fit.candidates, x);
         let model = model_at(&x);
         let here_n = self.forces_n(&model);
-        let amounts = amounts(&set.linearised(), &set.evidence, self.discrepancy).filter(|_| !is_alone);
-        let mut beside_n = amounts.map_or_else(|| DVector::zeros(self.forces_n.nrows()), |of| &self.forces_n * of);
+        let amounts = amounts(&set.linearised(), &set.evidence, self.discrepancy);
+        let columns_n = &self.known.forces_n;
+        let mut beside_n = match amounts.as_ref().filter(|_| !is_alone) {
+            Some(amounts) => columns_n * amounts,
+            None => DVector::zeros(columns_n.nrows()),
+        };
         for at in (0..found.len()).filter(|at| is_base(*at)) {
             let step = fit.coordinates[at].step();
             let mut moved = x.clone();
@@ -214,7 +234,7 @@ impl<'a> Shares<'a> {
             rows.for_each(|(n, (there, here))| *n += by * (there - here));
         }
         let left_n = self.left_n(&model, &here_n, &beside_n);
-        Misfit { model, beside_n, left_n }
+        Misfit { model, amounts, beside_n, left_n }
     }
 
     /// Forces of a model at the nodes of all runs, one after the other, N. Contact points of runs lie where the

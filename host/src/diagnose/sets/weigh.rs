@@ -51,6 +51,11 @@ impl Weighed {
         self
     }
 
+    /// True for a set with no discrepancy beside it.
+    pub(super) fn is_alone(&self, discrepancy: &Discrepancy) -> bool {
+        self.evidence.sizes.iter().take(discrepancy.groups()).all(|size| *size == 0.0)
+    }
+
     /// The model about its fit.
     pub(super) fn linearised(&self) -> Linearised<'_> {
         linearised(&self.fit, &self.known)

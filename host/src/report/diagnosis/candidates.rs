@@ -96,8 +96,8 @@ fn sets(page: &mut Page, experiment: &Experiment, evidence: &Evidence) {
 
 /// Discrepancies beside a set.
 fn beside(set: &Weighed, judged: &Judged) -> String {
-    let sizes = judged.groups.iter().zip(&set.evidence.sizes).filter(|(_, size)| **size > 0.0);
-    let each: Vec<String> = sizes.map(|(over, size)| format!("{over} {}", number(tenth(100.0 * size)))).collect();
+    let each: Vec<String> =
+        judged.beside(set).map(|(over, size)| format!("{over} {}", number(tenth(100.0 * size)))).collect();
     if each.is_empty() { "nothing".to_owned() } else { each.join(", ") }
 }
 

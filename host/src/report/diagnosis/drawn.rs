@@ -24,7 +24,7 @@ pub(super) struct Drawn<'a> {
 /// The set that the verdict stands by, or, where there is no name, the likeliest.
 pub(super) fn drawn<'a>(experiment: &Experiment, found: &'a Diagnosis) -> Option<Drawn<'a>> {
     let evidence = found.evidence.as_deref().filter(|_| found.verdict != Verdict::Clean)?;
-    let effects = match evidence.shown()?.fit.candidates.as_slice() {
+    let effects = match evidence.shown.as_ref()?.fit.candidates.as_slice() {
         [one] => words::candidate(experiment, one),
         // a legend has room for codes only
         several => several.iter().map(|c| c.effect.code).collect::<Vec<_>>().join(" + "),

@@ -224,6 +224,7 @@ fn evidence(held: Vec<Weighed>) -> Evidence {
         margins: vec![margin(Variable::HoldTime, "hold, 0 to 25 %"), margin(Variable::Radius, "ball 1, 0 to 33 %")],
         ripple: None,
         left: (!held.is_empty()).then(|| Adequacy { readings: vec![0.4, -1.1], threshold: 3.5, shows_in: Vec::new() }),
+        shown: Some(weighed(&["relaxation"], 0.0)),
         sets: vec![weighed(&["relaxation"], 0.0), weighed(&["relaxation", "sensor-creep"], -0.85), weighed(&[], -7.0)],
         judged: judged(Verdict::Named),
         held_out: (!held.is_empty()).then_some(HeldOut {
