@@ -111,11 +111,11 @@ fn on(on: On) -> Value {
 /// Every effect that was tried, the likeliest first.
 fn candidates(judged: &Judged) -> Vec<Value> {
     let each = judged.beliefs.iter();
-    each.map(|b| json!({ "code": b.code, "probability": b.probability, "explains": b.explains })).collect()
+    each.map(|b| json!({ "code": b.name, "probability": b.probability, "explains": b.explains })).collect()
 }
 
 fn kinds(judged: &Judged) -> Vec<Value> {
-    judged.kinds.iter().map(|(kind, p)| json!({ "kind": kind.words(), "probability": p })).collect()
+    judged.kinds().iter().map(|(kind, p)| json!({ "kind": kind.words(), "probability": p })).collect()
 }
 
 /// The likeliest sets, each with its probability and the discrepancies beside it, percent of the force.

@@ -183,7 +183,7 @@ impl Evidence {
     pub fn extended(&self) -> Option<[Estimate; 2]> {
         let best = self.after.as_ref().filter(|_| !self.held.is_empty())?.parameters;
         let own = self.held.iter().map(|e| e.fit.base().map(|p| p.1));
-        Some(own.chain([self.judged.intervals]).fold(best, holding))
+        Some(own.chain([self.judged.elastic()]).fold(best, holding))
     }
 
     /// The same with the intervals that noise alone makes.
@@ -399,7 +399,7 @@ impl Diagnosis {
         };
         verdict::conclude(self, experiment, &seen, &mut found, held_out.as_ref());
         let mut before = Stand::of(design, chain, &first.base);
-        before.parameters = holding(before.parameters, found.judged.intervals);
+        before.parameters = holding(before.parameters, found.judged.elastic());
         let Found { search, sets, held, judged, .. } = found;
         // a noise that was told about what is not named may leave the base anywhere
         let (Search { problem, noise, base, .. }, margins, adequacy) = match held.is_empty() {

@@ -6,7 +6,7 @@ use super::Diagnosis;
 use super::check::Kind;
 use super::design::Design;
 use super::evidence::{Gauge, Panel};
-use super::finding::{Finding, Verdict};
+use super::finding::Finding;
 use super::gradient::Gradient;
 use super::held_out::HeldOut;
 use super::noise::{Noise, Source};
@@ -15,6 +15,7 @@ use super::search::Search;
 use super::sets::{Found, Judged, Weighed};
 use super::twins::Twins;
 use crate::experiment::Experiment;
+use crate::infer::sets::Outcome;
 
 /// A plausible amount must lie this far beyond the threshold to be seen in nine cases of ten.
 const POWER: f64 = 1.28;
@@ -168,15 +169,15 @@ pub(super) fn conclude(
                 "what explains it ends at the bound of {quantity}, beyond which laboratories do not go: its name is withdrawn"
             ));
         }
-        if !gains || at_end.is_some() || seen.spoils(judged.explained_n) || held.is_empty() {
+        if !gains || at_end.is_some() || seen.spoils(judged.explained) || held.is_empty() {
             judged.withdraw();
             held.clear();
         }
     }
-    if judged.verdict == Verdict::Clean && !seen.is_regular() {
-        judged.verdict = Verdict::Unknown;
+    if judged.outcome == Outcome::Clean && !seen.is_regular() {
+        judged.outcome = Outcome::Unknown;
     }
-    diagnosis.verdict = judged.verdict;
+    diagnosis.verdict = judged.outcome.into();
     diagnosis.findings = held.first().map(|best| findings(experiment, best, judged, sets)).unwrap_or_default();
     let named = |code: &&str| diagnosis.findings.iter().any(|f| f.code == *code || f.ambiguous_with.contains(code));
     diagnosis.blind_to = diagnosis.blind_to.iter().filter(|code| !named(code)).copied().collect();

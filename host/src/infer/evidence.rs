@@ -38,6 +38,12 @@ pub enum Prior {
 }
 
 impl Prior {
+    /// Wide, between bounds: two standard deviations to either side.
+    #[must_use]
+    pub fn between((low, high): (f64, f64)) -> Self {
+        Self::Normal { mean: 0.5 * (low + high), deviation: 0.25 * (high - low) }
+    }
+
     /// Logarithm of its density; 0 where it is flat.
     #[must_use]
     pub fn log_density(&self, x: f64) -> f64 {
@@ -68,6 +74,16 @@ pub struct Parameter {
     pub bounds: (f64, f64),
     /// What is known of it.
     pub prior: Prior,
+}
+
+impl Parameter {
+    /// An amount that is not there yet, in units of some size; bounds and scale of its prior are beyond its
+    /// null.
+    #[must_use]
+    pub fn in_units(unit: f64, bounds: (f64, f64), scale: f64) -> Self {
+        let (a, b) = (bounds.0 / unit, bounds.1 / unit);
+        Self { x: 0.0, bounds: (a.min(b), a.max(b)), prior: Prior::Cauchy { null: 0.0, scale: scale / unit.abs() } }
+    }
 }
 
 /// A model linearised at a point. Rows are whitened by the noise.

@@ -12,13 +12,12 @@
 //! mixture     quantiles of mixtures of normal distributions
 //! process     shapes of a smooth random function
 //! evidence    marginal likelihood of a model, its discrepancy of unknown size integrated
-//! compare     from evidence of sets of effects to the probability of each
+//! sets        sets of effects, compared by their evidence; from that to names
 //! starts      where searches begin: a space-filling design, and a search from many starts
 //! ```
 //!
 //! Users are [`crate::identify`], [`crate::extended`] and [`crate::diagnose`]. Nothing here imports any of them.
 
-pub mod compare;
 pub mod covariance;
 pub mod descent;
 pub mod eigen;
@@ -29,5 +28,6 @@ pub mod presence;
 pub mod process;
 pub mod product;
 pub mod rows;
+pub mod sets;
 pub mod starts;
 pub mod unseen;

@@ -4,22 +4,22 @@
 //! passes for many times what it is, and hides whatever else is there. So the noise is told about the
 //! likeliest sets, one after the other, and that is kept in which the data as a whole are likeliest.
 
-use super::search::Leading;
-use super::share::Known;
+use super::discrepancy::groups;
 use super::solve::solved;
-use super::weigh::Weighed;
-use super::{Judged, Shares, discrepancy, of_groups};
+use super::{Judged, Weighed};
 use crate::diagnose::coordinate::Candidate;
-use crate::diagnose::finding::Verdict;
 use crate::diagnose::fit::Fit;
 use crate::diagnose::progress::Progress;
 use crate::diagnose::search::Search;
-use crate::infer::evidence::Discrepancy;
+use crate::infer::sets::{Groups, Known, Outcome, Shares, led};
 
 /// How far behind the likeliest (logarithm) a set without a discrepancy may lie for the noise to be
 /// told about it, and how often that is done.
 const TOLD: f64 = 25.0;
 const TELLS: usize = 4;
+
+/// Parameters that all sets have, of which intervals are told: `mu` and `alpha`.
+const ELASTIC: usize = 2;
 
 /// What a search came to.
 pub struct Found<'a> {
@@ -40,7 +40,7 @@ impl Found<'_> {
     /// named, the likely ones.
     pub fn rivals(&self) -> Vec<&Weighed> {
         const LIKELY: f64 = 0.05;
-        if !self.held.is_empty() || self.judged.verdict == Verdict::Clean {
+        if !self.held.is_empty() || self.judged.outcome == Outcome::Clean {
             return self.held.iter().collect();
         }
         let each = self.sets.iter().zip(&self.judged.sets);
@@ -52,9 +52,8 @@ impl Found<'_> {
 /// A search in one noise.
 struct State<'a> {
     search: Search<'a>,
-    groups: Vec<discrepancy::Group>,
-    discrepancy: Discrepancy,
-    known: Known,
+    groups: Groups,
+    known: Known<Search<'a>>,
     /// Logarithm of the evidence of the likeliest for the data as they were measured, so that noises
     /// compare.
     log: f64,
@@ -62,14 +61,12 @@ struct State<'a> {
 
 impl<'a> State<'a> {
     fn of(search: Search<'a>, known: &[Fit], seen: &mut Vec<Vec<Candidate>>) -> Option<Self> {
-        let groups = discrepancy::groups(&search.problem, &search.curves);
-        let discrepancy = of_groups(&search, &groups);
+        let groups = groups(&search.problem, &search.curves);
         let tried: Vec<&Fit> = known.iter().filter(|fit| !fit.candidates.is_empty()).collect();
-        let leading = Leading { search: &search, discrepancy: &discrepancy };
-        let sets = solved(&search, leading.led(&tried, seen), &discrepancy);
-        let known = Shares::new(&search, &groups, &discrepancy, sets).into_known();
+        let led = led(&search, &groups.discrepancy, &tried, seen);
+        let known = Shares::new(&search, &groups, solved(&search, led, &groups.discrepancy)).into_known();
         let log = known.sets.first()?.log - 0.5 * search.problem.whitening.log_determinant();
-        Some(Self { search, groups, discrepancy, known, log })
+        Some(Self { search, groups, known, log })
     }
 
     /// The set that the noise is to be told about next: the likeliest, or the likeliest without a
@@ -78,7 +75,7 @@ impl<'a> State<'a> {
         let is_new = |set: &&Weighed| !told.contains(&set.fit.candidates);
         let sets = &self.known.sets;
         let near = sets.iter().filter(|set| set.log > sets[0].log - TOLD);
-        let mut alone = near.filter(|set| set.is_alone(&self.discrepancy)).take(1);
+        let mut alone = near.filter(|set| set.is_alone(&self.groups.discrepancy)).take(1);
         sets.iter().take(1).find(is_new).or(alone.find(is_new)).map(|set| &set.fit)
     }
 }
@@ -100,38 +97,10 @@ pub fn found<'a>(search: Search<'a>, stated_n: Option<f64>, progress: &Progress<
             (state, is_told) = (other, true);
         }
     }
-    let State { search, groups, discrepancy, known, .. } = state;
-    let shares = Shares::of_known(&search, &discrepancy, known);
-    let judged = Judged::of(&search, &groups, &shares)?;
+    let State { search, groups, known, .. } = state;
+    let shares = Shares::of_known(&search, &groups, known);
+    let judged = Judged::of(&shares, ELASTIC)?;
     let Known { sets, .. } = shares.into_known();
-    let held = holding(&judged.findings, &sets);
+    let held = judged.holding(&sets);
     Some(Found { search, is_told, sets, held, judged })
-}
-
-/// The likeliest sets of what is named, one for each twin.
-fn holding(findings: &[Vec<&'static str>], sets: &[Weighed]) -> Vec<Weighed> {
-    if findings.is_empty() {
-        return Vec::new();
-    }
-    let mut held: Vec<Weighed> = Vec::new();
-    for codes in choices(findings) {
-        let is_that = |set: &&Weighed| {
-            let its: Vec<&str> = set.fit.codes().collect();
-            its.iter().all(|code| codes.contains(code)) && codes.iter().all(|code| its.contains(code))
-        };
-        held.extend(sets.iter().find(is_that).cloned());
-    }
-    held.sort_by(|a, b| b.log.total_cmp(&a.log));
-    held
-}
-
-/// Every choice of one code of each finding.
-fn choices(findings: &[Vec<&'static str>]) -> Vec<Vec<&'static str>> {
-    findings.iter().fold(vec![Vec::new()], |heads, twins| {
-        let with = |head: &Vec<&'static str>| {
-            let head = head.clone();
-            twins.iter().map(move |code| head.iter().copied().chain([*code]).collect::<Vec<_>>()).collect::<Vec<_>>()
-        };
-        heads.iter().flat_map(with).collect()
-    })
 }

@@ -3,11 +3,11 @@
 
 use rayon::prelude::*;
 
-use super::search::BEHIND;
-use super::weigh::{Weighed, level};
+use super::Weighed;
 use crate::diagnose::fit::Fit;
 use crate::diagnose::search::Search;
 use crate::infer::evidence::Discrepancy;
+use crate::infer::sets::{BEHIND, level};
 
 /// Sets that are solved at a time, the likeliest first, and in all.
 const AT_ONCE: usize = 4;

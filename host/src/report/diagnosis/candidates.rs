@@ -50,11 +50,11 @@ fn effects(page: &mut Page, judged: &Judged) {
         .iter()
         .map(|b| {
             let explains = b.explains.map_or_else(|| "-".to_owned(), percent);
-            vec![b.code.to_owned(), kind(b.code).to_owned(), probability(b.probability), explains]
+            vec![b.name.to_owned(), kind(b.name).to_owned(), probability(b.probability), explains]
         })
         .collect();
     if !others.is_empty() {
-        let codes: Vec<&str> = others.iter().map(|b| b.code).collect();
+        let codes: Vec<&str> = others.iter().map(|b| b.name).collect();
         rows.push(vec![words::listed(&codes, "and"), String::new(), "< 1 % each".to_owned(), "-".to_owned()]);
     }
     page.table(&["effect", "kind", "probability", "explains"], &rows);
@@ -62,7 +62,8 @@ fn effects(page: &mut Page, judged: &Judged) {
 
 /// What kind of thing is wrong, which may be certain while no form is.
 fn kinds(page: &mut Page, judged: &Judged) {
-    let likely = judged.kinds.iter().filter(|(_, p)| *p > OF_NOTE);
+    let kinds = judged.kinds();
+    let likely = kinds.iter().filter(|(_, p)| *p > OF_NOTE);
     let each: Vec<String> = likely.map(|(kind, p)| format!("{} {}", kind.words(), probability(*p))).collect();
     if !each.is_empty() {
         page.paragraph(&format!("By kind: {}.", each.join(", ")));

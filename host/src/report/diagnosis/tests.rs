@@ -21,6 +21,7 @@ use crate::diagnose::sets::{Belief, Judged, Weighed};
 use crate::diagnose::{Evidence, Finding, Stand};
 use crate::experiment::{Base, BaseLaw, Indenter, Length, Sensor, Specimen};
 use crate::infer::evidence::Evidence as Weight;
+use crate::infer::sets::Outcome;
 
 fn experiment() -> Experiment {
     let indenter = |name: &str, radius_mm| Indenter { name: name.to_owned(), radius_mm: Length::Known(radius_mm) };
@@ -151,25 +152,25 @@ fn weighed(codes: &[&str], log: f64) -> Weighed {
 }
 
 /// Relaxation for certain, creep of the sensor perhaps.
-fn judged(verdict: Verdict) -> Judged {
-    let belief = |code, probability, explains| Belief { code, probability, explains };
+fn judged(outcome: Outcome) -> Judged {
+    let belief = |name, probability, explains| Belief { name, probability, explains };
     Judged {
-        verdict,
+        outcome,
         findings: Vec::new(),
         beliefs: vec![
             belief("relaxation", 0.9991, Some(0.86)),
             belief("sensor-creep", 0.3, Some(-0.02)),
             belief("friction", 0.001, None),
         ],
-        kinds: vec![(effect::Kind::Memory, 0.9991), (effect::Kind::Sensor, 0.3)],
         partly: Vec::new(),
         explains: Some(0.86),
-        explained_n: Some(0.1),
-        intervals: [(0.21, 0.23), (10.0, 11.0)],
+        explained: Some(0.1),
+        intervals: [(0.21, 0.23), (10.0, 11.0)].map(|(low, high): (f64, f64)| (low.ln(), high.ln())).to_vec(),
         remainder: Some(0.012),
         shows_in: vec!["hold"],
         groups: vec!["depth", "hold"],
         sets: vec![0.7, 0.2991, 0.0009],
+        members: vec![vec!["relaxation"], vec!["relaxation", "sensor-creep"], vec!["sensor-creep"]],
     }
 }
 
@@ -226,7 +227,7 @@ fn evidence(held: Vec<Weighed>) -> Evidence {
         left: (!held.is_empty()).then(|| Adequacy { readings: vec![0.4, -1.1], threshold: 3.5, shows_in: Vec::new() }),
         shown: Some(weighed(&["relaxation"], 0.0)),
         sets: vec![weighed(&["relaxation"], 0.0), weighed(&["relaxation", "sensor-creep"], -0.85), weighed(&[], -7.0)],
-        judged: judged(Verdict::Named),
+        judged: judged(Outcome::Named),
         held_out: (!held.is_empty()).then_some(HeldOut {
             rmse_before_n: 0.1,
             rmse_after_n: 0.02,

@@ -116,13 +116,13 @@ fn in_part(found: &Diagnosis) -> String {
             None => format!("{each} is a part of it, how large is not known"),
         };
     }
-    match (judged.beliefs.first(), judged.kinds.first()) {
+    match (judged.beliefs.first(), judged.kinds().first()) {
         (Some(first), Some((kind, p))) if *p > CERTAIN && first.probability <= CERTAIN => {
             format!("what is wrong is of one kind, {}, but its form is open", kind.words())
         }
         (Some(first), _) if first.probability > LIKELY => {
             let sure = percent(first.probability);
-            format!("{} is the likeliest cause (probability {sure}) but no name", name(first.code))
+            format!("{} is the likeliest cause (probability {sure}) but no name", name(first.name))
         }
         _ => nothing,
     }

@@ -1,7 +1,19 @@
 //! From what is believed of effects to a verdict.
 
 use super::Belief;
-use crate::diagnose::finding::Verdict;
+
+/// What is said of data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Nothing is wrong.
+    Clean,
+    /// Each finding has one name.
+    Named,
+    /// Some finding has several.
+    Ambiguous,
+    /// Something is wrong that has no name.
+    Unknown,
+}
 
 /// Probability from which the first effect has its name, and each further one; below which an
 /// effect is of no account.
@@ -17,58 +29,58 @@ const MOST_TWINS: usize = 3;
 
 /// What is said of what is believed.
 #[derive(Debug, PartialEq)]
-pub(super) struct Conclusion {
-    pub verdict: Verdict,
+pub(super) struct Conclusion<N> {
+    pub outcome: Outcome,
     /// Names that hold, each with its twins.
-    pub findings: Vec<Vec<&'static str>>,
+    pub findings: Vec<Vec<N>>,
     /// The same of what is there and explains too little.
-    pub partly: Vec<Vec<&'static str>>,
+    pub partly: Vec<Vec<N>>,
     pub explains: Option<f64>,
 }
 
 /// The verdict of what is believed, the likeliest first. `share` is what the best set of some
 /// effects explains of the misfit, `any` the probability that one of them is there; `is_wrong`
 /// where something is wrong for certain.
-pub(super) fn concluded(
-    told: &[Belief],
+pub(super) fn concluded<N: Copy + Eq>(
+    told: &[Belief<N>],
     is_wrong: bool,
-    share: impl Fn(&[&'static str]) -> Option<f64>,
-    any: impl Fn(&[&'static str]) -> f64,
-) -> Conclusion {
-    let mut found: Vec<Vec<&'static str>> = certain(told);
+    share: impl Fn(&[N]) -> Option<f64>,
+    any: impl Fn(&[N]) -> f64,
+) -> Conclusion<N> {
+    let mut found: Vec<Vec<N>> = certain(told);
     let least = if found.is_empty() { NAMED } else { NAMED_TOO };
     found.extend(twins(told, least, any));
-    let of = |sets: &[Vec<&'static str>]| share(&sets.concat()).unwrap_or(0.0);
+    let of = |sets: &[Vec<N>]| share(&sets.concat()).unwrap_or(0.0);
     drop_small(&mut found, of);
     let explains = share(&found.concat());
     if found.is_empty() {
         let likely = told.first().is_some_and(|b| b.probability > NO_ACCOUNT);
-        let verdict = if likely || is_wrong { Verdict::Unknown } else { Verdict::Clean };
-        return Conclusion { verdict, findings: Vec::new(), partly: Vec::new(), explains: None };
+        let outcome = if likely || is_wrong { Outcome::Unknown } else { Outcome::Clean };
+        return Conclusion { outcome, findings: Vec::new(), partly: Vec::new(), explains: None };
     }
     if explains.is_none_or(|share| share < EXPLAINS) {
-        return Conclusion { verdict: Verdict::Unknown, findings: Vec::new(), partly: found, explains };
+        return Conclusion { outcome: Outcome::Unknown, findings: Vec::new(), partly: found, explains };
     }
-    let verdict = if found.iter().all(|set| set.len() == 1) { Verdict::Named } else { Verdict::Ambiguous };
-    Conclusion { verdict, findings: found, partly: Vec::new(), explains }
+    let outcome = if found.iter().all(|set| set.len() == 1) { Outcome::Named } else { Outcome::Ambiguous };
+    Conclusion { outcome, findings: found, partly: Vec::new(), explains }
 }
 
 /// Effects that are there, what explains most alone first.
-fn certain(told: &[Belief]) -> Vec<Vec<&'static str>> {
-    let mut believed: Vec<&Belief> = told.iter().filter(|b| b.probability > NAMED).collect();
+fn certain<N: Copy>(told: &[Belief<N>]) -> Vec<Vec<N>> {
+    let mut believed: Vec<&Belief<N>> = told.iter().filter(|b| b.probability > NAMED).collect();
     believed.sort_by(|a, b| b.explains.unwrap_or(0.0).total_cmp(&a.explains.unwrap_or(0.0)));
-    let is_named = |(at, b): &(usize, &Belief)| *at == 0 || b.probability > NAMED_TOO;
-    believed.into_iter().enumerate().filter(is_named).map(|(_, b)| vec![b.code]).collect()
+    let is_named = |(at, b): &(usize, &Belief<N>)| *at == 0 || b.probability > NAMED_TOO;
+    believed.into_iter().enumerate().filter(is_named).map(|(_, b)| vec![b.name]).collect()
 }
 
 /// The fewest effects of which one is there, though none for certain: the likeliest, and those that
 /// are there where it is not.
-fn twins(told: &[Belief], least: f64, any: impl Fn(&[&'static str]) -> f64) -> Option<Vec<&'static str>> {
-    let uncertain: Vec<&'static str> = told.iter().filter(|b| b.probability <= NAMED).map(|b| b.code).collect();
+fn twins<N: Copy + Eq>(told: &[Belief<N>], least: f64, any: impl Fn(&[N]) -> f64) -> Option<Vec<N>> {
+    let uncertain: Vec<N> = told.iter().filter(|b| b.probability <= NAMED).map(|b| b.name).collect();
     let mut few = vec![*uncertain.first()?];
     while few.len() < MOST_TWINS {
-        let with = |code: &'static str| few.iter().copied().chain([code]).collect::<Vec<_>>();
-        let others = uncertain.iter().filter(|code| !few.contains(code)).map(|code| with(code));
+        let with = |name: N| few.iter().copied().chain([name]).collect::<Vec<_>>();
+        let others = uncertain.iter().filter(|name| !few.contains(*name)).map(|name| with(*name));
         // of equals the likelier
         few = others.reduce(|best, other| if any(&other) > any(&best) { other } else { best })?;
         if any(&few) > least {
@@ -80,7 +92,7 @@ fn twins(told: &[Belief], least: f64, any: impl Fn(&[&'static str]) -> f64) -> O
 
 /// Takes out findings behind the first that add next to nothing, or less than what stays without a
 /// name: what has no name may be any of that size.
-fn drop_small(found: &mut Vec<Vec<&'static str>>, share: impl Fn(&[Vec<&'static str>]) -> f64) {
+fn drop_small<N: Copy>(found: &mut Vec<Vec<N>>, share: impl Fn(&[Vec<N>]) -> f64) {
     while found.len() > 1 {
         let whole = share(found);
         let adds = |at: usize| {
@@ -98,22 +110,22 @@ fn drop_small(found: &mut Vec<Vec<&'static str>>, share: impl Fn(&[Vec<&'static 
 mod tests {
     use super::*;
 
-    fn belief(code: &'static str, probability: f64) -> Belief {
-        Belief { code, probability, explains: None }
+    fn belief(code: &'static str, probability: f64) -> Belief<&'static str> {
+        Belief { name: code, probability, explains: None }
     }
 
     #[test]
     fn names_need_belief_and_a_share() {
         let lag = [belief("lag", 0.999), belief("drift", 0.1)];
-        let said = |told: &[Belief], share: f64, any: f64| {
+        let said = |told: &[Belief<&'static str>], share: f64, any: f64| {
             let found = concluded(told, false, |of| (!of.is_empty()).then_some(share), |_| any);
-            (found.verdict, found.findings, found.partly)
+            (found.outcome, found.findings, found.partly)
         };
-        assert_eq!(said(&lag, 0.9, 0.5), (Verdict::Named, vec![vec!["lag"]], vec![]));
-        assert_eq!(said(&lag, 0.4, 0.5), (Verdict::Unknown, vec![], vec![vec!["lag"]]));
+        assert_eq!(said(&lag, 0.9, 0.5), (Outcome::Named, vec![vec!["lag"]], vec![]));
+        assert_eq!(said(&lag, 0.4, 0.5), (Outcome::Unknown, vec![], vec![vec!["lag"]]));
         let twins = [belief("lag", 0.6), belief("drift", 0.395), belief("radius", 0.001)];
-        assert_eq!(said(&twins, 0.9, 0.999), (Verdict::Ambiguous, vec![vec!["lag", "drift"]], vec![]));
-        assert_eq!(said(&twins, 0.9, 0.98).0, Verdict::Unknown);
+        assert_eq!(said(&twins, 0.9, 0.999), (Outcome::Ambiguous, vec![vec!["lag", "drift"]], vec![]));
+        assert_eq!(said(&twins, 0.9, 0.98).0, Outcome::Unknown);
     }
 
     #[test]
@@ -138,16 +150,16 @@ mod tests {
         let told = [belief("relaxation", 1.0), belief("lag", 0.6), belief("drift", 0.3999)];
         let share = |of: &[&str]| Some(0.3 + 0.3 * of.len() as f64);
         let found = concluded(&told, false, share, |_| 0.9999);
-        assert_eq!(found.verdict, Verdict::Ambiguous);
+        assert_eq!(found.outcome, Outcome::Ambiguous);
         assert_eq!(found.findings, [vec!["relaxation"], vec!["lag", "drift"]]);
     }
 
     #[test]
     fn without_a_likely_effect_the_remainder_decides() {
         let none = [belief("lag", 0.2)];
-        let said = |told: &[Belief], is_wrong| concluded(told, is_wrong, |_| None, |_| 0.0).verdict;
-        assert_eq!(said(&none, false), Verdict::Clean);
-        assert_eq!(said(&none, true), Verdict::Unknown);
-        assert_eq!(said(&[], false), Verdict::Clean);
+        let said = |told: &[Belief<&'static str>], is_wrong| concluded(told, is_wrong, |_| None, |_| 0.0).outcome;
+        assert_eq!(said(&none, false), Outcome::Clean);
+        assert_eq!(said(&none, true), Outcome::Unknown);
+        assert_eq!(said(&[], false), Outcome::Clean);
     }
 }
