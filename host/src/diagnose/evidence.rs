@@ -220,39 +220,3 @@ impl<V: PartialEq> Adequacy<V> {
         self.readings.iter().map(|r| r.abs()).fold(0.0, f64::max) / self.threshold
     }
 }
-
-/// One subspace.
-#[derive(Debug, Clone)]
-pub(super) struct Space {
-    /// Orthonormal columns.
-    pub basis: DMatrix<f64>,
-    /// Mean of the square over clean twins.
-    pub mean: f64,
-}
-
-impl Space {
-    /// Reading of a residual.
-    pub fn read(&self, residual: &DVector<f64>) -> f64 {
-        self.standard(self.basis.tr_mul(residual).norm_squared())
-    }
-
-    /// Fisher's approximation of a chi-square by a normal distribution.
-    pub fn standard(&self, square: f64) -> f64 {
-        let freedom = self.basis.ncols() as f64;
-        if freedom == 0.0 || self.mean <= 0.0 {
-            return f64::NEG_INFINITY;
-        }
-        (2.0 * square.max(0.0) * freedom / self.mean).sqrt() - (2.0 * freedom - 1.0).sqrt()
-    }
-}
-
-/// Columns that keep more than a thousandth of themselves; the others are what the parameters take up whole.
-pub(super) fn visible(whole: &DMatrix<f64>, rest: &DMatrix<f64>) -> DMatrix<f64> {
-    let kept: Vec<DVector<f64>> = rest
-        .column_iter()
-        .zip(whole.column_iter())
-        .filter(|(r, w)| r.norm() > 1e-3 * w.norm())
-        .map(|(r, _)| r.into_owned())
-        .collect();
-    if kept.is_empty() { DMatrix::zeros(rest.nrows(), 0) } else { DMatrix::from_columns(&kept) }
-}

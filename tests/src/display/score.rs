@@ -174,7 +174,7 @@ fn strength(case: &Case, found: &Diagnosis) -> f64 {
             continue;
         }
         // of a flux that follows another current, the difference at the same current
-        let law = &evidence.base.law;
+        let law = &evidence.base.fit.law;
         let each = a.series.iter().zip(&b.series).flat_map(|(x, y)| {
             let (px, py) = (law.predict(x), law.predict(y));
             (0..x.output.len())
@@ -184,7 +184,7 @@ fn strength(case: &Case, found: &Diagnosis) -> f64 {
         let mut change = DVector::from_iterator(a.samples(), each);
         let predicted: Vec<Vec<f64>> = evidence.design.series.iter().map(|s| law.predict(s)).collect();
         display::whiten::Whitening::new(&evidence.design, &predicted, &evidence.noise).apply(&mut change);
-        let basis = palpate::diagnose::evidence::basis(&evidence.base.jacobian);
+        let basis = palpate::diagnose::evidence::basis(&evidence.base.fit.jacobian);
         square += (&change - &basis * basis.tr_mul(&change)).norm_squared();
     }
     square.sqrt()

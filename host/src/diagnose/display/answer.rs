@@ -3,10 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use super::fit::Estimate;
-use super::search::Explanation;
-use super::{ChannelDiagnosis, Diagnosis, Evidence, Finding};
+use super::{ChannelDiagnosis, Diagnosis, Evidence, Finding, Judged};
 use crate::diagnose::Verdict;
-use crate::infer::covariance::Z95;
 
 /// The keys of the contract over all channels, and every channel by itself under `channels`.
 #[must_use]
@@ -34,8 +32,8 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "next_experiment": next.map(told),
         "proposals": proposals.iter().map(told).collect::<Vec<_>>(),
         "held_out": evidence.and_then(|(c, e)| held_out(c, e)),
-        "base": { "parameters": evidence.map(|(_, e)| parameters(&e.base.estimates(None, Z95))) },
-        "extended": { "parameters": evidence.and_then(|(c, e)| extended(c, e)).map(|e| parameters(&e.fit.estimates(None, Z95))) },
+        "base": { "parameters": evidence.map(|(_, e)| parameters(&e.base.estimates(None))) },
+        "extended": { "parameters": evidence.and_then(|(_, e)| e.held.first()).map(|e| parameters(&e.estimates(None))) },
         "channels": all().map(channel).collect::<Vec<_>>(),
         "report": report,
         "seconds": diagnosis.seconds,
@@ -43,7 +41,10 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
 }
 
 fn effect(finding: &Finding) -> Value {
-    json!({ "code": finding.code, "form": finding.form, "parameters": parameters(&finding.parameters) })
+    json!({
+        "code": finding.code, "form": finding.form, "probability": finding.probability, "explains": finding.explains,
+        "parameters": parameters(&finding.parameters),
+    })
 }
 
 fn parameters(list: &[Estimate]) -> Map<String, Value> {
@@ -51,11 +52,6 @@ fn parameters(list: &[Estimate]) -> Map<String, Value> {
         ((*name).to_owned(), json!({ "value": value, "interval95": [low, high] }))
     };
     list.iter().map(one).collect()
-}
-
-fn extended<'a>(channel: &ChannelDiagnosis, evidence: &'a Evidence) -> Option<&'a Explanation> {
-    let named = matches!(channel.verdict, Verdict::Named | Verdict::Ambiguous);
-    evidence.held.first().filter(|_| named)
 }
 
 /// Errors on left-out commands; their keys carry the channel's unit.
@@ -85,28 +81,36 @@ fn channel(one: &ChannelDiagnosis) -> Value {
             "relative": e.noise.sensor.relative, "gain_jitter": e.noise.jitter.gain, "zero_jitter": e.noise.jitter.zero,
             "slide_jitter": e.noise.jitter.slide, "unit": one.channel.unit(),
         })),
-        "candidates": evidence.map_or_else(Vec::new, |e| e.singles.iter().map(|s| candidate(e, s)).collect()),
+        "candidates": evidence.map_or_else(Vec::new, |e| candidates(&e.judged)),
+        "sets": evidence.map_or_else(Vec::new, sets),
+        "partly": evidence.map(|e| &e.judged.partly),
+        "explains": evidence.and_then(|e| e.judged.explains),
+        "remainder": evidence.map(|e| remainder(&e.judged)),
         "held_out": evidence.and_then(|e| held_out(one, e)),
-        "base": { "parameters": evidence.map(|e| parameters(&e.base.estimates(None, Z95))) },
-        "extended": { "parameters": evidence.and_then(|e| extended(one, e)).map(|e| parameters(&e.fit.estimates(None, Z95))) },
+        "base": { "parameters": evidence.map(|e| parameters(&e.base.estimates(None))) },
+        "extended": { "parameters": evidence.and_then(|e| e.held.first()).map(|e| parameters(&e.estimates(None))) },
         "messages": one.messages,
     })
 }
 
-/// What one effect alone explains, and which demands it meets. `leaves` is the largest margin over its threshold.
-fn candidate(evidence: &Evidence, single: &Explanation) -> Value {
-    let effects = single.fit.effects();
-    let effect = effects.first();
-    let excess = evidence.base.square - evidence.base.residual.len() as f64;
-    json!({
-        "code": effect.map(|e| e.code),
-        "form": effect.map(|e| e.form),
-        "explains": (evidence.base.square - single.fit.square) / excess.max(1.0),
-        "score": single.score(),
-        "leaves": single.adequacy.worst(),
-        "beats_noise": single.beats_noise,
-        "predicts": single.predicts,
-        "beats_placebo": single.beats_placebo,
-        "in_bounds": !single.fit.at_bound,
+/// Every effect with its probability, the likeliest first.
+fn candidates(judged: &Judged) -> Vec<Value> {
+    let each = judged.beliefs.iter();
+    each.map(|b| json!({ "code": b.name, "probability": b.probability, "explains": b.explains })).collect()
+}
+
+/// The likeliest sets: their effects, and the discrepancies beside them.
+fn sets(evidence: &Evidence) -> Vec<Value> {
+    const MOST: usize = 6;
+    let judged = &evidence.judged;
+    let each = evidence.sets.iter().zip(&judged.members).zip(&judged.sets).take(MOST);
+    each.map(|((set, codes), probability)| {
+        let beside = judged.beside(set).map(|(over, size)| json!({ "over": over, "percent": 100.0 * size }));
+        json!({ "effects": codes, "probability": probability, "beside": beside.collect::<Vec<_>>() })
     })
+    .collect()
+}
+
+fn remainder(judged: &Judged) -> Value {
+    json!({ "percent": judged.remainder.map_or(0.0, |share| 100.0 * share), "shows_in": judged.shows_in })
 }

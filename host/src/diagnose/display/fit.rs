@@ -7,9 +7,9 @@ use super::design::Design;
 use super::effect::Effect;
 use super::law::{Law, Setting};
 use super::whiten::Whitening;
-use crate::infer::covariance::standard_errors;
 use crate::infer::descent::{Region, Residuals, Rule, minimise};
-use crate::infer::product::inner;
+use crate::infer::evidence::{Linearised, Parameter, Prior};
+use crate::infer::sets::Fitted;
 
 /// Data with their whitening.
 #[derive(Debug, Clone)]
@@ -37,6 +37,8 @@ pub struct Coordinate {
     pub base: bool,
     /// Value without the effect.
     null: Option<f64>,
+    /// What is known of it beforehand, as a coordinate.
+    prior: Prior,
 }
 
 impl Coordinate {
@@ -52,7 +54,7 @@ impl Coordinate {
         if self.logarithmic { x.exp() } else { x }
     }
 
-    fn limits(&self) -> (f64, f64) {
+    pub(super) fn limits(&self) -> (f64, f64) {
         (self.of(self.bounds.0), self.of(self.bounds.1))
     }
 }
@@ -62,6 +64,8 @@ impl Coordinate {
 pub struct Fit {
     /// Law with its parameters.
     pub law: Law,
+    /// Its effects.
+    pub effects: Vec<&'static Effect>,
     /// What was searched.
     pub coordinates: Vec<Coordinate>,
     /// Where it ended.
@@ -92,6 +96,7 @@ pub fn coordinates(law: &Law) -> Vec<Coordinate> {
         step: if p.logarithmic { 1e-4 } else { 1e-5 * (p.bounds.1 - p.bounds.0).min(1.0) },
         base: true,
         null: None,
+        prior: Prior::Flat,
     });
     let effects = law.settings.iter().flat_map(|s| s.effect.quantities).map(|q| Coordinate {
         name: q.name,
@@ -100,6 +105,7 @@ pub fn coordinates(law: &Law) -> Vec<Coordinate> {
         step: if q.logarithmic { 1e-3 } else { 0.01 * (q.plausible - q.null.unwrap_or(0.0)).abs() },
         base: false,
         null: q.null,
+        prior: q.known(),
     });
     base.chain(effects).collect()
 }
@@ -109,7 +115,8 @@ fn point(law: &Law, list: &[Coordinate]) -> DVector<f64> {
     DVector::from_iterator(list.len(), values.zip(list).map(|(value, c)| c.of(*value)))
 }
 
-fn at(law: &Law, list: &[Coordinate], x: &DVector<f64>) -> Law {
+/// A law with its parameters at a point.
+pub(super) fn at(law: &Law, list: &[Coordinate], x: &DVector<f64>) -> Law {
     let mut out = law.clone();
     let slots = out.base.iter_mut().chain(out.settings.iter_mut().flat_map(|s| &mut s.values));
     for ((slot, c), x) in slots.zip(list).zip(x.iter()) {
@@ -166,7 +173,19 @@ impl Problem<'_> {
     /// Fits all parameters of a law, beginning where they are (Levenberg and Marquardt, inside the bounds).
     #[must_use]
     pub fn fit(&self, from: &Law) -> Fit {
-        let list = coordinates(from);
+        self.fit_of(from, coordinates(from))
+    }
+
+    /// The same of the base's parameters only, those of effects where they are.
+    #[must_use]
+    pub fn fit_base(&self, from: &Law) -> Fit {
+        let mut list = coordinates(from);
+        list.truncate(from.base.len());
+        self.fit_of(from, list)
+    }
+
+    /// Fits some of a law's first parameters.
+    fn fit_of(&self, from: &Law, list: Vec<Coordinate>) -> Fit {
         let objective = Residuals {
             residual: |x: &[f64]| self.residual(&at(from, &list, &DVector::from_column_slice(x))),
             jacobian: |x: &[f64], _: &DVector<f64>| self.jacobian(from, &list, &DVector::from_column_slice(x)),
@@ -182,6 +201,7 @@ impl Problem<'_> {
         });
         Fit {
             law: at(from, &list, &x),
+            effects: from.settings.iter().map(|s: &Setting| s.effect).collect(),
             square: residual.norm_squared(),
             coordinates: list,
             x,
@@ -190,44 +210,36 @@ impl Problem<'_> {
             at_bound,
         }
     }
+
+    /// A law where it stands, as if it were a fit.
+    #[must_use]
+    pub fn standing(&self, law: &Law) -> Fit {
+        let list = coordinates(law);
+        let x = point(law, &list);
+        let residual = self.residual(law);
+        Fit {
+            law: law.clone(),
+            effects: law.settings.iter().map(|s: &Setting| s.effect).collect(),
+            square: residual.norm_squared(),
+            jacobian: self.jacobian(law, &list, &x),
+            coordinates: list,
+            x,
+            residual,
+            at_bound: false,
+        }
+    }
 }
 
-impl Fit {
-    /// Effects of the law.
-    #[must_use]
-    pub fn effects(&self) -> Vec<&'static Effect> {
-        self.law.settings.iter().map(|s: &Setting| s.effect).collect()
+impl Fitted for Fit {
+    type Effect = &'static Effect;
+
+    fn effects(&self) -> &[&'static Effect] {
+        &self.effects
     }
 
-    /// Half widths of the coordinates at `z` standard deviations.
-    fn widths(&self, z: f64) -> Vec<f64> {
-        let mut normal = inner(&self.jacobian, &self.jacobian);
-        for (j, c) in self.coordinates.iter().enumerate() {
-            // what the data do not show is known to its bounds
-            let (low, high) = c.limits();
-            normal[(j, j)] += 4.0 / (high - low).powi(2);
-        }
-        standard_errors(&normal).into_iter().map(|error| z * error).collect()
-    }
-
-    /// Parameters with intervals of `z` standard deviations: of the base, or of its `effect`-th effect.
-    #[must_use]
-    pub fn estimates(&self, effect: Option<usize>, z: f64) -> Vec<Estimate> {
-        let base = self.law.base.len();
-        let range = match effect {
-            None => 0..base,
-            Some(at) => {
-                let start = base + self.law.settings[..at].iter().map(|s| s.values.len()).sum::<usize>();
-                start..start + self.law.settings[at].values.len()
-            }
-        };
-        let widths = self.widths(z);
-        let each = range.map(|j| {
-            let c = &self.coordinates[j];
-            let (low, high) = c.limits();
-            let interval = ((self.x[j] - widths[j]).max(low), (self.x[j] + widths[j]).min(high));
-            (c.name, c.value(self.x[j]), (c.value(interval.0), c.value(interval.1)))
-        });
-        each.collect()
+    fn linearised<'a>(&'a self, known: &'a DMatrix<f64>) -> Linearised<'a> {
+        let own = self.coordinates.iter().zip(self.x.iter());
+        let parameters = own.map(|(c, x)| Parameter { x: *x, bounds: c.limits(), prior: c.prior });
+        Linearised { residual: &self.residual, jacobian: &self.jacobian, parameters: parameters.collect(), known }
     }
 }

@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::Weighed;
 use super::fit::{Fit, Problem};
-use super::search::{Explanation, Search};
+use super::forward::Search;
 
 /// Root mean square errors over commands that were left out of fit and choice alike.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,8 +24,8 @@ pub struct HeldOut {
 /// Leaves every command out in turn, refits base and rivals on the others, takes the likeliest rival there and predicts the command with it;
 /// runs that were marked `hold_out` are predicted instead where there are any. `None` with a single command.
 #[must_use]
-pub fn of(search: &Search<'_>, held: &[Explanation]) -> Option<HeldOut> {
-    let problem = search.problem;
+pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
+    let problem = &search.problem;
     let design = problem.design;
     let marked = design.series.iter().any(|s| s.hold_out);
     let groups: Vec<Option<usize>> = if marked { vec![None] } else { (0..design.conditions.len()).map(Some).collect() };

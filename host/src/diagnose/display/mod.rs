@@ -6,15 +6,15 @@
 pub mod answer;
 pub mod channel;
 pub mod design;
+mod discrepancy;
 pub mod effect;
-pub mod evidence;
 pub mod fit;
+mod forward;
 pub mod held_out;
 pub mod law;
-pub mod margin;
 pub mod noise;
 pub mod plan;
-pub mod search;
+mod sample;
 mod smooth;
 mod verdict;
 pub mod whiten;
@@ -23,16 +23,17 @@ use std::time::Instant;
 
 use crate::diagnose::Verdict;
 use crate::experiment::{Experiment, Test};
+use crate::infer::evidence::amounts;
+use crate::infer::sets::{Groups, Known, Outcome, Shares, led};
 
 use channel::Channel;
 use design::{Design, Explained, Unusable};
-use evidence::{Adequacy, Panel, Spaces};
 use fit::{Estimate, Fit, Problem};
+use forward::Search;
 use held_out::HeldOut;
 use law::Law;
 use noise::{Jitter, Noise, SensorNoise};
 use plan::Proposal;
-use search::{Explanation, Search};
 use whiten::Whitening;
 
 /// Why a channel is not judged.
@@ -59,7 +60,17 @@ pub struct Finding {
     pub parameters: Vec<Estimate>,
     /// Other names that these runs cannot tell from it.
     pub ambiguous_with: Vec<&'static str>,
+    /// Probability that it is there.
+    pub probability: f64,
+    /// Share of the misfit that it explains alone, where there is one.
+    pub explains: Option<f64>,
 }
+
+/// A set of effects of a channel, fitted, with its evidence.
+pub type Weighed = crate::infer::sets::Weighed<Fit>;
+
+/// What is believed of a channel; effects by their codes.
+pub type Judged = crate::infer::sets::Judged<&'static str>;
 
 /// What was found in one channel.
 #[derive(Debug)]
@@ -92,13 +103,13 @@ pub struct Evidence {
     /// The noise.
     pub noise: Noise,
     /// The base.
-    pub base: Fit,
-    /// What the base leaves.
-    pub adequacy: Adequacy,
-    /// Every effect alone, the best first.
-    pub singles: Vec<Explanation>,
-    /// Explanations that hold and none that is a hundred times likelier, the best first.
-    pub held: Vec<Explanation>,
+    pub base: Weighed,
+    /// Sets that were weighed, the base among them, the likeliest first.
+    pub sets: Vec<Weighed>,
+    /// The likeliest set of what is named, one for each choice among twins, the likeliest first.
+    pub held: Vec<Weighed>,
+    /// What is believed.
+    pub judged: Judged,
     /// Error on commands that were left out.
     pub held_out: Option<HeldOut>,
 }
@@ -146,7 +157,7 @@ pub fn diagnose(experiment: &Experiment, progress: &super::Progress<'_>) -> Opti
 fn explained(channels: &[ChannelDiagnosis]) -> Explained {
     let current = channels.iter().find(|c| c.channel == Channel::Current && c.verdict != Verdict::Unknown);
     let Some(evidence) = current.and_then(|c| c.evidence.as_deref()) else { return Explained::new() };
-    let law = evidence.held.first().map_or(&evidence.base.law, |best| &best.fit.law);
+    let law = &evidence.held.first().unwrap_or(&evidence.base).fit.law;
     evidence.design.series.iter().map(|series| (series.file.clone(), law.predict(series))).collect()
 }
 
@@ -179,29 +190,45 @@ fn examined(design: Design) -> ChannelDiagnosis {
         out.refusal = Some(Refusal::NoNoise);
         return out;
     };
-    let margins = margin::margins(&problem);
-    let panel = Panel::new(&margins, &base, &problem.whitening, &noise);
-    let none = nalgebra::DMatrix::zeros(design.samples(), 0);
-    let adequacy = panel.read(&base, &problem.whitening, &none);
-    let effects = search::effects(&problem);
-    let signatures: Vec<_> = effects.iter().map(|effect| search::signature(&problem, &base, effect)).collect();
-    let spaces = Spaces::new(&signatures, &base, &problem.whitening, &noise);
-    let catalogue = (0..effects.len()).map(|at| spaces.read(at, &base.residual)).fold(f64::NEG_INFINITY, f64::max);
-    let visible = !adequacy.passes() || catalogue > spaces.threshold;
-    out.shows_in = adequacy.shows_in.iter().map(|v| v.word()).collect();
-    let search =
-        Search { problem: &problem, noise: &noise, panel: &panel, effects, base: base.clone(), signatures, spaces };
-    out.blind_to = verdict::blind_spots(&search);
-    let (mut singles, mut held) = (Vec::new(), Vec::new());
-    if visible {
-        singles = search.singles();
-        held = verdict::explanations(&search, &singles);
-    }
+    let search = Search::new(problem, base, noise);
+    let groups = discrepancy::groups(&search.problem);
+    let sets = led(&search, &groups.discrepancy, &[], &mut Vec::new());
+    let shares = Shares::new(&search, &groups, sets);
+    let shared = search.base.law.base.len();
+    let base = shares.sets().iter().find(|set| set.is_base()).cloned();
+    let (Some(mut judged), Some(base)) = (Judged::of(&shares, shared), base) else {
+        out.refusal = Some(Refusal::NoNoise);
+        return out;
+    };
+    let Known { sets, .. } = shares.into_known();
+    let mut held = judged.holding(&sets);
+    out.blind_to = verdict::blind_spots(&search, &groups, &base);
     let held_out = (!held.is_empty()).then(|| held_out::of(&search, &held)).flatten();
     out.proposals = plan::proposals(&search, &held, &out.blind_to);
-    verdict::conclude(&mut out, (visible, !adequacy.passes()), &held, held_out.as_ref());
-    out.evidence = Some(Box::new(Evidence { noise, base, adequacy, singles, held, held_out, design: design.clone() }));
+    let is_irregular = sets.first().is_some_and(|best| verdict::is_irregular(&search, &groups, best));
+    verdict::conclude(&mut judged, &held, held_out.as_ref(), is_irregular);
+    out.verdict = judged.outcome.into();
+    if judged.findings.is_empty() {
+        held.clear();
+    }
+    out.findings = held.first().map_or_else(Vec::new, |best| verdict::findings(&judged, best));
+    out.shows_in = shows_in(&judged, &groups, &base, is_irregular);
+    let noise = search.noise;
+    out.evidence = Some(Box::new(Evidence { noise, base, sets, held, judged, held_out, design: design.clone() }));
     out
+}
+
+/// What the misfit of the base varies with, the largest first.
+fn shows_in(judged: &Judged, groups: &Groups, base: &Weighed, is_irregular: bool) -> Vec<&'static str> {
+    if judged.outcome == Outcome::Clean {
+        return Vec::new();
+    }
+    let amounts = amounts(&base.linearised(), &base.evidence, &groups.discrepancy);
+    let mut told = amounts.map_or_else(Vec::new, |amounts| groups.largest(&amounts));
+    if is_irregular {
+        told.push("no order");
+    }
+    told
 }
 
 /// Rounds in which noise and base are found, each from the other.

@@ -2,11 +2,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::Weighed;
 use super::channel::Channel;
 use super::design::{Design, Series};
 use super::fit::{Fit, Problem};
+use super::forward::{Search, with};
 use super::law;
-use super::search::{Explanation, Search, with};
 use super::whiten::Whitening;
 use crate::infer::covariance::Factor;
 use crate::infer::lowrank::Fold;
@@ -38,7 +39,7 @@ struct Planned {
 
 /// Proposals, the best first: between the rivals where there are any, else for the first effects that this design is blind to.
 #[must_use]
-pub fn proposals(search: &Search<'_>, held: &[Explanation], blind: &[&'static str]) -> Vec<Proposal> {
+pub fn proposals(search: &Search<'_>, held: &[Weighed], blind: &[&'static str]) -> Vec<Proposal> {
     let mut list: Vec<Proposal> = Vec::new();
     for planned in planned(search.problem.design) {
         let (decides, distance) =
@@ -53,8 +54,8 @@ pub fn proposals(search: &Search<'_>, held: &[Explanation], blind: &[&'static st
 }
 
 /// Smallest distance between the best explanation and its rivals of another name.
-fn apart(search: &Search<'_>, held: &[Explanation], planned: &Planned) -> (Vec<&'static str>, f64) {
-    let codes = |fit: &Fit| -> Vec<&'static str> { fit.effects().iter().map(|e| e.code).collect() };
+fn apart(search: &Search<'_>, held: &[Weighed], planned: &Planned) -> (Vec<&'static str>, f64) {
+    let codes = |fit: &Fit| -> Vec<&'static str> { fit.effects.iter().map(|e| e.code).collect() };
     let own = codes(&held[0].fit);
     let (mut decides, mut least) = (own.clone(), f64::INFINITY);
     for rival in held[1..].iter().filter(|r| codes(&r.fit) != own) {
@@ -95,7 +96,7 @@ fn distance(search: &Search<'_>, truth: &Fit, rival: &Fit, planned: &Planned) ->
     let mut design = design;
     let predicted = search.base.law.predict(&planned.series);
     design.series[0].output = truth.law.predict(&planned.series);
-    let whitening = Whitening::new(&design, &[predicted], search.noise);
+    let whitening = Whitening::new(&design, &[predicted], &search.noise);
     let problem = Problem { design: &design, whitening, used: vec![true] };
     let (difference, jacobian) = problem.linear(rival);
     let mut known = inner(&rival.jacobian, &rival.jacobian);

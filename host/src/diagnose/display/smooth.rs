@@ -5,34 +5,29 @@
 
 use crate::experiment::motion::noise_of;
 
-/// Samples of a piece.
-const PIECE: usize = 9;
-/// A piece is straight when it scatters by less than this many times the noise.
-const STRAIGHT: f64 = 1.6;
+/// Samples of a piece, and how many times the noise it may scatter by to be straight: the longer a piece, the better is its scatter known.
+const PIECES: [(usize, f64); 3] = [(81, 1.3), (27, 1.4), (9, 1.6)];
 
 /// The smoothed input.
 #[must_use]
 pub fn smoothed(time_s: &[f64], input: &[f64]) -> Vec<f64> {
-    let count = input.len();
-    if count < 2 * PIECE {
-        return input.to_vec();
-    }
     let noise = noise_of(input);
-    // lines through all pieces, each with its scatter
-    let lines: Vec<(f64, f64, f64)> =
-        (0..=count - PIECE).map(|at| line(&time_s[at..at + PIECE], &input[at..at + PIECE])).collect();
-    (0..count)
-        .map(|k| {
-            let (first, last) = (k.saturating_sub(PIECE - 1), k.min(count - PIECE));
-            let own = (first..=last).map(|at| lines[at]);
-            // of the pieces that hold this sample the straightest
+    let mut out = input.to_vec();
+    let mut is_open = vec![true; input.len()];
+    // the longest straight piece that a sample lies in has the least noise
+    for (samples, straight) in PIECES.into_iter().filter(|(samples, _)| input.len() >= 2 * samples) {
+        let last = input.len() - samples;
+        let lines: Vec<(f64, f64, f64)> =
+            (0..=last).map(|at| line(&time_s[at..at + samples], &input[at..at + samples])).collect();
+        for k in (0..input.len()).filter(|k| is_open[*k]).collect::<Vec<_>>() {
+            let own = (k.saturating_sub(samples - 1)..=k.min(last)).map(|at| lines[at]);
             let best = own.min_by(|a, b| a.2.total_cmp(&b.2));
-            match best {
-                Some((mean, slope, scatter)) if scatter <= STRAIGHT * noise => mean + slope * time_s[k],
-                _ => input[k],
+            if let Some((mean, slope, _)) = best.filter(|(.., scatter)| *scatter <= straight * noise) {
+                (out[k], is_open[k]) = (mean + slope * time_s[k], false);
             }
-        })
-        .collect()
+        }
+    }
+    out
 }
 
 /// Value at time 0, slope, and standard deviation about the line.

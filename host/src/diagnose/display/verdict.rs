@@ -1,93 +1,99 @@
-//! From explanations to names.
+//! From what is believed of a channel to names.
 
+use nalgebra::DVector;
+
+use super::fit::Estimate;
+use super::forward::Search;
+use super::held_out::HeldOut;
+use super::{ChannelDiagnosis, Finding, Judged, Weighed};
 use crate::diagnose::Verdict;
 use crate::infer::covariance::Z95;
+use crate::infer::lowrank::Fold;
+use crate::infer::sets::{Groups, Outcome, is_visible};
 
-use super::held_out::HeldOut;
-use super::search::{self, Explanation, Search};
-use super::{ChannelDiagnosis, Finding};
-
-/// Likelihood ratio of 100 as a difference of sums of squares.
-const RATIO_100: f64 = 9.21;
-
-/// A plausible amount must lie this far beyond the threshold to be seen in nine cases of ten.
-const POWER: f64 = 1.28;
+/// Standard deviations beyond which what a set leaves is more than noise.
+const IRREGULAR: f64 = 4.0;
+/// Names may predict this much worse in the channel's unit: they are weighed in the noise.
+const WORSE: f64 = 1.1;
 
 /// Codes of which a plausible amount would not be seen in any form.
-pub(super) fn blind_spots(search: &Search<'_>) -> Vec<&'static str> {
+pub(super) fn blind_spots(search: &Search<'_>, groups: &Groups, base: &Weighed) -> Vec<&'static str> {
     let mut blind: Vec<&'static str> = Vec::new();
     for effect in &search.effects {
-        let mut forms = (0..search.effects.len()).filter(|at| search.effects[*at].code == effect.code);
-        if !blind.contains(&effect.code) && !forms.any(|at| search::visibility(search, at) > POWER) {
+        let mut forms = search.effects.iter().filter(|other| other.code == effect.code);
+        if !blind.contains(&effect.code) && !forms.any(|form| is_visible(search, base, groups, form)) {
             blind.push(effect.code);
         }
     }
     blind
 }
 
-/// Explanations that hold and none that is a hundred times likelier, with as few effects as will do.
-pub(super) fn explanations(search: &Search<'_>, singles: &[Explanation]) -> Vec<Explanation> {
-    let held = alike(singles);
-    if !held.is_empty() {
-        return held;
-    }
-    let best: Vec<Explanation> = singles.iter().filter(|e| e.beats_noise && !e.fit.at_bound).cloned().collect();
-    alike(&search.pairs(&best))
+/// True where the likeliest set leaves more than the noise of repeats in no order that a discrepancy has.
+pub(super) fn is_irregular(search: &Search<'_>, groups: &Groups, best: &Weighed) -> bool {
+    let fit = &best.fit;
+    let moved = DVector::from_iterator(fit.x.len(), best.evidence.x.iter().zip(fit.x.iter()).map(|(to, x)| to - x));
+    let residual = &fit.residual - &fit.jacobian * moved;
+    let left = Fold::of(groups.discrepancy.at(&best.evidence.sizes, &best.known)).taken_off(&residual);
+    let design = search.problem.design;
+    let used = design.series.iter().zip(&search.problem.used).filter(|(_, used)| **used);
+    let count: usize = used.map(|(s, _)| s.compared.iter().filter(|c| **c).count()).sum();
+    let expected = count.saturating_sub(fit.x.len()).max(1) as f64;
+    let scatter = expected * (2.0 / expected + 2.0 / search.noise.sensor_freedom.max(1.0)).sqrt();
+    left.norm_squared() - expected > IRREGULAR * scatter
 }
 
-/// The best explanation that meets every demand, and all that leave no more than noise and are no hundred times less likely: a
-/// rival that predicts worse or loses to a placebo is not named alone, but it is not excluded either.
-fn alike(list: &[Explanation]) -> Vec<Explanation> {
-    let best = list.iter().filter(|e| e.holds()).min_by(|a, b| a.score().total_cmp(&b.score()));
-    let Some(best) = best else { return Vec::new() };
-    let same = |e: &Explanation| e.fit.effects() == best.fit.effects();
-    let rival =
-        |e: &&Explanation| !same(e) && e.adequacy.passes() && !e.fit.at_bound && e.score() <= best.score() + RATIO_100;
-    let mut rivals: Vec<Explanation> = list.iter().filter(rival).cloned().collect();
-    rivals.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    rivals.insert(0, best.clone());
-    rivals
-}
-
-/// Fills in verdict and findings. `in_margins` tells whether a discrepancy shows in any variable, `visible` whether it shows at all.
-pub(super) fn conclude(
-    out: &mut ChannelDiagnosis,
-    (visible, in_margins): (bool, bool),
-    held: &[Explanation],
-    held_out: Option<&HeldOut>,
-) {
-    let gains = held_out.is_none_or(|h| h.square_after < h.square_before);
-    let Some(best) = held.first().filter(|_| visible && gains) else {
-        // what shows in no variable and has no name is within what one clean channel in 250 shows
-        out.verdict = if in_margins { Verdict::Unknown } else { Verdict::Clean };
-        return;
-    };
-    for (at, effect) in best.fit.effects().into_iter().enumerate() {
-        out.findings.push(Finding {
-            code: effect.code,
-            form: effect.form,
-            parameters: best.fit.estimates(Some(at), Z95),
-            ambiguous_with: others(best, at, held),
-        });
-    }
-    let single = out.findings.iter().all(|f| f.ambiguous_with.is_empty());
-    out.verdict = if single { Verdict::Named } else { Verdict::Ambiguous };
-}
-
-/// Codes that rivals of the best explanation have in place of one of its effects.
-fn others(best: &Explanation, at: usize, held: &[Explanation]) -> Vec<&'static str> {
-    let codes = |e: &Explanation| -> Vec<&'static str> { e.fit.effects().iter().map(|e| e.code).collect() };
-    let own = codes(best);
-    let mut found: Vec<&'static str> = Vec::new();
-    for rival in held.iter().skip(1).map(codes).filter(|its| !its.contains(&own[at])) {
-        // an effect that both have is not what they differ by
-        for code in rival.into_iter().filter(|code| !own.contains(code)) {
-            if !found.contains(&code) {
-                found.push(code);
-            }
+/// Takes names back that do not hold, and says so where nothing is clean.
+pub(super) fn conclude(judged: &mut Judged, held: &[Weighed], held_out: Option<&HeldOut>, is_irregular: bool) {
+    if !judged.findings.is_empty() {
+        let predicts =
+            held_out.is_none_or(|h| h.square_after < h.square_before && h.rmse_after < WORSE * h.rmse_before);
+        let at_bound = held.first().is_none_or(|best| best.fit.at_bound);
+        if !predicts || at_bound {
+            judged.withdraw();
         }
     }
-    found
+    if is_irregular && judged.outcome == Outcome::Clean {
+        judged.outcome = Outcome::Unknown;
+    }
+}
+
+/// What is named, of the likeliest set, each with what may stand in its place.
+pub(super) fn findings(judged: &Judged, best: &Weighed) -> Vec<Finding> {
+    let each = best.fit.effects.iter().enumerate().map(|(at, effect)| {
+        let belief = judged.belief(effect.code);
+        let own = judged.findings.iter().find(|set| set.contains(&effect.code)).map_or(&[][..], |set| set);
+        Finding {
+            code: effect.code,
+            form: effect.form,
+            parameters: best.estimates(Some(at)),
+            ambiguous_with: own.iter().filter(|other| **other != effect.code).copied().collect(),
+            probability: belief.map_or(0.0, |belief| belief.probability),
+            explains: belief.and_then(|belief| belief.explains),
+        }
+    });
+    each.collect()
+}
+
+impl Weighed {
+    /// Parameters with 95 % intervals, discrepancies allowed for: of the base, or of its `effect`-th effect.
+    #[must_use]
+    pub fn estimates(&self, effect: Option<usize>) -> Vec<Estimate> {
+        let law = &self.fit.law;
+        let range = match effect {
+            None => 0..law.base.len(),
+            Some(at) => {
+                let start = law.base.len() + law.settings[..at].iter().map(|s| s.values.len()).sum::<usize>();
+                start..start + law.settings[at].values.len()
+            }
+        };
+        let each = range.map(|j| {
+            let c = &self.fit.coordinates[j];
+            let (low, high) = c.limits();
+            let (x, half) = (self.evidence.x[j], Z95 * self.evidence.deviations[j]);
+            (c.name, c.value(x), (c.value((x - half).max(low)), c.value((x + half).min(high))))
+        });
+        each.collect()
+    }
 }
 
 /// The verdict on several channels: what nobody can name outweighs what has a name, and a channel that could be judged one that could not.

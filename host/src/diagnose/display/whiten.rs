@@ -1,13 +1,12 @@
 //! From differences in a channel's unit to numbers that are independent with unit variance when the law is right.
 
-use std::sync::{Arc, OnceLock};
-
 use nalgebra::{DMatrix, DVector};
 
 use super::channel::{Channel, slope};
 use super::design::{Design, Series};
 use super::noise::{Noise, SensorNoise};
-use crate::infer::lowrank::{Fold, GivenRest};
+use super::sample::samples;
+use crate::infer::lowrank::Fold;
 
 /// Innovations of one run's noise: a first-order process plus white noise (Kalman filter with known variances), sample by sample.
 #[derive(Debug, Clone)]
@@ -82,11 +81,10 @@ pub struct Whitening {
     /// The same after the rest of the whitening.
     shared: Fold,
     len: usize,
-    given: Arc<OnceLock<Option<Vec<GivenRest>>>>,
 }
 
-/// Standard deviation of the base law's own error, relative to the span, along each of three smooth shapes over the output: converters and
-/// sensors are no straighter than a thousandth.
+/// Standard deviation of the base law's own error, relative to the span, along each of three smooth shapes over the output, and between its
+/// two ways: converters and sensors are no straighter than a thousandth.
 const LAW: f64 = 0.001;
 
 /// What a recorded gap may be wrong by, mm: shims and calipers are no better.
@@ -113,15 +111,7 @@ impl Whitening {
         }
         let len = design.samples();
         let used = vec![true; runs.len()];
-        let mut out = Self {
-            runs,
-            jitter,
-            used,
-            common: DMatrix::zeros(len, 0),
-            shared: Fold::none(),
-            len,
-            given: Arc::default(),
-        };
+        let mut out = Self { runs, jitter, used, common: DMatrix::zeros(len, 0), shared: Fold::none(), len };
         let mut common = errors(design, predicted);
         for j in 0..common.ncols() {
             let mut whole = common.column(j).into_owned();
@@ -131,6 +121,19 @@ impl Whitening {
         out.common = common;
         out.share();
         out
+    }
+
+    /// For readings that count alike.
+    #[must_use]
+    pub fn none(samples: usize) -> Self {
+        Self {
+            runs: Vec::new(),
+            jitter: Vec::new(),
+            used: Vec::new(),
+            common: DMatrix::zeros(samples, 0),
+            shared: Fold::none(),
+            len: samples,
+        }
     }
 
     /// The same where some runs count only: the others are removed, and nothing is known of the law's own error from them. Values of these must be 0.
@@ -158,7 +161,7 @@ impl Whitening {
             self.fold_jitter(&mut whole);
             shared.set_column(j, &whole);
         }
-        (self.shared, self.given) = (Fold::of(shared), Arc::default());
+        self.shared = Fold::of(shared);
     }
 
     /// Number of residuals.
@@ -192,79 +195,6 @@ impl Whitening {
     fn fold_shared(&self, values: &mut DVector<f64>) {
         *values = self.shared.taken_off(values);
     }
-
-    /// Every command as the others predict it, beside errors that runs share; `None` where a number is none. Where there is one command only, its thirds stand for commands.
-    pub(super) fn groups(&self, design: &Design) -> Option<&[GivenRest]> {
-        self.given.get_or_init(|| GivenRest::each(&self.columns(), groups(design))).as_deref()
-    }
-
-    /// Columns of all errors that rows share, after the runs' own whitening.
-    fn columns(&self) -> DMatrix<f64> {
-        let widths = self.jitter.iter().map(|one| one.of.len()).sum::<usize>();
-        let mut columns = DMatrix::zeros(self.len, widths + self.common.ncols());
-        let mut at = 0;
-        for one in &self.jitter {
-            let own = one.of.columns();
-            columns.view_mut((one.first, at), own.shape()).copy_from(own);
-            at += own.ncols();
-        }
-        columns.columns_mut(at, self.common.ncols()).copy_from(&self.common());
-        columns
-    }
-
-    /// From whitened residuals to what [`GivenRest::left`] asks for.
-    pub(super) fn weighed(&self, whitened: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut out = whitened.clone();
-        for mut column in out.column_iter_mut() {
-            let mut own = column.clone_owned();
-            self.fold_shared(&mut own);
-            self.fold_jitter(&mut own);
-            column.copy_from(&own);
-        }
-        out
-    }
-
-    /// What clean data make of directions (one a column, whitened): the map of white noise, of each kind of jitter of every run, and of
-    /// the law's own error, each of unit variance, to a value a direction.
-    #[must_use]
-    pub fn response(&self, directions: &DMatrix<f64>) -> Response {
-        let mut folded = directions.clone();
-        let mut law = DMatrix::zeros(directions.ncols(), self.shared.len());
-        for j in 0..directions.ncols() {
-            let mut column = directions.column(j).into_owned();
-            self.fold_shared(&mut column);
-            law.set_row(j, &self.shared.columns().tr_mul(&column).transpose());
-            self.fold_jitter(&mut column);
-            folded.set_column(j, &column);
-        }
-        let kinds = 3 * self.jitter.len();
-        let mut jitter = DMatrix::zeros(directions.ncols(), kinds);
-        for (s, one) in self.jitter.iter().enumerate() {
-            let own = folded.rows(one.first, one.of.columns().nrows());
-            jitter.view_mut((0, 3 * s), (directions.ncols(), 3)).copy_from(&own.tr_mul(one.of.columns()));
-        }
-        Response { white: folded.tr_mul(&folded), jitter, law }
-    }
-}
-
-/// How clean data move a set of directions.
-#[derive(Debug, Clone)]
-pub struct Response {
-    /// Covariance that the sensor noise alone gives them.
-    pub white: DMatrix<f64>,
-    /// Columns: gain, zero and slide of every run by turns.
-    pub jitter: DMatrix<f64>,
-    /// Columns: shapes of the law's own error.
-    pub law: DMatrix<f64>,
-}
-
-impl Response {
-    /// Variance of every direction.
-    #[must_use]
-    pub fn variances(&self) -> Vec<f64> {
-        let square = |m: &DMatrix<f64>, j: usize| m.row(j).norm_squared();
-        (0..self.white.nrows()).map(|j| self.white[(j, j)] + square(&self.jitter, j) + square(&self.law, j)).collect()
-    }
 }
 
 /// Level of the noise at every sample.
@@ -283,34 +213,26 @@ pub fn shapes(channel: Channel, series: &Series, output: &[f64]) -> DMatrix<f64>
     })
 }
 
-/// Rows of every command; of its thirds where there is one only.
-fn groups(design: &Design) -> Vec<Vec<usize>> {
-    let commands = design.conditions.len();
-    let parts = if commands > 1 { 1 } else { 3 };
-    let rows = |group: usize| {
-        let (condition, part) = (group / parts, group % parts);
-        let own = (0..design.series.len()).filter(|s| design.series[*s].condition == condition);
-        let rows = own.flat_map(|s| {
-            let (first, count) = (design.first(s), design.series[s].time_s.len());
-            first + part * count / parts..first + (part + 1) * count / parts
-        });
-        rows.collect()
-    };
-    (0..commands * parts).map(rows).collect()
-}
-
-/// What the base law may itself be wrong by: smooth over the output, along time, and between gaps.
+/// What the base law may itself be wrong by: smooth over the output, along time, between gaps, and between the way up
+/// and the way down.
 fn errors(design: &Design, predicted: &[Vec<f64>]) -> DMatrix<f64> {
     let all = predicted.iter().flatten();
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
     let span = (high - low).max(1e-12);
     let timing_s = design.channel.timing_s();
-    let mut columns = DMatrix::zeros(design.samples(), 5);
+    let mut columns = DMatrix::zeros(design.samples(), 7);
+    let told = samples(design);
     for (s, (series, output)) in design.series.iter().zip(predicted).enumerate() {
         for (k, y) in output.iter().enumerate() {
             let (row, x) = (design.first(s) + k, 2.0 * (y - low) / span - 1.0);
             for (j, shape) in [1.0, 1.5 * x * x - 0.5, 2.5 * x.powi(3) - 1.5 * x].into_iter().enumerate() {
                 columns[(row, j)] = LAW * span * shape;
+            }
+            let sample = &told[s][k];
+            if sample.has_moved {
+                let way = if sample.is_falling { 0.5 } else { -0.5 };
+                columns[(row, 5)] = LAW * span * way;
+                columns[(row, 6)] = LAW * span * way * sample.level;
             }
             columns[(row, 3)] = timing_s * slope(&series.time_s, output, k);
             if series.gap_mm > 0.0 {

@@ -150,7 +150,7 @@ fn probabilities(logs: &[f64]) -> Vec<f64> {
 /// Probability that at least one of some names is in a set.
 fn any<N: Eq>(members: &[Vec<N>], probabilities: &[f64], of: &[N]) -> f64 {
     let holds = |names: &[N]| names.iter().any(|name| of.contains(name));
-    members.iter().zip(probabilities).filter(|(names, _)| holds(names)).map(|(_, p)| p).sum()
+    members.iter().zip(probabilities).filter(|(names, _)| holds(names)).map(|(_, p)| p).fold(0.0, |sum, p| sum + p)
 }
 
 /// Every choice of one name of each finding.

@@ -6,6 +6,7 @@
 //! search   which sets are compared: those that the evidence leads to
 //! shares   what effects explain of the misfit
 //! judged   from the evidence of sets to what is believed of effects
+//! visible  whether a plausible amount would be believed
 //! verdict  from what is believed to names
 //! ```
 
@@ -13,6 +14,7 @@ mod judged;
 mod search;
 mod shares;
 mod verdict;
+mod visible;
 mod weigh;
 
 use nalgebra::{DMatrix, DVector};
@@ -24,6 +26,7 @@ pub use judged::{Belief, Judged};
 pub use search::led;
 pub use shares::{Known, Misfits, Shares};
 pub use verdict::Outcome;
+pub use visible::is_visible;
 pub use weigh::{Weighed, level};
 
 /// How far (logarithm) behind the likeliest set another may lie to count: one in a million.
@@ -128,13 +131,18 @@ impl Groups {
         all
     }
 
-    /// What each group varies with, and how far some amounts of all columns move the readings.
-    fn moved<'g>(&'g self, amounts: &'g DVector<f64>) -> impl Iterator<Item = (&'static str, f64)> + 'g {
+    /// What groups vary with whose columns, of some amounts, move the readings, the largest first.
+    #[must_use]
+    pub fn largest(&self, amounts: &DVector<f64>) -> Vec<&'static str> {
         let mut at = 0;
-        self.each.iter().map(move |group| {
+        let mut all: Vec<(&'static str, f64)> = Vec::new();
+        for group in &self.each {
             let own = amounts.rows(at, group.readings.ncols());
             at += group.readings.ncols();
-            (group.over, (&group.readings * own).norm())
-        })
+            all.push((group.over, (&group.readings * own).norm()));
+        }
+        all.retain(|(_, size)| *size > 0.0);
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        all.into_iter().map(|(over, _)| over).collect()
     }
 }

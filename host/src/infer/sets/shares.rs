@@ -156,10 +156,8 @@ impl<'a, F: Misfits> Shares<'a, F> {
     #[must_use]
     pub fn left_over(&self) -> Vec<&'static str> {
         let best = self.known.sets.first().map(|_| self.misfit(0));
-        let Some(amounts) = best.and_then(|misfit| misfit.amounts.as_ref()) else { return Vec::new() };
-        let mut all: Vec<_> = self.groups.moved(amounts).filter(|(_, size)| *size > 0.0).collect();
-        all.sort_by(|a, b| b.1.total_cmp(&a.1));
-        all.into_iter().map(|(over, _)| over).collect()
+        let amounts = best.and_then(|misfit| misfit.amounts.as_ref());
+        amounts.map_or_else(Vec::new, |amounts| self.groups.largest(amounts))
     }
 
     /// The likeliest set that has as many of some names as any.

@@ -4,9 +4,10 @@ use std::fmt::Write;
 
 use crate::diagnose::Verdict;
 use crate::diagnose::display::design::Series as Run;
-use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, Evidence, Finding, effect};
+use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, Evidence, Finding, Judged, effect};
 use crate::experiment::Experiment;
 
+use super::diagnosis::{percent, probability};
 use super::figure::{Axis, Figure, Series, Stroke};
 use super::{Page, number};
 
@@ -28,14 +29,40 @@ pub fn sentence(channel: &ChannelDiagnosis) -> String {
             format!("The {what} differs from its simulation by {}; these runs cannot tell which.", named())
         }
         Verdict::Unknown => {
-            format!(
-                "The {what} differs from its simulation, and no effect of the catalogue explains it; it shows in {}.",
-                channel.shows_in.join(", ")
-            )
+            let seen = match channel.shows_in.as_slice() {
+                [] => String::new(),
+                variables => format!("; it shows in {}", variables.join(", ")),
+            };
+            format!("The {what} differs from its simulation, and {}{seen}.", unnamed(channel))
         }
         Verdict::TooFewData | Verdict::Refused => format!("The {what} is not judged."),
     }
 }
+
+/// What stands in the place of a name.
+fn unnamed(channel: &ChannelDiagnosis) -> String {
+    const LIKELY: f64 = 0.5;
+    let Some(judged) = channel.evidence.as_deref().map(|evidence| &evidence.judged) else { return NAMELESS.to_owned() };
+    if !judged.partly.is_empty() {
+        let each: Vec<String> = judged.partly.iter().map(|twins| twins.join(" or ")).collect();
+        return match judged.explains {
+            Some(share) => format!("{} explains {} of it", each.join(" and "), percent(share)),
+            None => format!("{} is a part of it", each.join(" and ")),
+        };
+    }
+    match judged.beliefs.first().filter(|first| first.probability > LIKELY) {
+        Some(first) => {
+            format!(
+                "{} is the likeliest cause (probability {}) but no name",
+                first.name,
+                probability(first.probability)
+            )
+        }
+        None => NAMELESS.to_owned(),
+    }
+}
+
+const NAMELESS: &str = "no effect of the catalogue explains it";
 
 /// All that is worth a line.
 #[must_use]
@@ -59,6 +86,10 @@ fn lines(out: &mut String, channel: &ChannelDiagnosis) {
     }
     for finding in &channel.findings {
         let _ = writeln!(out, "  effect         {} ({})", finding.code, finding.form);
+        let _ = writeln!(out, "    {:16} {:>10}", "probability", probability(finding.probability));
+        if let Some(share) = finding.explains {
+            let _ = writeln!(out, "    {:16} {:>10} of the misfit", "explains", percent(share));
+        }
         for (name, value, (low, high)) in &finding.parameters {
             let _ = writeln!(out, "    {name:16} {:>10}  95 %: {} to {}", number(*value), number(*low), number(*high));
         }
@@ -67,6 +98,9 @@ fn lines(out: &mut String, channel: &ChannelDiagnosis) {
     if let Some(held_out) = evidence.held_out.as_ref().filter(|_| !channel.findings.is_empty()) {
         let (was, is, unit) = (held_out.rmse_before, held_out.rmse_after, channel.channel.unit());
         let _ = writeln!(out, "  held out, {unit:4} {:>10} -> {}  rms", number(was), number(is));
+    }
+    if let Some(told) = remainder(&evidence.judged).filter(|_| channel.verdict != Verdict::Clean) {
+        let _ = writeln!(out, "  remainder      {told}");
     }
     if !channel.blind_to.is_empty() {
         let _ = writeln!(out, "  blind to       {}", channel.blind_to.join(", "));
@@ -152,7 +186,7 @@ fn curves(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) {
             continue;
         }
         seen.push(series.condition);
-        let base = evidence.base.law.predict(series);
+        let base = evidence.base.fit.law.predict(series);
         let after = extended.map(|e| e.fit.law.predict(series));
         let axis = || Axis::new("time (s)");
         let mut whole = Figure::new(&series.file, axis(), Axis::new(&format!("{} ({unit})", channel.channel.word())))
@@ -186,11 +220,10 @@ fn less(measured: &[f64], simulated: &[f64]) -> Vec<f64> {
 }
 
 fn parameters(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) {
-    let z = crate::infer::covariance::Z95;
     let interval = |(low, high): (f64, f64)| format!("{} to {}", number(low), number(high));
-    let after = evidence.held.first().filter(|_| !channel.findings.is_empty()).map(|e| e.fit.estimates(None, z));
+    let after = evidence.held.first().filter(|_| !channel.findings.is_empty()).map(|e| e.estimates(None));
     let mut rows = Vec::new();
-    for (at, (name, value, bounds)) in evidence.base.estimates(None, z).into_iter().enumerate() {
+    for (at, (name, value, bounds)) in evidence.base.estimates(None).into_iter().enumerate() {
         let extended = after.as_ref().and_then(|list| list.get(at));
         let told = extended.map_or_else(|| ("".to_owned(), String::new()), |e| (number(e.1), interval(e.2)));
         rows.push(vec![name.to_owned(), number(value), interval(bounds), told.0, told.1]);
@@ -212,39 +245,42 @@ fn parameters(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) 
     }
 }
 
+/// Every effect with its probability, and the likeliest sets.
 fn candidates(page: &mut Page, evidence: &Evidence) {
-    if evidence.singles.is_empty() {
-        return;
-    }
-    let excess = (evidence.base.square - evidence.base.residual.len() as f64).max(1.0);
-    let yes = |flag: bool| if flag { "yes" } else { "no" }.to_owned();
-    let rows: Vec<Vec<String>> = evidence
-        .singles
+    const OF_NOTE: f64 = 0.01;
+    const SETS: usize = 4;
+    let judged = &evidence.judged;
+    page.heading("What is believed of each effect");
+    let (told, others): (Vec<_>, Vec<_>) = judged.beliefs.iter().partition(|b| b.probability > OF_NOTE);
+    let mut rows: Vec<Vec<String>> = told
         .iter()
-        .filter_map(|single| {
-            let effects = single.fit.effects();
-            let its = effects.first()?;
-            let explains = 100.0 * (evidence.base.square - single.fit.square) / excess;
-            Some(vec![
-                format!("{} ({})", its.code, its.form),
-                format!("{explains:.0} %"),
-                format!("{:.2}", single.adequacy.worst()),
-                yes(single.beats_noise),
-                yes(single.predicts),
-                yes(single.beats_placebo),
-            ])
+        .map(|b| {
+            vec![b.name.to_owned(), probability(b.probability), b.explains.map_or_else(|| "-".to_owned(), percent)]
         })
         .collect();
-    page.heading("Every effect alone");
-    page.table(
-        &[
-            "effect",
-            "explains",
-            "leaves (largest margin over its threshold)",
-            "beats noise",
-            "predicts",
-            "beats placebos",
-        ],
-        &rows,
-    );
+    if !others.is_empty() {
+        let codes: Vec<&str> = others.iter().map(|b| b.name).collect();
+        rows.push(vec![codes.join(", "), "< 1 % each".to_owned(), "-".to_owned()]);
+    }
+    page.table(&["effect", "probability", "explains"], &rows);
+    page.heading("The likeliest sets");
+    let each = evidence.sets.iter().zip(&judged.members).zip(&judged.sets).take(SETS);
+    let rows: Vec<Vec<String>> = each
+        .map(|((set, codes), p)| {
+            let named = if codes.is_empty() { "none".to_owned() } else { codes.join(" + ") };
+            let beside: Vec<String> =
+                judged.beside(set).map(|(over, size)| format!("{over} {}", number(100.0 * size))).collect();
+            vec![named, probability(*p), if beside.is_empty() { "-".to_owned() } else { beside.join(", ") }]
+        })
+        .collect();
+    page.table(&["effects", "probability", "without a name beside them (% of the span)"], &rows);
+    if let Some(told) = remainder(judged) {
+        page.paragraph(&format!("Remainder: {told}."));
+    }
+}
+
+/// What stays without a name.
+fn remainder(judged: &Judged) -> Option<String> {
+    let share = judged.remainder?;
+    Some(format!("{} of the span, in {}", percent(share), judged.shows_in.join(", ")))
 }
