@@ -8,6 +8,7 @@ use miette::{IntoDiagnostic, WrapErr};
 use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models};
 use crate::experiment::{self, Experiment};
 use crate::extended::ExtendedModel;
+use crate::extended::display::DisplayModel;
 use crate::report::{self, number};
 
 use super::progress::Progress;
@@ -34,11 +35,20 @@ pub struct Arguments {
 /// Bad input, a force model that fails, or a report that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let experiment = experiment::read(&arguments.experiment)?;
+    let tables = diagnose::table::diagnose(&experiment).map_err(|cause| miette::miette!("{cause}"))?;
+    if let Some(table) = &tables {
+        let others = experiment.runs.iter().any(|run| run.test != experiment::Test::Table);
+        report_table(arguments, &experiment, table, others)?;
+        if !others {
+            return Ok(());
+        }
+    }
     let progress = Progress::new();
     // The display is asked first: it costs no finite elements.
     let display = diagnose::display::diagnose(&experiment, &|what: &str, done, total| progress.set(what, done, total));
     if let Some(display) = &display {
-        let others = experiment.runs.iter().any(|run| run.test != experiment::Test::Display);
+        let others =
+            experiment.runs.iter().any(|run| ![experiment::Test::Display, experiment::Test::Table].contains(&run.test));
         progress.end();
         report_display(arguments, &experiment, display, others)?;
         if !others {
@@ -126,6 +136,35 @@ fn save(experiment: &Experiment, found: &[Diagnosis], file: &Path) -> miette::Re
     Ok(written)
 }
 
+/// Writes and tells what was found about a table; with other runs beside it, JSON comes later, in one
+/// object.
+fn report_table(
+    arguments: &Arguments,
+    experiment: &Experiment,
+    found: &diagnose::table::Diagnosis,
+    others: bool,
+) -> miette::Result<()> {
+    let mut written = None;
+    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/diagnose")));
+    if let Some(folder) = &folder {
+        let file = folder.join(if others { "table.html" } else { "report.html" });
+        report::readings::page(experiment, found)
+            .write(&file)
+            .into_diagnostic()
+            .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
+        written = Some(file.display().to_string());
+    }
+    if !arguments.json {
+        crate::print::out(format_args!("{}", report::readings::summary(found)));
+        if let Some(file) = written {
+            outln!("report           {file}");
+        }
+    } else if !others {
+        outln!("{}", diagnose::table::answer::json(found, written.as_deref()));
+    }
+    Ok(())
+}
+
 /// Writes and tells what was found about a display; with other runs beside it, JSON comes later, in one object.
 fn report_display(
     arguments: &Arguments,
@@ -135,6 +174,14 @@ fn report_display(
 ) -> miette::Result<()> {
     let mut written = None;
     let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/diagnose")));
+    let stem = if others { "display-model.toml" } else { "model.toml" };
+    let beside = folder.as_ref().map(|folder| folder.join(stem));
+    let named = arguments.model.as_ref().filter(|_| !others).or(beside.as_ref());
+    let mut model = None;
+    if let (Some(file), Some(found)) = (named, DisplayModel::of(found)) {
+        super::file::save(file, found.to_toml().as_bytes())?;
+        model = Some(file.display().to_string());
+    }
     if let Some(folder) = &folder {
         let file = folder.join(if others { "display.html" } else { "report.html" });
         report::display::page(experiment, found)
@@ -145,11 +192,16 @@ fn report_display(
     }
     if !arguments.json {
         crate::print::out(format_args!("{}", report::display::summary(found)));
+        if let Some(file) = model {
+            outln!("model            {file}");
+        }
         if let Some(file) = written {
             outln!("report           {file}");
         }
     } else if !others {
-        outln!("{}", diagnose::display::answer::json(found, written.as_deref()));
+        let mut answer = diagnose::display::answer::json(found, written.as_deref());
+        answer["model"] = serde_json::json!(model);
+        outln!("{answer}");
     }
     Ok(())
 }

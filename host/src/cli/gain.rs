@@ -9,8 +9,9 @@ use crate::diagnose::Models;
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{self, Experiment};
 use crate::extended::ExtendedModel;
+use crate::extended::display::{DisplayModel, Gain};
 use crate::extended::gain::{self, Options};
-use crate::report;
+use crate::report::{self, number};
 
 use super::progress::Progress;
 
@@ -39,6 +40,10 @@ pub struct Arguments {
 /// Bad input, a failing solve.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let experiment = experiment::read(&arguments.experiment)?;
+    let text = experiment::text_of(&arguments.model)?;
+    if DisplayModel::is_one(&text) {
+        return of_display(arguments, &experiment, &DisplayModel::parse(&arguments.model, &text)?);
+    }
     let model = ExtendedModel::read(&arguments.model)?;
     let mut options = Options::default();
     if let Some(file) = &arguments.truth {
@@ -68,6 +73,30 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         if let Some(file) = written {
             outln!("{:24} {file}", "report");
         }
+    }
+    Ok(())
+}
+
+/// What a display's model gains: the error of its predictions beside that of the base law fitted to these
+/// very runs.
+fn of_display(arguments: &Arguments, experiment: &Experiment, model: &DisplayModel) -> miette::Result<()> {
+    let found = model.gain(experiment).map_err(|cause| miette!("{cause}"))?;
+    if arguments.json {
+        let channels: Vec<_> = found.iter().map(Gain::json).collect();
+        outln!("{}", serde_json::json!({ "channels": channels, "report": null }));
+        return Ok(());
+    }
+    if found.is_empty() {
+        outln!("nothing to predict: the experiment records none of the model's channels");
+    }
+    for one in &found {
+        let (unit, samples) = (one.channel.unit(), one.samples);
+        outln!(
+            "{:24} {} {unit} rms by the base law fitted to these runs, {} {unit} by the model as it is ({samples} samples)",
+            one.channel.word(),
+            number(one.fitted_base),
+            number(one.model),
+        );
     }
     Ok(())
 }

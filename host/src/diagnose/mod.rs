@@ -31,6 +31,7 @@ pub mod scatter;
 pub mod search;
 pub mod sets;
 mod spike;
+pub mod table;
 #[cfg(test)]
 mod tests;
 mod twins;

@@ -60,7 +60,12 @@ impl ExtendedModel {
     }
 }
 
-fn needed<T>(section: &Section<'_>, key: &str, expected: &str, found: Option<T>) -> Result<T, ExperimentError> {
+pub(super) fn needed<T>(
+    section: &Section<'_>,
+    key: &str,
+    expected: &str,
+    found: Option<T>,
+) -> Result<T, ExperimentError> {
     found.ok_or_else(|| section.missing(key, expected))
 }
 
@@ -77,7 +82,7 @@ fn specimen(name: String, section: &Section<'_>) -> Result<DeclaredSpecimen, Exp
 }
 
 /// `interval95 = { g1 = [0.2, 0.4] }`; one entry a name, none where nothing is written.
-fn intervals(section: &Section<'_>, names: &[&str]) -> Result<Vec<Option<(f64, f64)>>, ExperimentError> {
+pub(super) fn intervals(section: &Section<'_>, names: &[&str]) -> Result<Vec<Option<(f64, f64)>>, ExperimentError> {
     let Some(own) = section.section("interval95", format!("interval95 of {}", section.name))? else {
         return Ok(vec![None; names.len()]);
     };
@@ -133,7 +138,8 @@ fn added(section: &Section<'_>, model: &ExtendedModel) -> Result<Added, Experime
         return Err(section.document.error(section.span.clone(), Problem::Contradiction(text)));
     }
     let intervals = intervals(section, &names)?;
-    Ok(Added { effect, owner, values, intervals, ambiguous_with: twins(section)? })
+    let ambiguous_with = twins(section, &CATALOGUE.map(|effect| effect.code))?;
+    Ok(Added { effect, owner, values, intervals, ambiguous_with })
 }
 
 fn owner<'a>(
@@ -151,14 +157,15 @@ fn owner<'a>(
     Err(section.document.error(section.value(key).map_or(0..0, Spanned::span), problem))
 }
 
-fn twins(section: &Section<'_>) -> Result<Vec<String>, ExperimentError> {
+/// Codes of effects that a diagnosis could not tell from one, all of them `known`.
+pub(super) fn twins(section: &Section<'_>, known: &[&str]) -> Result<Vec<String>, ExperimentError> {
     const EXPECTED: &str = "a list of codes of effects";
     let Some(value) = section.value("ambiguous_with") else { return Ok(Vec::new()) };
     let DeValue::Array(items) = value.get_ref() else {
         return Err(section.bad("ambiguous_with", value, EXPECTED));
     };
     let one = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
-        DeValue::String(code) if CATALOGUE.iter().any(|e| e.code == code.as_ref()) => Some(code.to_string()),
+        DeValue::String(code) if known.contains(&code.as_ref()) => Some(code.to_string()),
         _ => None,
     };
     items.iter().map(|item| one(item).ok_or_else(|| section.bad("ambiguous_with", value, EXPECTED))).collect()

@@ -8,8 +8,11 @@
 //! | identification ([`identify`]) | every effect, by the chain that named it; mu and alpha are fitted again |
 //! | table of a board ([`board`]) | what a board meets as well: specimen, material and contact, by finite elements |
 //! | gain ([`gain`]) | the table, and recordings freed from what only their own rig did to them ([`rig`]) |
+//!
+//! A display has a file of its own ([`display`]).
 
 pub mod board;
+pub mod display;
 mod file;
 mod fitting;
 pub mod gain;

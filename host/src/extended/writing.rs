@@ -31,7 +31,8 @@ fn text(words: &str) -> String {
     out
 }
 
-fn intervals<'a>(all: impl Iterator<Item = (&'a str, Option<(f64, f64)>)>) -> Option<String> {
+/// Intervals of some names as a key of their own; none where none is known.
+pub(super) fn intervals<'a>(all: impl Iterator<Item = (&'a str, Option<(f64, f64)>)>) -> Option<String> {
     let known: Vec<String> = all
         .filter_map(|(name, interval)| interval.map(|(low, high)| format!("{name} = [{low:?}, {high:?}]")))
         .collect();

@@ -11,6 +11,7 @@ pub mod gain;
 pub mod identification;
 pub mod map;
 mod page;
+pub mod readings;
 mod scale;
 pub mod strip;
 pub mod table;

@@ -22,7 +22,7 @@ use crate::infer::sets::{Group, Groups};
 
 /// Size of a discrepancy, as a share of the span: as often above as below, and a factor of 2.7 to either
 /// side. Sensors and drives of a display are sold as good to about a percent.
-const SIZE: (f64, f64) = (0.005, 1.0);
+const SIZE: (f64, f64) = (0.01, 1.0);
 /// Correlation lengths: of what all runs share, of a pitch, of a drift, and of one command.
 const COMMON: f64 = 0.25;
 const PITCH: f64 = 0.04;

@@ -1,4 +1,4 @@
-//! What data could tell of an effect: whether a plausible amount of it would be believed.
+//! What data could tell of an effect: whether a plausible amount of it would be seen.
 
 use nalgebra::DVector;
 
@@ -9,11 +9,11 @@ use crate::infer::product::beside;
 
 /// Deviations that noise takes off in one case of ten.
 const POWER: f64 = 1.28;
-/// Logarithm of the odds from which on an effect is believed: a hundred.
-const BELIEVED: f64 = 4.6;
+/// Logarithm of the odds from which on something is wrong for certain: a hundred.
+const SURE: f64 = 4.6;
 
-/// True where a plausible amount of an effect, of one of the shapes that it may have, would be believed in
-/// nine cases of ten beside a base with discrepancies of any size.
+/// True where a plausible amount of an effect, of one of the shapes that it may have, would be seen in nine
+/// cases of ten: as itself, or as a discrepancy without a name.
 #[must_use]
 pub fn is_visible<F: Forward>(
     of: &F,
@@ -30,9 +30,10 @@ pub fn is_visible<F: Forward>(
         let mut parameters = model.parameters.clone();
         parameters.push(amount);
         let with = Linearised { residual: &shape, jacobian: &jacobian, parameters, known: model.known };
-        let log = |model: &Linearised<'_>| evidence(model, &groups.discrepancy, &[]).map(|found| found.log);
-        Some(log(&with)? - log(&without)?)
+        let nameless = evidence(&without, &groups.discrepancy, &[])?;
+        let named = evidence(&with, &groups.discrepancy, &[])?;
+        Some((named.log + of.log_odds(effect)).max(nameless.log) - nameless.alone)
     };
     let most = signature.column_iter().filter_map(|shape| gain(shape.into_owned())).fold(0.0, f64::max);
-    most - POWER * (2.0 * most).sqrt() + of.log_odds(effect) > BELIEVED
+    most - POWER * (2.0 * most).sqrt() > SURE
 }

@@ -1,0 +1,209 @@
+//! The catalogue of a table: what a calibration or a simulated table may get wrong.
+//!
+//! Each says which assumption it breaks, what it adds to a reading, in spans of the table, and what
+//! separates it from the others.
+
+use super::readings::{Reading, Table};
+use crate::infer::evidence::Prior;
+
+/// A parameter of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// Name in answers, with its unit; amounts are shares of the span of the table.
+    pub name: &'static str,
+    /// Value at which the effect is absent; none for a shape.
+    pub null: Option<f64>,
+    /// Least and largest value.
+    pub bounds: (f64, f64),
+    /// An amount that tables meet; half of them have less.
+    pub plausible: f64,
+    /// Values from which a search begins.
+    pub starts: &'static [f64],
+    /// Searched in its logarithm.
+    pub logarithmic: bool,
+}
+
+impl Quantity {
+    /// The coordinate of a value.
+    #[must_use]
+    pub fn of(&self, value: f64) -> f64 {
+        if self.logarithmic { value.max(f64::MIN_POSITIVE).ln() } else { value }
+    }
+
+    /// The value of a coordinate.
+    #[must_use]
+    pub fn value(&self, x: f64) -> f64 {
+        if self.logarithmic { x.exp() } else { x }
+    }
+
+    /// What is known of it beforehand, as a coordinate.
+    #[must_use]
+    pub fn known(&self) -> Prior {
+        match self.null.map(|null| self.of(null)) {
+            Some(null) => Prior::Cauchy { null, scale: (self.of(self.plausible) - null).abs() },
+            None => Prior::between((self.of(self.bounds.0), self.of(self.bounds.1))),
+        }
+    }
+}
+
+/// One departure from the base.
+#[derive(Debug)]
+pub struct Effect {
+    /// Stable code.
+    pub code: &'static str,
+    /// Which of several laws with that code.
+    pub form: &'static str,
+    /// Assumption that it breaks.
+    pub assumption: &'static str,
+    /// What separates it from others.
+    pub separated_by: &'static str,
+    /// Its parameters.
+    pub quantities: &'static [Quantity],
+    /// What it adds to a reading, in spans of the table.
+    pub adds: fn(&Reading, &[f64]) -> f64,
+    /// True for a table that could show it.
+    pub is_possible: fn(&Table) -> bool,
+}
+
+impl PartialEq for Effect {
+    fn eq(&self, other: &Self) -> bool {
+        (self.code, self.form) == (other.code, other.form)
+    }
+}
+
+const fn amount(name: &'static str, bounds: (f64, f64), plausible: f64, starts: &'static [f64]) -> Quantity {
+    Quantity { name, null: Some(0.0), bounds, plausible, starts, logarithmic: false }
+}
+
+/// Data sheets and hand-made magnets: a few percent as a gain.
+static GAIN: Effect = Effect {
+    code: "sensor-gain",
+    form: "gain",
+    assumption: "the simulated gain is that of sensor, gap, leakage and turns",
+    separated_by: "the same table at a second gap, and a reference sensor: a gap, a leak and a sensor are all a gain",
+    quantities: &[amount("gain_share", (-0.95, 5.0), 0.05, &[0.05, -0.05])],
+    adds: |r, p| p[0] * r.level,
+    is_possible: |table| table.is_simulated,
+};
+
+/// Load cells and converters: below a percent; force sensing resistors: several (Interlink 400 data sheet).
+static QUADRATIC: Effect = Effect {
+    code: "sensor-nonlinearity",
+    form: "quadratic",
+    assumption: "reading and line differ by a gain and a zero",
+    separated_by: "readings at the middle and at both ends, several times each",
+    quantities: &[amount("bow_share", (-1.0, 1.0), 0.02, &[0.02])],
+    adds: |r, p| p[0] * 4.0 * r.level * (1.0 - r.level),
+    is_possible: |table| table.places.len() > 2,
+};
+
+/// Conductance of a contact grows with a power of the force.
+static POWER: Effect = Effect {
+    code: "sensor-nonlinearity",
+    form: "power",
+    assumption: QUADRATIC_ASSUMPTION,
+    separated_by: "readings near nothing, where a power is steepest or flattest",
+    quantities: &[Quantity {
+        name: "exponent",
+        null: Some(1.0),
+        bounds: (0.3, 3.0),
+        plausible: 1.1,
+        starts: &[0.8, 1.25],
+        logarithmic: true,
+    }],
+    adds: |r, p| r.level.max(0.0).powf(p[0]) - r.level,
+    is_possible: |table| table.places.len() > 2,
+};
+const QUADRATIC_ASSUMPTION: &str = "reading and line differ by a gain and a zero";
+
+/// What carries no more: steel, an amplifier, a converter at its end.
+static SATURATION: Effect = Effect {
+    code: "saturation",
+    form: "bend",
+    assumption: "what is set reaches the reading at any size",
+    separated_by: "readings well beyond the bend",
+    quantities: &[Quantity {
+        name: "limit_spans",
+        null: None,
+        bounds: (0.3, 10.0),
+        plausible: 2.0,
+        starts: &[0.6, 1.2, 2.5],
+        logarithmic: true,
+    }],
+    adds: |r, p| r.level / (1.0 + (r.level / p[0]).powi(2)).sqrt() - r.level,
+    is_possible: |table| table.places.len() > 2,
+};
+
+/// Half of what a reading on the way back is more, in proportion to it.
+static HYSTERESIS: Effect = Effect {
+    code: "sensor-creep",
+    form: "hysteresis",
+    assumption: "the reading does not depend on where x came from",
+    separated_by: "loops to several peaks: a sensor's loop grows with the reading, a magnet's does not",
+    quantities: &[amount("half_width_share", (0.0, 0.5), 0.02, &[0.02])],
+    adds: |r, p| -p[0] * r.way * r.level,
+    is_possible: Table::has_both_ways,
+};
+
+/// What steel keeps.
+static REMANENCE: Effect = Effect {
+    code: "remanence",
+    form: "loop",
+    assumption: "flux depends on the current of the moment",
+    separated_by: "loops to several peaks, and readings at zero current after each",
+    quantities: &[amount("half_width_share", (0.0, 0.5), 0.01, &[0.01])],
+    adds: |r, p| -p[0] * r.way,
+    is_possible: Table::has_both_ways,
+};
+
+/// What changes with the order of the readings: temperature, a zero that wanders.
+static DRIFT: Effect = Effect {
+    code: "drift",
+    form: "zero",
+    assumption: "nothing changes between the first reading and the last",
+    separated_by: "the same points in another order",
+    quantities: &[amount("over_all_share", (-1.0, 1.0), 0.02, &[0.02])],
+    adds: |r, p| p[0] * r.order,
+    is_possible: |table| table.readings.len() > table.places.len(),
+};
+
+/// The same where it settles: fast at first, and ever less.
+static SETTLING: Effect = Effect {
+    code: "drift",
+    form: "settling",
+    assumption: "nothing changes between the first reading and the last",
+    separated_by: "the same points in another order",
+    quantities: &[
+        amount("over_all_share", (-1.0, 1.0), 0.02, &[0.02]),
+        Quantity {
+            name: "settles_in_share",
+            null: None,
+            bounds: (0.02, 0.5),
+            plausible: 0.2,
+            starts: &[0.05, 0.2],
+            logarithmic: true,
+        },
+    ],
+    adds: |r, p| p[0] * (1.0 - (-r.order / p[1]).exp()),
+    is_possible: |table| table.readings.len() > table.places.len(),
+};
+
+/// A reading that grows while it is held (Interlink 400 data sheet: below 5 % a decade).
+static CREEP: Effect = Effect {
+    code: "sensor-creep",
+    form: "logarithmic",
+    assumption: "the reading depends on x of the moment",
+    separated_by: "a long rest at one x, and short ones at many",
+    quantities: &[amount("per_decade_share", (-0.5, 0.5), 0.03, &[0.03])],
+    adds: |r, p| p[0] * r.level * (r.rest_s / 0.1).ln_1p() / std::f64::consts::LN_10,
+    is_possible: |table| table.has_time && table.readings.iter().any(|r| r.rest_s > 0.0),
+};
+
+/// All effects.
+pub static CATALOGUE: [&Effect; 8] = [&GAIN, &QUADRATIC, &POWER, &SATURATION, &HYSTERESIS, &REMANENCE, &DRIFT, &CREEP];
+
+/// An effect by its code and form.
+#[must_use]
+pub fn find(code: &str, form: &str) -> Option<&'static Effect> {
+    CATALOGUE.into_iter().find(|effect| effect.code == code && effect.form == form)
+}

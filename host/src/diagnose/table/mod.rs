@@ -1,0 +1,287 @@
+//! Diagnosis of a table of x and y: a calibration, or measured values beside simulated ones.
+//!
+//! The same questions in the same order as for an indentation ([`crate::diagnose`]): what do repeats of one
+//! reading differ by; does the law, a line or the simulation, miss by more; which effects explain it; what
+//! do they gain on readings that were left out; which readings would decide.
+
+pub mod answer;
+pub mod effect;
+mod fit;
+mod forward;
+mod plan;
+pub mod readings;
+
+use std::time::Instant;
+
+use crate::calibration::lack_of_fit::{LackOfFit, LackOfFitError};
+use crate::calibration::polynomial::Polynomial;
+use crate::diagnose::Verdict;
+use crate::experiment::Experiment;
+use crate::infer::covariance::Z95;
+use crate::infer::evidence::amounts;
+use crate::infer::sets::{Known, Outcome, Shares, is_visible, led};
+
+use fit::Problem;
+pub use fit::{Fit, Law};
+use forward::Search;
+pub use plan::Proposal;
+pub use readings::{Table, Unusable};
+
+/// A set of effects of a table, fitted, with its evidence.
+pub type Weighed = crate::infer::sets::Weighed<Fit>;
+/// What is believed of a table; effects by their codes.
+pub type Judged = crate::infer::sets::Judged<&'static str>;
+/// A parameter with its 95 % interval.
+pub type Estimate = (&'static str, f64, (f64, f64));
+
+/// Degrees of freedom of repeats without which noise is not known well enough to name anything.
+const LEAST_FREEDOM: usize = 3;
+/// Level at which a law counts as missed though nothing has a name.
+const LEVEL: f64 = 0.01;
+
+/// Why nothing is named.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TooFew {
+    /// The test of lack of fit cannot be made.
+    #[error("{0}")]
+    NoTest(#[from] LackOfFitError),
+    /// Too few repeats.
+    #[error(
+        "repeats have {found} degrees of freedom, expected at least {LEAST_FREEDOM}: what a reading scatters by is not known; read every x again, from the same side"
+    )]
+    Freedom {
+        /// What they have.
+        found: usize,
+    },
+}
+
+/// One effect, or a set of names that stands for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// The effect.
+    pub effect: &'static effect::Effect,
+    /// Parameters with 95 % intervals.
+    pub parameters: Vec<Estimate>,
+    /// Other names that these readings cannot tell from it.
+    pub ambiguous_with: Vec<&'static str>,
+    /// Probability that it is there.
+    pub probability: f64,
+    /// Share of the misfit that it explains alone.
+    pub explains: Option<f64>,
+}
+
+/// Error on x that were left out, in the unit of y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldOut {
+    /// With the base.
+    pub before: f64,
+    /// With what was found.
+    pub after: f64,
+}
+
+/// What was found about a table.
+#[derive(Debug)]
+pub struct Diagnosis {
+    /// The readings.
+    pub table: Table,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Named effects.
+    pub findings: Vec<Finding>,
+    /// What the misfit varies with, the largest first.
+    pub shows_in: Vec<&'static str>,
+    /// Effects of which a plausible amount would not be seen.
+    pub blind_to: Vec<&'static str>,
+    /// Next readings, the best first.
+    pub proposals: Vec<Proposal>,
+    /// Why nothing is named, if so.
+    pub too_few: Option<TooFew>,
+    /// Test of the base against repeats.
+    pub lack_of_fit: Option<LackOfFit>,
+    /// Straight line through what the base is compared with: y, or y less the simulated value.
+    pub line: Option<Polynomial>,
+    /// The same with a curvature.
+    pub parabola: Option<Polynomial>,
+    /// What the verdict rests on.
+    pub evidence: Option<Evidence>,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+/// What a verdict rests on.
+#[derive(Debug)]
+pub struct Evidence {
+    /// Standard deviation of a reading, and degrees of freedom behind it.
+    pub sigma: (f64, usize),
+    /// The base.
+    pub base: Weighed,
+    /// Sets that were weighed, the likeliest first.
+    pub sets: Vec<Weighed>,
+    /// The likeliest set of what is named, one for each choice among twins.
+    pub held: Vec<Weighed>,
+    /// What is believed.
+    pub judged: Judged,
+    /// Error on x that were left out.
+    pub held_out: Option<HeldOut>,
+}
+
+impl Weighed {
+    /// Parameters with 95 % intervals, discrepancies allowed for: of the base, or of its `effect`-th effect.
+    #[must_use]
+    pub fn told(&self, effect: Option<usize>) -> Vec<Estimate> {
+        let law = &self.fit.law;
+        let first = |at: usize| law.base.len() + law.settings[..at].iter().map(|(_, v)| v.len()).sum::<usize>();
+        let range = effect.map_or(0..law.base.len(), |at| first(at)..first(at + 1));
+        let each = range.map(|j| {
+            let c = &self.fit.coordinates[j];
+            let (x, half) = (self.evidence.x[j], Z95 * self.evidence.deviations[j]);
+            (c.name, c.value(x), (c.value((x - half).max(c.ends.0)), c.value((x + half).min(c.ends.1))))
+        });
+        each.collect()
+    }
+}
+
+/// Diagnoses the table of an experiment; none when it holds none.
+///
+/// # Errors
+/// A table that cannot be used.
+pub fn diagnose(experiment: &Experiment) -> Result<Option<Diagnosis>, Unusable> {
+    let start = Instant::now();
+    let Some(table) = Table::of(experiment)? else { return Ok(None) };
+    let mut out = Diagnosis {
+        verdict: Verdict::TooFewData,
+        findings: Vec::new(),
+        shows_in: Vec::new(),
+        blind_to: Vec::new(),
+        proposals: Vec::new(),
+        too_few: None,
+        lack_of_fit: None,
+        line: None,
+        parabola: None,
+        evidence: None,
+        seconds: 0.0,
+        table,
+    };
+    out.examine();
+    out.seconds = start.elapsed().as_secs_f64();
+    Ok(Some(out))
+}
+
+/// Standard deviation of a reading from its repeats, and their degrees of freedom.
+fn scatter(table: &Table) -> (f64, usize) {
+    let (mut square, mut freedom) = (0.0, 0);
+    for group in table.repeats() {
+        let mean = group.iter().map(|at| table.readings[*at].y).sum::<f64>() / group.len() as f64;
+        square += group.iter().map(|at| (table.readings[*at].y - mean).powi(2)).sum::<f64>();
+        freedom += group.len() - 1;
+    }
+    ((square / freedom.max(1) as f64).sqrt(), freedom)
+}
+
+impl Diagnosis {
+    fn examine(&mut self) {
+        let table = self.table.clone();
+        let used = vec![true; table.readings.len()];
+        let base = Problem { table: &table, sigma: 1.0, used: used.clone() }.fit(&table.nominal());
+        let rest: Vec<(f64, f64)> = match table.is_simulated {
+            true => table.readings.iter().map(|r| (r.x, r.y - r.simulated.unwrap_or(0.0))).collect(),
+            false => table.points(),
+        };
+        self.line = Polynomial::fit(&rest, 1).ok();
+        self.parabola = Polynomial::fit(&rest, 2).ok();
+        let predicted: Vec<f64> = table.readings.iter().map(|r| base.law.predict(&table, r)).collect();
+        let mut repeated: Vec<(f64, f64)> = table.points();
+        for (number, group) in table.repeats().into_iter().enumerate() {
+            group.into_iter().for_each(|at| repeated[at].0 = number as f64);
+        }
+        let test = LackOfFit::of(&repeated, &predicted, base.law.base.len());
+        let (sigma, freedom) = scatter(&table);
+        self.lack_of_fit = test.as_ref().ok().copied();
+        let few = match test {
+            Err(cause) => Some(cause.into()),
+            Ok(_) if freedom < LEAST_FREEDOM => Some(TooFew::Freedom { found: freedom }),
+            Ok(_) => None,
+        };
+        if few.is_some() {
+            self.too_few = few;
+            self.proposals = plan::without_noise(self);
+            return;
+        }
+        // a reading that repeats exactly is rounded; what is not known of the noise widens it as Student's t does
+        let rounded = 1e-4 * table.span;
+        let wide = (freedom as f64 / (freedom as f64 - 2.0)).sqrt();
+        let sigma = (wide * sigma).max(rounded);
+        self.judge(Search::new(Problem { table: &table, sigma, used }), (sigma, freedom));
+    }
+
+    fn judge(&mut self, search: Search<'_>, sigma: (f64, usize)) {
+        let groups = search.groups();
+        let sets = led(&search, &groups.discrepancy, &[], &mut Vec::new());
+        let shares = Shares::new(&search, &groups, sets);
+        let base = shares.sets().iter().find(|set| set.is_base()).cloned();
+        let (Some(mut judged), Some(base)) = (Judged::of(&shares, search.base.law.base.len()), base) else { return };
+        let Known { sets, .. } = shares.into_known();
+        let mut held = judged.holding(&sets);
+        let held_out = held.first().and_then(|best| left_out(&search.problem, &search.base.law, &best.fit.law));
+        let predicts = held_out.is_none_or(|h| h.after < h.before);
+        if !judged.findings.is_empty() && (!predicts || held.first().is_none_or(|best| best.fit.at_bound)) {
+            judged.withdraw();
+        }
+        let is_missed = self.lack_of_fit.is_some_and(|test| test.probability < LEVEL);
+        if judged.outcome == Outcome::Clean && is_missed {
+            judged.outcome = Outcome::Unknown;
+        }
+        if judged.findings.is_empty() {
+            held.clear();
+        }
+        self.verdict = judged.outcome.into();
+        self.findings = held.first().map_or_else(Vec::new, |best| findings(&judged, best));
+        if judged.outcome != Outcome::Clean {
+            let told = amounts(&base.linearised(), &base.evidence, &groups.discrepancy);
+            self.shows_in = told.map_or_else(Vec::new, |amounts| groups.largest(&amounts));
+        }
+        for effect in effect::CATALOGUE {
+            let mut forms = search.effects.iter().filter(|other| other.code == effect.code);
+            if !self.blind_to.contains(&effect.code) && !forms.any(|form| is_visible(&search, &base, &groups, form)) {
+                self.blind_to.push(effect.code);
+            }
+        }
+        self.proposals = plan::proposals(&search, &sets, &judged, &self.blind_to);
+        self.evidence = Some(Evidence { sigma, base, sets, held, judged, held_out });
+    }
+}
+
+/// What is named, of the likeliest set.
+fn findings(judged: &Judged, best: &Weighed) -> Vec<Finding> {
+    let each = best.fit.effects.iter().enumerate().map(|(at, effect)| {
+        let belief = judged.belief(effect.code);
+        let own = judged.findings.iter().find(|set| set.contains(&effect.code)).map_or(&[][..], |set| set);
+        Finding {
+            effect,
+            parameters: best.told(Some(at)),
+            ambiguous_with: own.iter().filter(|other| **other != effect.code).copied().collect(),
+            probability: belief.map_or(0.0, |belief| belief.probability),
+            explains: belief.and_then(|belief| belief.explains),
+        }
+    });
+    each.collect()
+}
+
+/// Error on every x as the readings at all others predict it, with the base and with a law.
+fn left_out(problem: &Problem<'_>, base: &Law, law: &Law) -> Option<HeldOut> {
+    let table = problem.table;
+    if table.places.len() < law.base.len() + law.settings.iter().map(|(_, v)| v.len()).sum::<usize>() + 1 {
+        return None;
+    }
+    let error = |law: &Law| {
+        let of = |place: usize| {
+            let used = table.readings.iter().map(|r| r.place != place).collect();
+            let fit = Problem { used, ..problem.clone() }.fit(law);
+            let own = table.readings.iter().filter(|r| r.place == place);
+            own.map(|r| (r.y - fit.law.predict(table, r)).powi(2)).sum::<f64>()
+        };
+        let sum: f64 = (0..table.places.len()).map(of).sum();
+        (sum / table.readings.len() as f64).sqrt()
+    };
+    Some(HeldOut { before: error(base), after: error(law) })
+}
