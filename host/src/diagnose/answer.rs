@@ -51,6 +51,7 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "partly": judged.map(|j| &j.partly),
         "explains": judged.and_then(|j| j.explains),
         "remainder": judged.map(remainder),
+        "wider_priors": judged.map(Judged::sensitivity),
         "faults": faults,
         "reason": diagnosis.refusal.as_ref().map(ToString::to_string),
         "held_out": held_out.map(|h| json!({

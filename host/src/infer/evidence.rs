@@ -55,6 +55,16 @@ impl Prior {
         }
     }
 
+    /// The same, wider by a factor.
+    #[must_use]
+    pub fn wider(self, factor: f64) -> Self {
+        match self {
+            Prior::Flat => self,
+            Prior::Cauchy { null, scale } => Prior::Cauchy { null, scale: factor * scale },
+            Prior::Normal { mean, deviation } => Prior::Normal { mean, deviation: factor * deviation },
+        }
+    }
+
     /// Centre and weight of the square that touches `-2 ln p` at a point and is nowhere below it.
     fn square(&self, x: f64) -> (f64, f64) {
         match *self {
@@ -118,6 +128,12 @@ impl Sizes {
         Self(std::iter::once((0.0, NONE)).chain(sizes).collect())
     }
 
+    /// The same, all larger by a factor.
+    #[must_use]
+    fn wider(&self, factor: f64) -> Self {
+        Self(self.0.iter().map(|(size, weight)| (factor * size, *weight)).collect())
+    }
+
     /// Of the errors that a model is known for, in their units: none with even chances, for what is
     /// written down may be right, else half of them or all.
     fn of_errors() -> Self {
@@ -151,6 +167,12 @@ impl Discrepancy {
         let of = |(at, z): (usize, &&DMatrix<f64>)| std::iter::repeat_n(at, z.ncols());
         let group = groups.iter().enumerate().flat_map(of).collect();
         Self { products: inner(&columns, &columns), columns, group, groups: groups.len(), sizes }
+    }
+
+    /// The same with sizes that are larger by a factor.
+    #[must_use]
+    pub fn wider(&self, factor: f64) -> Self {
+        Self { sizes: self.sizes.wider(factor), ..self.clone() }
     }
 
     /// Sizes of every group, and of the errors of a model behind them where it has any.

@@ -180,6 +180,7 @@ fn beliefs(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
     if let Some(told) = remainder(evidence) {
         page.paragraph(&format!("Remainder: {told}."));
     }
+    page.paragraph(&evidence.judged.sensitivity_told());
     if !found.blind_to.is_empty() {
         page.paragraph(&format!("A plausible amount of these would not be seen here: {}.", found.blind_to.join(", ")));
     }

@@ -86,6 +86,7 @@ fn channel(one: &ChannelDiagnosis) -> Value {
         "partly": evidence.map(|e| &e.judged.partly),
         "explains": evidence.and_then(|e| e.judged.explains),
         "remainder": evidence.map(|e| remainder(&e.judged)),
+        "wider_priors": evidence.map(|e| e.judged.sensitivity()),
         "held_out": evidence.and_then(|e| held_out(one, e)),
         "base": { "parameters": evidence.map(|e| parameters(&e.base.estimates(None))) },
         "extended": { "parameters": evidence.and_then(|e| e.held.first()).map(|e| parameters(&e.estimates(None))) },

@@ -6,7 +6,7 @@
 //! | depth, size | depth, and the root of depth times radius | every run alike |
 //! | way back, hold | depth on the way back; the logarithm of time in a hold | every run alike |
 //! | rate, ball, specimen, cycle, spot | depth, anew for each | runs that share it |
-//! | session | the start of a run on the clock | every run, as a gain |
+//! | session, session zero | the start of a run on the clock | every run, as a gain, and as a share of the largest force |
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -30,6 +30,8 @@ const SESSION: f64 = 0.3;
 
 /// Name of what is anew for each spot.
 const SPOT: &str = "spot";
+/// Name of what is no share of the force of the moment but of the largest: the zero that wanders.
+const ZERO: &str = "session zero";
 
 /// Where a node lies in a group.
 struct Place {
@@ -57,6 +59,7 @@ pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Groups {
     let design = problem.design;
     let made = |(over, length, levels, place): Varied<'_>| {
         let shapes = Shapes::new(length);
+        let largest_n = problem.largest_n();
         let mut columns = DMatrix::zeros(problem.whitening.residuals(), levels * shapes.len());
         for (s, series) in design.series.iter().enumerate() {
             for (k, node) in series.nodes.iter().enumerate() {
@@ -67,7 +70,8 @@ pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Groups {
                 for shape in 0..shapes.len() {
                     let before = from.map_or(0.0, |from| shapes.at(shape, from));
                     let own = shapes.at(shape, u) - before;
-                    columns[(row, level * shapes.len() + shape)] = curves[s].force_n[k] * own;
+                    let force_n = if over == ZERO { largest_n } else { curves[s].force_n[k] };
+                    columns[(row, level * shapes.len() + shape)] = force_n * own;
                 }
             }
         }
@@ -107,6 +111,7 @@ fn places(design: &Design) -> Vec<Varied<'_>> {
         ("way back", COMMON, 1, Box::new(move |s, n| from(n, Branch::Unloading, depth(n), turn(s)))),
         ("hold", COMMON, 1, Box::new(move |_, n| from(n, Branch::Hold, late(n.held_s) / latest, 0.0))),
         ("session", SESSION, 1, Box::new(move |s, _| everywhere(started(s) / session, 0))),
+        (ZERO, SESSION, 1, Box::new(move |s, _| everywhere(started(s) / session, 0))),
     ];
     let each: [(&'static str, Level); 5] = [
         ("rate", |s| s.rate as i64),

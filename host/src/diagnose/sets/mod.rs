@@ -50,6 +50,27 @@ impl Judged {
         told
     }
 
+    /// What priors twice as wide would say, as JSON.
+    #[must_use]
+    pub fn sensitivity(&self) -> serde_json::Value {
+        let wider = &self.wider;
+        let verdict = Verdict::from(wider.outcome).word();
+        serde_json::json!({ "verdict": verdict, "effects": wider.findings, "same": wider.is_same })
+    }
+
+    /// The same in a sentence.
+    #[must_use]
+    pub fn sensitivity_told(&self) -> String {
+        let wider = &self.wider;
+        if wider.is_same {
+            return "Priors and sizes of discrepancies twice as wide would say the same.".to_owned();
+        }
+        let each: Vec<String> = wider.findings.iter().map(|twins| twins.join(" or ")).collect();
+        let names = if each.is_empty() { String::new() } else { format!(", {}", each.join(" and ")) };
+        let verdict = Verdict::from(wider.outcome).word();
+        format!("Priors and sizes of discrepancies twice as wide would say {verdict}{names}: the answer rests on them.")
+    }
+
     /// 95 % intervals of `mu` (MPa) and `alpha`.
     pub(super) fn elastic(&self) -> [(f64, f64); 2] {
         let own = [Coordinate::LnMu, Coordinate::LnAlpha];

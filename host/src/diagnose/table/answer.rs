@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{Diagnosis, Estimate, Finding, Proposal, Weighed};
+use super::{Diagnosis, Estimate, Finding, Judged, Proposal, Weighed};
 
 /// The keys of the contract, with the test of lack of fit beside them.
 #[must_use]
@@ -26,6 +26,7 @@ pub fn json(found: &Diagnosis, report: Option<&str>) -> Value {
         "partly": judged.map(|judged| &judged.partly),
         "explains": judged.and_then(|judged| judged.explains),
         "remainder": judged.map(|judged| json!({ "percent": judged.remainder.map_or(0.0, |share| 100.0 * share), "shows_in": judged.shows_in })),
+        "wider_priors": judged.map(Judged::sensitivity),
         "base": { "parameters": evidence.map(|e| parameters(&e.base.told(None))) },
         "extended": { "parameters": evidence.and_then(|e| e.held.first()).map(|best: &Weighed| parameters(&best.told(None))) },
         "report": report,

@@ -200,7 +200,8 @@ static CREEP: Effect = Effect {
 };
 
 /// All effects.
-pub static CATALOGUE: [&Effect; 8] = [&GAIN, &QUADRATIC, &POWER, &SATURATION, &HYSTERESIS, &REMANENCE, &DRIFT, &CREEP];
+pub static CATALOGUE: [&Effect; 9] =
+    [&GAIN, &QUADRATIC, &POWER, &SATURATION, &HYSTERESIS, &REMANENCE, &DRIFT, &SETTLING, &CREEP];
 
 /// An effect by its code and form.
 #[must_use]

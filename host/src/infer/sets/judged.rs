@@ -6,7 +6,7 @@ use super::shares::{Misfits, Shares};
 use super::verdict::{Conclusion, Outcome, concluded};
 use super::weigh::Weighed;
 use super::{Fitted, Forward};
-use crate::infer::evidence::of_unknown_sizes;
+use crate::infer::evidence::{Discrepancy, evidence, of_unknown_sizes};
 use crate::infer::mixture::{Part, quantile};
 
 /// Logarithm of the odds, a hundred, from which on something is wrong for certain: an effect or a discrepancy.
@@ -25,6 +25,20 @@ pub struct Belief<N> {
     pub probability: f64,
     /// Share of the misfit that it explains alone, where it is of note and there is a misfit.
     pub explains: Option<f64>,
+}
+
+/// How much wider priors are made to see what rests on them.
+const WIDER: f64 = 2.0;
+
+/// What would be said with priors of amounts and sizes of discrepancies twice as wide.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wider<N> {
+    /// What would be said.
+    pub outcome: Outcome,
+    /// Names that would hold.
+    pub findings: Vec<Vec<N>>,
+    /// It is the same.
+    pub is_same: bool,
 }
 
 /// What is believed of the data.
@@ -56,6 +70,8 @@ pub struct Judged<N> {
     pub sets: Vec<f64>,
     /// Names of every set.
     pub members: Vec<Vec<N>>,
+    /// What would be said with wider priors.
+    pub wider: Wider<N>,
 }
 
 impl<N: Copy + Eq + Send + Sync> Judged<N> {
@@ -71,6 +87,14 @@ impl<N: Copy + Eq + Send + Sync> Judged<N> {
             compared.iter().map(|set| set.fit.effects().iter().map(|effect| of.name(effect)).collect()).collect();
         let sets = probabilities(&compared.iter().map(|set| set.log).collect::<Vec<_>>());
         let any = |of: &[N]| any(&members, &sets, of);
+        let conclusion_of = |sets: &[f64], told: &[Belief<N>], alone: f64| {
+            concluded(
+                told,
+                alone < (-SURE).exp(),
+                |of: &[N]| shares.share(of),
+                |of: &[N]| self::any(&members, sets, of),
+            )
+        };
         let told = |name: N| {
             let probability = any(&[name]);
             let explains = (probability > OF_NOTE).then(|| shares.share(&[name])).flatten();
@@ -78,9 +102,16 @@ impl<N: Copy + Eq + Send + Sync> Judged<N> {
         };
         let mut told: Vec<Belief<N>> = names(of).into_iter().map(told).collect();
         told.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        let is_sure = nothing_wrong(compared, &sets) < (-SURE).exp();
         let Conclusion { outcome, findings, partly, explains } =
-            concluded(&told, is_sure, |of: &[N]| shares.share(of), any);
+            conclusion_of(&sets, &told, nothing_wrong(compared, &sets));
+        let wider = {
+            let (sets, alone) = wider(compared, &shares.groups().discrepancy);
+            let mut told: Vec<Belief<N>> = told.clone();
+            told.iter_mut().for_each(|b| b.probability = self::any(&members, &sets, &[b.name]));
+            told.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+            let Conclusion { outcome: its, findings: names, .. } = conclusion_of(&sets, &told, alone);
+            Wider { outcome: its, is_same: its == outcome && is_same(&names, &findings), findings: names }
+        };
         Some(Self {
             outcome,
             explained: shares.explained(&findings.concat()),
@@ -93,6 +124,7 @@ impl<N: Copy + Eq + Send + Sync> Judged<N> {
             shows_in: shares.left_over(),
             groups: shares.groups().each.iter().map(|group| group.over).collect(),
             sets,
+            wider,
             members,
         })
     }
@@ -168,6 +200,37 @@ fn choices<N: Copy>(findings: &[Vec<N>]) -> Vec<Vec<N>> {
 fn nothing_wrong<T: Fitted>(compared: &[Weighed<T>], probabilities: &[f64]) -> f64 {
     let base = compared.iter().zip(probabilities).find(|(set, _)| set.is_base());
     base.map_or(0.0, |(base, probability)| probability * (base.evidence.alone - base.log).exp())
+}
+
+/// Probabilities of sets, and that nothing is wrong, with wider priors.
+fn wider<T: Fitted>(compared: &[Weighed<T>], discrepancy: &Discrepancy) -> (Vec<f64>, f64) {
+    /// Sets this far behind (logarithm) stay there.
+    const NEAR: f64 = 20.0;
+    let discrepancy = discrepancy.wider(WIDER);
+    let again = |set: &Weighed<T>| {
+        if set.log < compared[0].log - NEAR {
+            return (set.log, set.evidence.alone - set.log);
+        }
+        let mut model = set.linearised();
+        model.parameters.iter_mut().for_each(|own| own.prior = own.prior.wider(WIDER));
+        // the sizes are those of the same groups
+        let sizes: Vec<f64> = set.evidence.sizes.iter().take(discrepancy.groups()).map(|size| WIDER * size).collect();
+        let found = evidence(&model, &discrepancy, &sizes);
+        found.map_or((f64::NAN, 0.0), |found| (found.log + set.log - set.evidence.log, found.alone - found.log))
+    };
+    let told: Vec<(f64, f64)> = compared.par_iter().map(again).collect();
+    let sets = probabilities(&told.iter().map(|(log, _)| *log).collect::<Vec<_>>());
+    let base = compared.iter().position(|set| set.is_base());
+    let alone = base.map_or(0.0, |at| sets[at] * told[at].1.exp());
+    (sets, alone)
+}
+
+/// True for the same names, in any order.
+fn is_same<N: Eq>(one: &[Vec<N>], other: &[Vec<N>]) -> bool {
+    let within = |few: &[Vec<N>], all: &[Vec<N>]| {
+        few.iter().all(|names| all.iter().any(|its| its.len() == names.len() && its.iter().all(|n| names.contains(n))))
+    };
+    within(one, other) && within(other, one)
 }
 
 /// 95 % intervals of the first parameters: of the mixture of all sets, discrepancies allowed for, those

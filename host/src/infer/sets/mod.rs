@@ -22,7 +22,7 @@ use nalgebra::{DMatrix, DVector};
 use super::evidence::{Discrepancy, Linearised, Parameter, Sizes};
 use super::product::beside;
 
-pub use judged::{Belief, Judged};
+pub use judged::{Belief, Judged, Wider};
 pub use search::led;
 pub use shares::{Known, Misfits, Shares};
 pub use verdict::Outcome;

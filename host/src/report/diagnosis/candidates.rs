@@ -93,6 +93,7 @@ fn sets(page: &mut Page, experiment: &Experiment, evidence: &Evidence) {
         ],
         &rows,
     );
+    page.paragraph(&evidence.judged.sensitivity_told());
 }
 
 /// Discrepancies beside a set.

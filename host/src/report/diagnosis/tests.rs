@@ -21,7 +21,7 @@ use crate::diagnose::sets::{Belief, Judged, Weighed};
 use crate::diagnose::{Evidence, Finding, Stand};
 use crate::experiment::{Base, BaseLaw, Indenter, Length, Sensor, Specimen};
 use crate::infer::evidence::Evidence as Weight;
-use crate::infer::sets::Outcome;
+use crate::infer::sets::{Outcome, Wider};
 
 fn experiment() -> Experiment {
     let indenter = |name: &str, radius_mm| Indenter { name: name.to_owned(), radius_mm: Length::Known(radius_mm) };
@@ -171,6 +171,7 @@ fn judged(outcome: Outcome) -> Judged {
         groups: vec!["depth", "hold"],
         sets: vec![0.7, 0.2991, 0.0009],
         members: vec![vec!["relaxation"], vec!["relaxation", "sensor-creep"], vec!["sensor-creep"]],
+        wider: Wider { outcome, findings: Vec::new(), is_same: true },
     }
 }
 

@@ -277,6 +277,7 @@ fn candidates(page: &mut Page, evidence: &Evidence) {
     if let Some(told) = remainder(judged) {
         page.paragraph(&format!("Remainder: {told}."));
     }
+    page.paragraph(&judged.sensitivity_told());
 }
 
 /// What stays without a name.
