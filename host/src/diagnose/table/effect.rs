@@ -116,6 +116,24 @@ static POWER: Effect = Effect {
 };
 const QUADRATIC_ASSUMPTION: &str = "reading and line differ by a gain and a zero";
 
+/// Any smooth curve over x: three half waves and their overtones.
+static CURVE: Effect = Effect {
+    code: "sensor-nonlinearity",
+    form: "curve",
+    assumption: QUADRATIC_ASSUMPTION,
+    separated_by: "readings at the middle and at both ends, several times each",
+    quantities: &[
+        amount("wave_1_share", (-1.0, 1.0), 0.02, &[0.01]),
+        amount("wave_2_share", (-1.0, 1.0), 0.01, &[0.0]),
+        amount("wave_3_share", (-1.0, 1.0), 0.01, &[0.0]),
+    ],
+    adds: |r, p| {
+        let wave = |k: usize| (std::f64::consts::PI * (k + 1) as f64 * r.level).sin();
+        p.iter().enumerate().map(|(k, amount)| amount * wave(k)).sum()
+    },
+    is_possible: |table| !table.is_simulated && table.places.len() > 5,
+};
+
 /// What carries no more: steel, an amplifier, a converter at its end.
 static SATURATION: Effect = Effect {
     code: "saturation",
@@ -200,8 +218,8 @@ static CREEP: Effect = Effect {
 };
 
 /// All effects.
-pub static CATALOGUE: [&Effect; 9] =
-    [&GAIN, &QUADRATIC, &POWER, &SATURATION, &HYSTERESIS, &REMANENCE, &DRIFT, &SETTLING, &CREEP];
+pub static CATALOGUE: [&Effect; 10] =
+    [&GAIN, &QUADRATIC, &POWER, &CURVE, &SATURATION, &HYSTERESIS, &REMANENCE, &DRIFT, &SETTLING, &CREEP];
 
 /// An effect by its code and form.
 #[must_use]

@@ -41,23 +41,27 @@ impl<'a> Search<'a> {
         Self { problem, effects, base }
     }
 
-    /// What the law may be wrong by without a name: smooth over x, and over x on the way back. What changes
-    /// smoothly with the order is a drift, whatever its form.
+    /// What the law may be wrong by without a name: smooth over x beside a simulation, and over x on the way
+    /// back. What bends a calibration smoothly is a nonlinearity, and what changes smoothly with the order a
+    /// drift, whatever their forms.
     #[must_use]
     pub fn groups(&self) -> Groups {
         let table = self.problem.table;
         type Place = fn(&Reading) -> Option<f64>;
-        let varied: [(&'static str, f64, Place); 2] =
-            [("x", OVER_X, |r| Some(r.level)), ("way", OVER_X, |r| (r.way < 0.0).then_some(r.level))];
-        let made = |(over, length, place): (&'static str, f64, Place)| {
-            let shapes = Shapes::new(length);
+        // two ways are one where they turn, at the largest x
+        let varied: [(&'static str, Option<f64>, Place); 2] =
+            [("x", None, |r| Some(r.level)), ("way", Some(1.0), |r| (r.way < 0.0).then_some(r.level))];
+        let made = |(over, from, place): (&'static str, Option<f64>, Place)| {
+            let shapes = Shapes::new(OVER_X);
             let readings = DMatrix::from_fn(table.readings.len(), shapes.len(), |row, shape| {
                 let used = place(&table.readings[row]).filter(|_| self.problem.used[row]);
-                used.map_or(0.0, |u| table.span * shapes.at(shape, u))
+                let before = from.map_or(0.0, |from| shapes.at(shape, from));
+                used.map_or(0.0, |u| table.span * (shapes.at(shape, u) - before))
             });
             Group { over, is_scatter: false, columns: &readings / self.problem.sigma, readings }
         };
-        let each = varied.into_iter().map(made).filter(|group| group.columns.amax() > 0.0).collect();
+        let varied = varied.into_iter().filter(|(over, ..)| table.is_simulated || *over != "x");
+        let each = varied.map(made).filter(|group| group.columns.amax() > 0.0).collect();
         Groups::new(table.readings.len(), each, Sizes::about(SIZE.0, SIZE.1))
     }
 

@@ -45,6 +45,11 @@ pub enum TooFew {
     /// The test of lack of fit cannot be made.
     #[error("{0}")]
     NoTest(#[from] LackOfFitError),
+    /// No repeat comes from the side of the first.
+    #[error(
+        "what is read again comes from the other side: a loop and noise cannot be told apart; read at least one x twice from the same side"
+    )]
+    OtherSide,
     /// Too few repeats.
     #[error(
         "repeats have {found} degrees of freedom, expected at least {LEAST_FREEDOM}: what a reading scatters by is not known; read every x again, from the same side"
@@ -198,6 +203,7 @@ impl Diagnosis {
         let (sigma, freedom) = scatter(&table);
         self.lack_of_fit = test.as_ref().ok().copied();
         let few = match test {
+            Err(LackOfFitError::NoRepeats) if table.readings.len() > table.places.len() => Some(TooFew::OtherSide),
             Err(cause) => Some(cause.into()),
             Ok(_) if freedom < LEAST_FREEDOM => Some(TooFew::Freedom { found: freedom }),
             Ok(_) => None,
