@@ -55,6 +55,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             return Ok(());
         }
     }
+    let compressed = diagnose::compression::diagnose(&experiment);
+    let indented = experiment.runs.iter().any(|run| run.test == experiment::Test::Indentation);
+    if !compressed.is_empty() {
+        report_compressed(arguments, &experiment, &compressed, indented)?;
+        if !indented {
+            return Ok(());
+        }
+    }
     let progress = Progress::new();
     let models = Models::kept();
     let tell = |what: &str, done: usize, total: usize| progress.set(what, done, total);
@@ -93,9 +101,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.json {
         let found: Vec<(&Diagnosis, &Option<String>)> = found.iter().zip(&models).collect();
         match found.as_slice() {
-            [only] => outln!("{}", told(*only)),
+            [only] if compressed.is_empty() => outln!("{}", told(*only)),
             all => {
-                outln!("{}", serde_json::json!({ "materials": all.iter().copied().map(told).collect::<Vec<_>>() }))
+                let mut each: Vec<serde_json::Value> = all.iter().copied().map(told).collect();
+                each.extend(compressed.iter().map(|one| diagnose::compression::answer::json(one, written.as_deref())));
+                outln!("{}", serde_json::json!({ "materials": each }));
             }
         }
         return Ok(());
@@ -134,6 +144,42 @@ fn save(experiment: &Experiment, found: &[Diagnosis], file: &Path) -> miette::Re
         written.push(Some(path.display().to_string()));
     }
     Ok(written)
+}
+
+/// Writes and tells what was found about materials that are compressed only; with indentations beside them, JSON
+/// comes later, in one object.
+fn report_compressed(
+    arguments: &Arguments,
+    experiment: &Experiment,
+    found: &[diagnose::compression::Diagnosis],
+    indented: bool,
+) -> miette::Result<()> {
+    let mut written = None;
+    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/diagnose")));
+    if let Some(folder) = &folder {
+        let file = folder.join(if indented { "compression.html" } else { "report.html" });
+        report::compression::page(experiment, found)
+            .write(&file)
+            .into_diagnostic()
+            .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
+        written = Some(file.display().to_string());
+    }
+    if !arguments.json {
+        for one in found {
+            crate::print::out(format_args!("{}", report::compression::summary(one)));
+        }
+        if let Some(file) = written {
+            outln!("report           {file}");
+        }
+    } else if !indented {
+        let each: Vec<_> =
+            found.iter().map(|one| diagnose::compression::answer::json(one, written.as_deref())).collect();
+        match each.as_slice() {
+            [only] => outln!("{only}"),
+            all => outln!("{}", serde_json::json!({ "materials": all })),
+        }
+    }
+    Ok(())
 }
 
 /// Writes and tells what was found about a table; with other runs beside it, JSON comes later, in one

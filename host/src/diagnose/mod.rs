@@ -6,6 +6,7 @@
 
 pub mod answer;
 pub mod check;
+pub mod compression;
 pub mod coordinate;
 mod correlated;
 pub mod design;
@@ -237,7 +238,9 @@ pub fn diagnose_without(
     models: &Models,
     progress: &Progress<'_>,
 ) -> Result<Vec<Diagnosis>, DiagnoseError> {
-    let each = identify::materials(experiment);
+    let compressed = compression::materials(experiment);
+    let mut each = identify::materials(experiment);
+    each.retain(|material| !compressed.contains(material));
     each.iter().map(|material| one(experiment, (material, codes), models, progress)).collect()
 }
 

@@ -81,6 +81,23 @@ pub fn estimate(design: &Design, curves: &[Curve], stated_n: Option<f64>) -> Opt
     Some(Noise { source: Source::Replicates, sensor, jitter: posterior.mean(), posterior, sensor_freedom })
 }
 
+/// The same where coupons are all that there is.
+#[must_use]
+pub(super) fn of_coupons_alone(design: &Design, stated_n: Option<f64>) -> Option<Noise> {
+    let contrasts = of_coupons(design);
+    let posterior = Posterior::stated(UNREPEATED, STATED_FREEDOM);
+    let stated = |sigma_n: f64| SensorNoise { sigma_n, white: 1.0, correlation_s: TIMES_S[0], relative: 0.0 };
+    let (source, sensor, sensor_freedom) = if contrasts.is_empty() {
+        (Source::Stated, stated(stated_n?), STATED_FREEDOM)
+    } else {
+        let peak_n = contrasts.iter().flat_map(|c| c.force_n.iter().copied()).fold(0.0, f64::max);
+        let curve = Curve { force_n: vec![peak_n], slope_n_per_mm: vec![0.0] };
+        let freedom: usize = contrasts.iter().map(|c| c.values.len().saturating_sub(c.shapes.ncols())).sum();
+        (Source::Replicates, most_likely(&[curve], &contrasts), freedom as f64)
+    };
+    Some(Noise { source, sensor, jitter: UNREPEATED, posterior, sensor_freedom })
+}
+
 /// Runs of each condition that has any, where all of them have the same places.
 fn repeats(design: &Design) -> impl Iterator<Item = Vec<usize>> + '_ {
     let runs = move |condition| -> Vec<usize> {

@@ -139,7 +139,7 @@ fn slopes(series: &Series) -> Vec<f64> {
 }
 
 /// The base fitted from several exponents.
-fn base_fit(problem: &Problem<'_>, peak_mpa: f64) -> Fit {
+pub(super) fn base_fit(problem: &Problem<'_>, peak_mpa: f64) -> Fit {
     const ALPHAS: [f64; 3] = [4.0, 9.0, 16.0];
     let list = coordinates(problem.design, &[]);
     let fits = ALPHAS.par_iter().map(|alpha| {

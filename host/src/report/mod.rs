@@ -3,6 +3,7 @@
 
 mod axis;
 pub mod cloud;
+pub mod compression;
 pub mod diagnosis;
 pub mod display;
 pub mod field;

@@ -191,6 +191,16 @@ impl Coupon {
         self.run.sides
     }
 
+    /// Its height, mm.
+    pub(in super::super) fn height_mm(&self) -> f64 {
+        self.run.height_mm
+    }
+
+    /// How far it was shortened before, mm.
+    pub(in super::super) fn before_mm(&self) -> f64 {
+        self.run.before_mm
+    }
+
     /// Index of its specimen.
     pub(super) fn specimen(&self) -> usize {
         self.run.specimen

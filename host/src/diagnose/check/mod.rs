@@ -82,7 +82,7 @@ pub(super) fn of(experiment: &Experiment, material: &str, scale_n: f64) -> (Vec<
 }
 
 /// Largest recorded shortening (mm) of the coupon of a run in earlier runs: those on its spot where spots are labelled, else those of its specimen if it is a later
-/// cycle; 0 for a fresh one.
+/// cycle; minus infinity for a fresh one.
 fn shortened_before(experiment: &Experiment, at: usize) -> f64 {
     let run = &experiment.runs[at];
     let same = |other: &&Run| {
@@ -90,7 +90,7 @@ fn shortened_before(experiment: &Experiment, at: usize) -> f64 {
         other.test == run.test && other.specimen == run.specimen && labelled
     };
     let depths = experiment.runs[..at].iter().filter(same).flat_map(|other| other.recording.depth_mm.iter().copied());
-    depths.fold(0.0, f64::max)
+    depths.fold(f64::NEG_INFINITY, f64::max)
 }
 
 impl Check {

@@ -10,7 +10,7 @@ use lut_gen::solve;
 use nalgebra::{DMatrix, DVector};
 
 use super::Refusal;
-use super::check::{self, Check};
+use super::check::{self, Check, Coupon};
 use crate::experiment::{Base, BaseLaw, Experiment};
 pub(super) use usable::LEAST_SAMPLES;
 use usable::{MEANT_MM, Raw, contacts, raw_runs};
@@ -152,12 +152,30 @@ impl Design {
             let each = self.series.iter().filter(|s| !has || own(s)).filter_map(|s| self.geometries.get(s.geometry));
             each.map(size).fold(0.0, f64::max)
         };
+        if self.series.is_empty() {
+            return self.sizes_of_coupons();
+        }
         Sizes {
             force_n: self.largest_n(),
             radius_mm: of(&|g| g.ball_mm),
             height_mm: of(&|g| g.specimen.height_mm),
             rate_mm_per_s: self.rates_mm_per_s.last().copied().unwrap_or(1.0),
             run_s: self.series.iter().flat_map(|s| &s.nodes).map(|n| n.time_s).fold(0.0, f64::max),
+        }
+    }
+
+    /// The same where nothing but coupons was compressed: their height stands for every length.
+    fn sizes_of_coupons(&self) -> Sizes {
+        let coupons = || self.checks.iter().filter_map(Check::coupon);
+        let most = |of: &dyn Fn(&Node) -> f64| coupons().flat_map(|c| c.nodes()).map(of).fold(0.0, f64::max);
+        let height_mm = coupons().map(Coupon::height_mm).fold(0.0, f64::max);
+        let speed = |n: &Node| if n.branch == Branch::Loading { n.depth_mm / n.time_s.max(1e-6) } else { 0.0 };
+        Sizes {
+            force_n: most(&|n| n.force_n),
+            radius_mm: height_mm,
+            height_mm,
+            rate_mm_per_s: most(&speed).max(1e-6),
+            run_s: most(&|n| n.time_s),
         }
     }
 

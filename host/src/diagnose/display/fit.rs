@@ -86,17 +86,27 @@ pub type Estimate = (&'static str, f64, (f64, f64));
 /// When a fit has ended: its sum of squares is that of a chi-square.
 const RULE: Rule = Rule { most_steps: 25, settled: 1e-4, settled_share: 1e-7, rival: None };
 
+/// What a parameter of the base is known by beforehand, as a part of its range: it counts where the commands do not
+/// tell of it.
+const UNTOLD: f64 = 0.05;
+
 /// Coordinates of a law.
 #[must_use]
 pub fn coordinates(law: &Law) -> Vec<Coordinate> {
-    let base = law.channel.base().iter().map(|p| Coordinate {
-        name: p.name,
-        bounds: p.bounds,
-        logarithmic: p.logarithmic,
-        step: if p.logarithmic { 1e-4 } else { 1e-5 * (p.bounds.1 - p.bounds.0).min(1.0) },
-        base: true,
-        null: None,
-        prior: Prior::Flat,
+    let of = |logarithmic: bool, value: f64| if logarithmic { value.ln() } else { value };
+    let base = law.channel.base().iter().map(|p| {
+        let [low, high] = [p.bounds.0, p.bounds.1].map(|end| of(p.logarithmic, end));
+        // what a command of one level does not tell is known to a part of its range
+        let prior = Prior::Normal { mean: of(p.logarithmic, p.nominal), deviation: UNTOLD * (high - low) };
+        Coordinate {
+            name: p.name,
+            bounds: p.bounds,
+            logarithmic: p.logarithmic,
+            step: if p.logarithmic { 1e-4 } else { 1e-5 * (p.bounds.1 - p.bounds.0).min(1.0) },
+            base: true,
+            null: None,
+            prior,
+        }
     });
     let effects = law.settings.iter().flat_map(|s| s.effect.quantities).map(|q| Coordinate {
         name: q.name,

@@ -3,8 +3,10 @@
 use rayon::prelude::*;
 
 use super::Weighed;
+use super::design::{Design, Series};
 use super::fit::{Fit, Problem};
 use super::forward::Search;
+use super::whiten::Whitening;
 
 /// Root mean square errors over commands that were left out of fit and choice alike.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,41 +23,39 @@ pub struct HeldOut {
     pub conditions: Vec<String>,
 }
 
+/// Parts that a command is cut into where there is one only.
+const PARTS: usize = 3;
+
+/// What is left out together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Group {
+    /// Runs that are marked `hold_out`.
+    Marked,
+    /// A command.
+    Command(usize),
+    /// A part of the only command: what a step up shows is then predicted from the step down.
+    Part(usize),
+}
+
 /// Leaves every command out in turn, refits base and rivals on the others, takes the likeliest rival there and predicts the command with it;
-/// runs that were marked `hold_out` are predicted instead where there are any. `None` with a single command.
+/// runs that were marked `hold_out` are predicted instead where there are any, and parts of the command where there is one only. `None` where
+/// no covariance can be made.
 #[must_use]
 pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
-    let problem = &search.problem;
-    let design = problem.design;
+    let design = search.problem.design;
     let marked = design.series.iter().any(|s| s.hold_out);
-    let groups: Vec<Option<usize>> = if marked { vec![None] } else { (0..design.conditions.len()).map(Some).collect() };
-    if !marked && groups.len() < 2 {
-        return None;
-    }
-    let each: Vec<(Miss, Miss)> = groups
-        .par_iter()
-        .map(|group| {
-            let predicted = |s: usize| match group {
-                Some(group) => design.series[s].condition == *group,
-                None => design.series[s].hold_out,
-            };
-            let of = |whose: &dyn Fn(usize) -> bool| problem.for_runs((0..design.series.len()).map(whose).collect());
-            let fitted = of(&|s| !predicted(s) && !design.series[s].hold_out);
-            let shown = of(&predicted);
-            let base = fitted.fit(&search.base.law);
-            let best = held
-                .iter()
-                .map(|e| fitted.fit(&e.fit.law))
-                .min_by(|a, b| a.square.total_cmp(&b.square))
-                .unwrap_or_else(|| base.clone());
-            (miss(&shown, &base), miss(&shown, &best))
-        })
-        .collect();
+    let groups: Vec<Group> = match design.conditions.len() {
+        _ if marked => vec![Group::Marked],
+        1 => (0..PARTS).map(Group::Part).collect(),
+        commands => (0..commands).map(Group::Command).collect(),
+    };
+    let each: Vec<(Miss, Miss)> = groups.par_iter().map(|group| left_out(search, held, *group)).collect();
     let sum = |of: &dyn Fn(&(Miss, Miss)) -> f64| each.iter().map(of).sum::<f64>();
     let count = sum(&|e| e.0.count).max(1.0);
     let conditions = groups.iter().map(|group| match group {
-        Some(group) => design.conditions[*group].clone(),
-        None => "runs marked hold_out".to_owned(),
+        Group::Marked => "runs marked hold_out".to_owned(),
+        Group::Command(command) => design.conditions[*command].clone(),
+        Group::Part(part) => format!("part {} of {PARTS} of {}", part + 1, design.conditions[0]),
     });
     Some(HeldOut {
         rmse_before: (sum(&|e| e.0.square) / count).sqrt(),
@@ -64,6 +64,42 @@ pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
         square_after: sum(&|e| e.1.whitened),
         conditions: conditions.collect(),
     })
+}
+
+/// What base and the likeliest rival miss of a group that neither has seen.
+fn left_out(search: &Search<'_>, held: &[Weighed], group: Group) -> (Miss, Miss) {
+    let design = search.problem.design;
+    let is_predicted = |s: usize, k: usize| {
+        let series = &design.series[s];
+        match group {
+            Group::Marked => series.hold_out,
+            Group::Command(command) => series.condition == command && !series.hold_out,
+            Group::Part(part) => !series.hold_out && k * PARTS / series.time_s.len().max(1) == part,
+        }
+    };
+    let of = |is_one: &dyn Fn(usize, usize) -> bool| {
+        let mut own = design.clone();
+        for (s, series) in own.series.iter_mut().enumerate() {
+            series.compared.iter_mut().enumerate().for_each(|(k, compared)| *compared &= is_one(s, k));
+        }
+        own
+    };
+    let (seen, shown) = (of(&|s, k| !is_predicted(s, k) && !design.series[s].hold_out), of(&is_predicted));
+    let fitted = only(search, &seen);
+    let shown = only(search, &shown);
+    let base = fitted.fit(&search.base.law);
+    let rivals = held.iter().map(|e| fitted.fit(&e.fit.law));
+    let best = rivals.min_by(|a, b| a.square.total_cmp(&b.square)).unwrap_or_else(|| base.clone());
+    (miss(&shown, &base), miss(&shown, &best))
+}
+
+/// The problem of a design of which some samples are compared.
+fn only<'d>(search: &Search<'_>, design: &'d Design) -> Problem<'d> {
+    let predicted: Vec<Vec<f64>> = design.series.iter().map(|s| search.base.law.predict(s)).collect();
+    let is_used = |s: &Series| s.compared.iter().any(|compared| *compared);
+    let used: Vec<bool> = design.series.iter().map(is_used).collect();
+    let whitening = Whitening::new(design, &predicted, &search.noise);
+    Problem { design, whitening, used: vec![true; used.len()] }.for_runs(used)
 }
 
 /// Sums over predicted runs.

@@ -64,8 +64,10 @@ impl<'a> Search<'a> {
 pub fn candidates(design: &Design) -> Vec<Candidate> {
     let mut list = Vec::new();
     let clock = design.series.iter().all(|s| s.start_s.is_some());
-    let has = |branch: Branch| design.series.iter().any(|s| s.nodes.iter().any(|n| n.branch == branch));
-    let cycles = design.series.iter().any(|s| s.cycle > 1);
+    let coupons = || design.checks.iter().filter_map(Check::coupon);
+    let runs = || design.series.iter().map(|s| &s.nodes[..]).chain(coupons().map(|coupon| coupon.nodes()));
+    let has = |branch: Branch| runs().any(|nodes| nodes.iter().any(|n| n.branch == branch));
+    let cycles = design.series.iter().any(|s| s.cycle > 1) || coupons().any(|coupon| coupon.before_mm() > 0.0);
     let owners = |of: &dyn Fn(&Series) -> usize| {
         let mut all: Vec<usize> = design.series.iter().map(of).collect();
         all.sort_unstable();

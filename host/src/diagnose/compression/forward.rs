@@ -1,0 +1,235 @@
+//! Coupons as sets of effects see them: the fits of a specimen without a ball, and misfits of compressions.
+
+use lut_gen::chain::Model;
+use lut_gen::effect::Spread;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::super::check::Check;
+use super::super::coordinate::{Candidate, Coordinate, coordinates};
+use super::super::fit::{Fit, explained, freedom};
+use super::super::search::{Search, signature};
+use super::super::sets::Weighed;
+use super::discrepancy::groups;
+use crate::infer::descent::{Region, Residuals, Rule, minimise};
+use crate::infer::evidence::Parameter;
+use crate::infer::lowrank::Fold;
+use crate::infer::sets::{Forward, Groups, Misfits};
+
+/// Root mean square of a misfit, as a part of the largest force, below which it shows in no force.
+const SEEN: f64 = 1e-4;
+const RULE: Rule = Rule { most_steps: 40, settled: 1e-9, settled_share: 1e-9, rival: None };
+
+/// A search whose rows are compressions only.
+pub(super) struct Coupons<'a> {
+    pub search: Search<'a>,
+    /// What it may be wrong by without a name.
+    pub groups: Groups,
+}
+
+impl Forward for Coupons<'_> {
+    type Fit = Fit;
+    type Name = &'static str;
+
+    fn base(&self) -> &Fit {
+        &self.search.base
+    }
+
+    fn effects(&self) -> &[Candidate] {
+        &self.search.candidates
+    }
+
+    fn name(&self, candidate: &Candidate) -> &'static str {
+        Forward::name(&self.search, candidate)
+    }
+
+    fn is_form_of(&self, one: &Candidate, other: &Candidate) -> bool {
+        self.search.is_form_of(one, other)
+    }
+
+    fn may_join(&self, set: &[Candidate], candidate: &Candidate) -> bool {
+        self.search.may_join(set, candidate)
+    }
+
+    fn log_odds(&self, candidate: &Candidate) -> f64 {
+        self.search.log_odds(candidate)
+    }
+
+    /// The likeliest from all starts.
+    fn extended(&self, from: &Fit, candidate: &Candidate) -> Option<Fit> {
+        let problem = &self.search.problem;
+        let candidates: Vec<Candidate> = from.candidates.iter().copied().chain([*candidate]).collect();
+        let list = coordinates(problem.design, &candidates);
+        let sizes = candidate.sizes(problem.design);
+        let starts = candidate.effect.quantities.iter().fold(vec![Vec::new()], |lists: Vec<Vec<f64>>, q| {
+            let own = q.starts.iter().map(|v| if q.spread == Spread::Even { q.scaled(*v, &sizes) } else { *v });
+            let own: Vec<f64> = own.collect();
+            lists.iter().flat_map(|list| own.iter().map(|v| [list.as_slice(), &[*v]].concat())).collect()
+        });
+        let known = from.x.len();
+        let fits = starts.par_iter().map(|values| {
+            let place = |i: usize| if i < known { from.x[i] } else { list[i].of(values[i - known]) };
+            self.fitted(&candidates, &DVector::from_fn(list.len(), |i, _| place(i)))
+        });
+        let log = |fit: &Fit| Weighed::of(self, fit.clone(), &self.groups.discrepancy, &[]).map(|found| found.log);
+        let told: Vec<(f64, Fit)> = fits.filter_map(|fit| Some((log(&fit)?, fit))).collect();
+        told.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, fit)| fit)
+    }
+
+    fn again(&self, fit: &Fit) -> Fit {
+        self.search.again(fit)
+    }
+
+    fn form_error(&self, fit: &Fit) -> DMatrix<f64> {
+        Forward::form_error(&self.search, fit)
+    }
+
+    fn signature(&self, at: &Fit, candidate: &Candidate) -> (DMatrix<f64>, Parameter) {
+        Forward::signature(&self.search, at, candidate)
+    }
+}
+
+impl<'a> Coupons<'a> {
+    /// Of a search, its base found anew.
+    pub fn new(mut search: Search<'a>) -> Self {
+        let groups = groups(&search.problem, &search.base.model);
+        let mut coupons = Self { search: search.clone(), groups };
+        let starts = ALPHAS.map(|alpha| {
+            let mu_mpa = modulus(&coupons, alpha);
+            coupons.fitted(&[], &DVector::from_column_slice(&[mu_mpa.ln(), f64::ln(alpha)]))
+        });
+        let plain = |fit: &Fit| coupons.rms(&(coupons.measured() - coupons.predicted(&fit.model)));
+        if let Some(base) = starts.into_iter().min_by(|a, b| plain(a).total_cmp(&plain(b))) {
+            search.base = base;
+        }
+        let Search { problem, base, candidates, .. } = &search;
+        search.signatures = candidates.iter().map(|c| signature(problem, base, c)).collect();
+        coupons.groups = self::groups(&search.problem, &search.base.model);
+        coupons.search = search;
+        coupons
+    }
+
+    /// A fit from a point, first of the forces as they were read: errors in proportion to these would let a modulus
+    /// of nothing miss them all at the price of one gain a compression.
+    fn fitted(&self, candidates: &[Candidate], start: &DVector<f64>) -> Fit {
+        let problem = &self.search.problem;
+        let list = coordinates(problem.design, candidates);
+        let left = |x: &[f64]| {
+            let model = problem.model(&list, candidates, &DVector::from_column_slice(x));
+            let mut left = self.measured() - self.predicted(&model);
+            left.iter_mut().zip(&problem.used).for_each(|(n, used)| *n = if *used { *n } else { 0.0 });
+            left
+        };
+        let slopes = |x: &[f64], here: &DVector<f64>| {
+            let column = |j: usize| {
+                let step = if x[j] + list[j].step() > list[j].bounds().1 { -list[j].step() } else { list[j].step() };
+                let mut moved = x.to_vec();
+                moved[j] += step;
+                (left(&moved) - here) / step * -1.0
+            };
+            DMatrix::from_columns(&(0..list.len()).map(column).collect::<Vec<_>>())
+        };
+        let region = Region::of(list.iter().map(Coordinate::bounds));
+        let objective = Residuals { residual: left, jacobian: slopes };
+        let plain = DVector::from_vec(minimise(&objective, &region, start.as_slice(), &RULE).x);
+        let fit = problem.fit(candidates, &plain);
+        if (fit.x[0] - plain[0]).abs() < RUNS_OFF { fit } else { problem.at(candidates, &plain, &Fold::none()) }
+    }
+
+    /// Forces that were read, N, compression by compression.
+    pub fn measured(&self) -> DVector<f64> {
+        DVector::from_vec(self.search.problem.design.checks.iter().flat_map(Check::measured).collect())
+    }
+
+    /// Forces that a model has for them, N.
+    pub fn predicted(&self, model: &Model) -> DVector<f64> {
+        let each = self.search.problem.design.checks.iter().flat_map(|check| check.predicted(model));
+        DVector::from_vec(each.collect())
+    }
+
+    /// A plain fit of a model's `mu` and `alpha`, its effects as they are, to some forces of those compressions
+    /// that count: the model, and what it leaves, N.
+    pub fn plainly(&self, with: &Model, to_n: &DVector<f64>) -> (Model, DVector<f64>) {
+        let used = &self.search.problem.used;
+        let at = |x: &[f64]| Model { mu_mpa: x[0].exp(), alpha: x[1].exp(), ..with.clone() };
+        let left = |x: &[f64]| {
+            let mut left = to_n - self.predicted(&at(x));
+            left.iter_mut().zip(used).for_each(|(n, used)| *n = if *used { *n } else { 0.0 });
+            left
+        };
+        let slopes = |x: &[f64], here: &DVector<f64>| {
+            let column = |j: usize| {
+                let mut moved = x.to_vec();
+                moved[j] += STEP;
+                (here - left(&moved)) / STEP
+            };
+            DMatrix::from_columns(&[column(0), column(1)])
+        };
+        let region = Region::of([Coordinate::LnMu, Coordinate::LnAlpha].map(|c| c.bounds()));
+        let objective = Residuals { residual: left, jacobian: slopes };
+        let end = minimise(&objective, &region, &[with.mu_mpa.ln(), with.alpha.ln()], &RULE);
+        let model = at(&end.x);
+        (model, end.kept.into_parts().0)
+    }
+
+    fn rms(&self, left_n: &DVector<f64>) -> f64 {
+        let count = self.search.problem.used.iter().filter(|used| **used).count().max(1);
+        (left_n.norm_squared() / count as f64).sqrt()
+    }
+}
+
+/// Exponents that a base begins with.
+const ALPHAS: [f64; 4] = [2.5, 5.0, 9.0, 16.0];
+/// Logarithm of a modulus from which on a fit has run off from that of the forces as they were read.
+const RUNS_OFF: f64 = 1.0;
+/// Step of a difference quotient of the logarithms.
+const STEP: f64 = 1e-5;
+
+/// The modulus (MPa) at which the largest force of an exponent is that which was read.
+fn modulus(coupons: &Coupons<'_>, alpha: f64) -> f64 {
+    let unit = coupons.predicted(&Model::base(1.0, alpha)).amax();
+    coupons.measured().amax() / unit.max(f64::MIN_POSITIVE)
+}
+
+impl Misfits for Coupons<'_> {
+    /// The base with the effects at the amounts of the evidence, and how many these are.
+    type Model = (Model, usize);
+
+    fn readings(&self) -> usize {
+        self.search.problem.whitening.residuals()
+    }
+
+    fn model(
+        &self,
+        set: &Weighed,
+        columns_n: &DMatrix<f64>,
+        amounts: Option<&DVector<f64>>,
+    ) -> (Self::Model, DVector<f64>) {
+        let fit = &set.fit;
+        let x = DVector::from_column_slice(&set.evidence.x);
+        let model = self.search.problem.model(&fit.coordinates, &fit.candidates, &x);
+        let beside = amounts.map_or_else(|| DVector::zeros(self.readings()), |amounts| columns_n * amounts);
+        ((model, fit.candidates.len()), beside)
+    }
+
+    fn left(&self, (model, effects): &Self::Model, is_kept: &dyn Fn(usize) -> bool, beside: &DVector<f64>) -> f64 {
+        let kept = model.settings.iter().enumerate().filter(|(at, _)| at >= effects || is_kept(*at));
+        let shown = Model { settings: kept.map(|(_, setting)| setting.clone()).collect(), ..model.clone() };
+        let base = Model { settings: Vec::new(), ..model.clone() };
+        self.rms(&self.plainly(&base, &(self.predicted(&shown) + beside)).1)
+    }
+
+    fn left_share(&self, (model, _): &Self::Model, beside: &DVector<f64>) -> f64 {
+        let forces_n = self.predicted(model);
+        let whole = self.rms(&forces_n);
+        self.rms(&self.plainly(model, &(forces_n + beside)).1) / whole
+    }
+
+    fn seen(&self) -> f64 {
+        SEEN * self.measured().amax()
+    }
+
+    fn explained(&self, fit: &Fit) -> Option<f64> {
+        explained(self.search.base.square, freedom(&self.search.problem.used, &self.search.base), fit.square)
+    }
+}
