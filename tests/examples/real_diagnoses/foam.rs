@@ -12,7 +12,7 @@ use palpate::identify::simplex::{Bounds, Stop, descend};
 use palpate::report::figure::{Axis, Figure, Series, Stroke};
 use tests::document::table;
 
-use super::{Outcome, picture, recorded};
+use super::{Outcome, asked, picture, recorded};
 
 /// A recording: file, height (mm), area (mm^2), start of cycle 5, of the slow ramp, of the hold, s.
 struct Piece {
@@ -256,6 +256,13 @@ pub fn section(figures: &Path) -> Outcome<Option<String>> {
             }
         }
         parts.push(figure);
+    }
+    if let Some(experiment) = recorded::experiment("shoe_foam_cycles", "data/shoe_foam")? {
+        for found in palpate::diagnose::compression::diagnose(&experiment) {
+            out += "**free**, six cycles and the hold as seven compressions of one piece (`tests/experiments/shoe_foam_cycles`):\n\n";
+            out += &asked::of_compression(&found);
+            out += "\n";
+        }
     }
     out += "First column: fitted; the others: predicted; rms in percent of the first peak.\n\n";
     out += &picture(figures, "real-diagnosis-foam.svg", "Shoe foam, what four cycles predict", &parts)?;

@@ -3,6 +3,7 @@
 //!
 //! The recordings are not part of this repository; the section of a case whose recordings are not there stays as it is.
 
+mod asked;
 mod damper;
 mod ecoflex;
 mod foam;

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use palpate::calibration::distribution::student_critical;
 use palpate::calibration::lack_of_fit::LackOfFit;
 use palpate::calibration::polynomial::Polynomial;
+use palpate::diagnose::table::passes;
 use palpate::report::figure::{Axis, Figure, Series, Stroke};
 use palpate::report::number;
 use tests::document::table;
 
-use super::{Outcome, picture, recorded};
+use super::{Outcome, asked, picture, recorded};
 
 /// A value and its interval, to what it deserves.
 fn told(value: f64, (low, high): (f64, f64)) -> String {
@@ -29,18 +29,11 @@ fn cell(text: &str) -> String {
     text.to_owned()
 }
 
-/// Level at which a difference counts, and the share of cases in which it should be found.
-const LEVEL: f64 = 0.05;
-/// Nine cases of ten: 1.28 standard deviations of a normal distribution beyond the critical value.
-const POWER: f64 = 1.28;
-
-/// Passes over the same x that show a slope of this size in nine cases of ten; one pass gives it the standard error `error`.
-fn passes(size: f64, error: f64, points: usize) -> usize {
-    let shows = |n: &usize| {
-        let freedom = (n * points - 2) as f64;
-        size.abs() / (error / (*n as f64).sqrt()) >= student_critical(LEVEL, freedom) + POWER
-    };
-    (1..1000).find(shows).unwrap_or(1000)
+/// What `palpate diagnose` says of one of them.
+fn asked(folder: &str) -> Outcome<String> {
+    let Some(experiment) = recorded::experiment(folder, "thesis/tables")? else { return Ok(String::new()) };
+    let found = palpate::diagnose::table::diagnose(&experiment)?;
+    Ok(found.map_or_else(String::new, |found| format!("{}\n", asked::of_table(&found))))
 }
 
 /// Table 6.
@@ -77,7 +70,7 @@ pub fn flux_density(figures: &Path) -> Outcome<Option<String>> {
             vec![cell("scatter about the difference line (G)"), format!("{:.0}", line.deviation)],
             vec![
                 cell("passes over these five currents that show a difference of this size in nine cases of ten"),
-                format!("{}", passes(slope.0, slope.1, left.len())),
+                format!("{}", passes(&line, 1, left.len())),
             ],
         ],
     );
@@ -88,6 +81,7 @@ pub fn flux_density(figures: &Path) -> Outcome<Option<String>> {
             .with(Series::new("line", over(&line), Stroke::Dashed, 1))
             .with(Series::new("", left, Stroke::Dots, 0));
     out += "\n";
+    out += &asked("flux_density")?;
     out += &picture(figures, "real-diagnosis-flux.svg", "Difference over current", &[figure])?;
     Ok(Some(out))
 }
@@ -140,6 +134,7 @@ pub fn force_sensor(figures: &Path) -> Outcome<Option<String>> {
         .with(Series::new("", left, Stroke::Dots, 0));
     lower.size.1 = 240.0;
     out += "\n";
+    out += &asked("force_sensor")?;
     out += &picture(
         figures,
         "real-diagnosis-fsr.svg",

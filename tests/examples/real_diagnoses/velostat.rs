@@ -1,5 +1,6 @@
 //! Two sensors of Velostat: held under a constant press, pressed again and again, and two streams on two clocks.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use palpate::calibration::hysteresis::{Hysteresis, Mean, Press, presses};
@@ -8,7 +9,7 @@ use palpate::calibration::polynomial::Polynomial;
 use palpate::report::figure::{Axis, Figure, Series, Stroke};
 use tests::document::table;
 
-use super::{Outcome, picture, recorded};
+use super::{Outcome, asked, picture, recorded};
 
 /// Files and what they say of the time held, s.
 const HOLDS: [(&str, f64); 4] =
@@ -17,6 +18,8 @@ const HOLDS: [(&str, f64); 4] =
 const PRESSED: (f64, f64) = (400.0, 600.0);
 /// Left out at both ends of a hold, s: the robot still moves.
 const SETTLES_S: f64 = 0.5;
+/// Reading that counts as the load, as after a second.
+const UNIT_OHM: f64 = 208.0;
 /// Time at which a conductance counts as 1, s.
 const UNIT_S: f64 = 1.0;
 
@@ -260,6 +263,42 @@ fn clocks(folder: &Path) -> Outcome<String> {
     ))
 }
 
+/// Load that the robot is taken to press with, N: what it was is not recorded, and only that it stayed counts.
+const PRESS_N: f64 = 15.0;
+/// Time of every hold that all have, s; samples a row, about 20 a second.
+const SHARED_S: f64 = 9.5;
+const ROWS: usize = 7;
+/// Time from sample to sample, s (143 Hz; the file's own clock pauses).
+const STEP_S: f64 = 1.0 / 143.0;
+
+/// The first seconds of all holds as four repeats of one press of a force sensor: conductance in proportion to the load,
+/// compared once the robot has stopped.
+fn held_alike(folder: &Path) -> Outcome<String> {
+    let made = tempfile::tempdir()?;
+    let mut description = String::from("name = \"Velostat, held\"\n");
+    for (name, _) in HOLDS {
+        let rows = recorded::rows(&folder.join(name), 2)?;
+        let start = rows.iter().position(|row| row[0] < PRESSED.0).ok_or("never pressed")?;
+        let before = (0.5 / STEP_S) as usize;
+        let count = ((0.5 + SHARED_S) / STEP_S) as usize / ROWS;
+        let mut csv = String::from("time_s,reference_N,force_N\n");
+        for k in 0..count {
+            let from = start.saturating_sub(before) + k * ROWS;
+            let mut readings: Vec<f64> = rows[from..from + ROWS].iter().map(|row| row[0]).collect();
+            let time_s = (k * ROWS) as f64 * STEP_S;
+            let pressed = if time_s > 0.5 + SETTLES_S { PRESS_N } else { 0.0 };
+            let _ = writeln!(csv, "{time_s:.4},{pressed},{:.5}", PRESS_N * UNIT_OHM / middle(&mut readings));
+        }
+        std::fs::write(made.path().join(name).with_extension("csv"), csv)?;
+        let file = name.replace(".txt", ".csv");
+        let _ = writeln!(description, "[[run]]\nfile = \"{file}\"\ntest = \"display\"");
+    }
+    std::fs::write(made.path().join("experiment.toml"), description)?;
+    let experiment = palpate::experiment::read(made.path())?;
+    let found = palpate::diagnose::display::diagnose(&experiment, &|_, _, _| {}).ok_or("no run of a sensor")?;
+    Ok(found.channels.iter().map(asked::of_channel).collect())
+}
+
 /// The section.
 pub fn section(figures: &Path) -> Outcome<Option<String>> {
     let Some(folder) = recorded::shared("data/velostat_hold_creep") else { return Ok(None) };
@@ -267,6 +306,8 @@ pub fn section(figures: &Path) -> Outcome<Option<String>> {
     let mut parts = Vec::new();
     let mut out = String::from("Held:\n\n");
     out += &holds(&folder, &mut parts)?;
+    out += "\nThe first ten seconds of all four as repeats of one press, the load taken as constant:\n\n";
+    out += &held_alike(&folder)?;
     out += "\nPressed again and again:\n\n";
     out += &covers(&cycles, &mut parts)?;
     out += "\nTwo streams of the same twenty presses:\n\n";

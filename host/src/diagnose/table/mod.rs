@@ -24,7 +24,7 @@ use crate::infer::sets::{Known, Outcome, Shares, is_visible, led};
 use fit::Problem;
 pub use fit::{Fit, Law};
 use forward::Search;
-pub use plan::Proposal;
+pub use plan::{Proposal, passes};
 pub use readings::{Table, Unusable};
 
 /// A set of effects of a table, fitted, with its evidence.
