@@ -215,7 +215,15 @@ mod tests {
             explains: None,
         };
         let findings = sets.iter().map(finding).collect();
-        Answer { verdict, findings, shows_in: Vec::new(), blind_to: Vec::new(), reason: None, seconds: 0.0 }
+        Answer {
+            verdict,
+            findings,
+            shows_in: Vec::new(),
+            blind_to: Vec::new(),
+            reason: None,
+            rests_on_priors: false,
+            seconds: 0.0,
+        }
     }
 
     type Case<'a> = (&'a [&'a [&'static str]], Mark);

@@ -207,7 +207,15 @@ mod tests {
             explains: None,
         };
         let findings = codes.iter().map(finding).collect();
-        Answer { verdict, findings, shows_in: Vec::new(), blind_to: Vec::new(), reason: None, seconds: 0.0 }
+        Answer {
+            verdict,
+            findings,
+            shows_in: Vec::new(),
+            blind_to: Vec::new(),
+            reason: None,
+            rests_on_priors: false,
+            seconds: 0.0,
+        }
     }
 
     /// What could not be seen before need not be named, what could must be, and a name of something else spoils it.

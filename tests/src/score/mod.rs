@@ -63,6 +63,8 @@ pub struct Answer {
     pub blind_to: Vec<&'static str>,
     /// Why no diagnosis was made, if so.
     pub reason: Option<String>,
+    /// Priors twice as wide would say something else.
+    pub rests_on_priors: bool,
     /// Wall time with the force models known, s.
     pub seconds: f64,
 }
@@ -77,6 +79,7 @@ impl Answer {
             shows_in: diagnosis.shows_in.clone(),
             blind_to: diagnosis.blind_to.clone(),
             reason: diagnosis.refusal.as_ref().map(ToString::to_string),
+            rests_on_priors: diagnosis.evidence.as_deref().is_some_and(|e| !e.judged.wider.is_same),
             seconds: diagnosis.seconds,
         }
     }

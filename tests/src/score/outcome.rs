@@ -168,7 +168,15 @@ mod tests {
         let findings: Vec<Finding> = sets.iter().map(|set| finding(set)).collect();
         let verdict =
             if findings.iter().any(|f| !f.ambiguous_with.is_empty()) { Verdict::Ambiguous } else { Verdict::Named };
-        Answer { verdict, findings, shows_in: Vec::new(), blind_to: Vec::new(), reason: None, seconds: 0.0 }
+        Answer {
+            verdict,
+            findings,
+            shows_in: Vec::new(),
+            blind_to: Vec::new(),
+            reason: None,
+            rests_on_priors: false,
+            seconds: 0.0,
+        }
     }
 
     fn said(verdict: Verdict) -> Answer {
