@@ -12,6 +12,7 @@
 //! mixture     quantiles of mixtures of normal distributions
 //! process     shapes of a smooth random function
 //! evidence    marginal likelihood of a model, its discrepancy of unknown size integrated
+//! quantity    a parameter of an effect, with what is known of it
 //! sets        sets of effects, compared by their evidence; from that to names
 //! starts      where searches begin: a space-filling design, and a search from many starts
 //! ```
@@ -27,6 +28,7 @@ pub mod mixture;
 pub mod presence;
 pub mod process;
 pub mod product;
+pub mod quantity;
 pub mod rows;
 pub mod sets;
 pub mod starts;

@@ -1,6 +1,6 @@
 //! Adhesion between ball and specimen.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// Attraction of a contact that follows the depth (Derjaguin, Muller and Toporov 1975, doi:10.1016/0021-9797(75)90018-1).
 pub const EFFECT: Effect = Effect {
@@ -18,6 +18,7 @@ pub const EFFECT: Effect = Effect {
         .per_force(1)
         .understated_by(UNDERSTATED)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Adhesive, Share::Elastic),
 };
 
 /// Finite elements in which surfaces attract each other over a tenth of a millimetre pull with 0.64 (ball of 4 mm) to 0.72 (6 mm) of the attraction below, at exponents of 3.3

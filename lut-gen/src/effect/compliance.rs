@@ -1,6 +1,6 @@
 //! A machine that gives way.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// The recorded depth contains what the machine yields.
 pub const EFFECT: Effect = Effect {
@@ -16,6 +16,7 @@ pub const EFFECT: Effect = Effect {
     prior: "load cells give way by 0.1 to 0.3 mm at full scale, and a palpation uses a tenth of that",
     quantities: &[Quantity::amplitude("mm_per_N", 0.0, (0.0, 2.0), 0.05, &[0.02, 0.3]).about(0.02).per_force(-1)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };
 
 /// What one step of Newton's method adds to the depth of the ball: recorded depth `x = d + c F(d)`.

@@ -1,6 +1,6 @@
 //! A contact that was found too late, or too early, in every run.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// The recorded depth misses the true one by a constant.
 pub const EFFECT: Effect = Effect {
@@ -15,4 +15,5 @@ pub const EFFECT: Effect = Effect {
     prior: "a trigger of 5 mN lies 0.03 mm past the touch of a ball of 4 mm on a foam of 0.1 MPa (Hertz's law)",
     quantities: &[Quantity::amplitude("offset_mm", 0.0, (-0.4, 0.4), 0.05, &[0.0]).about(0.03)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };

@@ -1,6 +1,6 @@
 //! A depth gauge of another gain.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// The recorded way is the true one times a constant, from the touch on.
 ///
@@ -18,6 +18,7 @@ pub const EFFECT: Effect = Effect {
     // a true way that is longer by more than the recorded one lies beyond what force models are made for
     quantities: &[Quantity::amplitude("gain", 1.0, (0.9, 1.12), 1.02, &[1.0]).about(0.006)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };
 
 /// True way (mm) of a recorded one (mm), both from the touch.

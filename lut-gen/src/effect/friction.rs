@@ -1,6 +1,6 @@
 //! Friction between ball and specimen.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// Coulomb friction under the ball.
 pub const EFFECT: Effect = Effect {
@@ -15,6 +15,7 @@ pub const EFFECT: Effect = Effect {
     prior: "lubricated or powdered balls rub with 0.05 to 0.2, dry ones with 0.3 and more; a contact that is said to be frictionless is of the former kind (laboratory judgement)",
     quantities: &[Quantity::amplitude("coefficient", 0.0, (0.0, 1.0), 0.3, &[0.3, 0.8]).about(0.2)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Rough, Share::Rubbed),
 };
 
 /// Way back, as a share of the largest depth, from which on the ball counts as turned.

@@ -1,6 +1,6 @@
 //! A ball that lags behind what is recorded.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// The ball follows the recorded depth through a first-order filter.
 pub const FILTER: Effect = Effect {
@@ -15,6 +15,7 @@ pub const FILTER: Effect = Effect {
     prior: "two channels that are read one after the other at 50 to 100 Hz are apart by up to a sample, 0.01 s",
     quantities: &[Quantity::amplitude("lag_s", 0.0, (0.0, 1.0), 0.03, &[0.01]).about(0.01)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };
 
 /// The ball cannot move faster than a limit; the parameter is its reciprocal.
@@ -33,6 +34,7 @@ pub const RATE_LIMIT: Effect = Effect {
         .about(0.02)
         .per_rate()],
     owner: Owner::All,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };
 
 /// Depth of the ball behind a filter, exact where the recorded depth moves straight.

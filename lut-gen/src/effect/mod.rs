@@ -25,7 +25,7 @@ pub mod softening;
 pub mod thickness;
 pub mod time_gain;
 
-pub use definition::{Effect, Kind, Owner, Stage};
+pub use definition::{Effect, FormError, Kind, Owner, Share, Stage};
 use fading::fading;
 pub use quantity::{Grows, Quantity, Sizes, Spread};
 

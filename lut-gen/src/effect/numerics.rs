@@ -1,6 +1,6 @@
 //! An error of the simulation itself.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// The simulated force is off by a smooth share of itself that grows with depth.
 pub const EFFECT: Effect = Effect {
@@ -15,4 +15,5 @@ pub const EFFECT: Effect = Effect {
     prior: "the standard mesh is within 0.14 % of finer ones (docs/verification.md)",
     quantities: &[Quantity::amplitude("share", 0.0, (-0.003, 0.003), 0.002, &[0.0]).about(0.001)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Rough, Share::Elastic),
 };

@@ -1,6 +1,6 @@
 //! Poisson's ratio of the foam.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// Poisson's ratio is not 0.
 pub const EFFECT: Effect = Effect {
@@ -15,4 +15,5 @@ pub const EFFECT: Effect = Effect {
     prior: "open-cell foams in compression have ratios of 0 to 0.1 (Gibson and Ashby 1997, Cellular Solids, chapter 5); the thesis takes 0",
     quantities: &[Quantity::amplitude("nu", 0.0, (0.0, 0.38), 0.1, &[0.1]).about(0.05)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Elastic, Share::Elastic),
 };

@@ -1,6 +1,6 @@
 //! A ball of another radius than declared.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// The radius of one ball is not the declared one.
 pub const EFFECT: Effect = Effect {
@@ -15,4 +15,5 @@ pub const EFFECT: Effect = Effect {
     prior: "a turned or printed ball of 4 mm is off by some hundredths of a millimetre, 1 %; bearing balls are a hundred times better",
     quantities: &[Quantity::amplitude("error_mm", 0.0, (-0.28, 0.32), 0.04, &[0.0]).about(0.01).of_radius()],
     owner: Owner::Indenter,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };

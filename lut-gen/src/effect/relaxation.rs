@@ -1,6 +1,6 @@
 //! Relaxation of the material: Prony terms (thesis Eqs. 10 to 13), the same part of shear and bulk.
 
-use super::{Effect, Kind, Owner, Quantity, Stage, fading};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage, fading};
 
 const TIMES: &[f64] = &[0.05, 0.3, 1.5, 8.0, 40.0];
 
@@ -23,6 +23,7 @@ pub const ONE: Effect = Effect {
         Quantity::shape("tau1_s", (0.01, 500.0), 1.0, TIMES),
     ],
     owner: Owner::All,
+    form_error: FormError::of(Share::Rough, Share::Solved),
 };
 
 /// Longest runs that the longer of two times may be. In a tenth of itself a time shows as a trend, its part and its length not apart; one time and a trend look like a spectrum.

@@ -1,6 +1,6 @@
 //! A second term of the strain energy.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// A second term of the Hyperfoam energy (thesis Eq. 1 with N = 2).
 pub const EFFECT: Effect = Effect {
@@ -18,4 +18,5 @@ pub const EFFECT: Effect = Effect {
         Quantity::shape("alpha2", (1.8, 26.0), 20.0, &[3.0, 22.0]),
     ],
     owner: Owner::All,
+    form_error: FormError::of(Share::Rough, Share::Elastic),
 };

@@ -1,6 +1,6 @@
 //! A force sensor that creeps, or has a loop of its own.
 
-use super::{Effect, Kind, Owner, Quantity, Stage, fading};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage, fading};
 
 /// A part of the reading follows the force late.
 pub const CREEP: Effect = Effect {
@@ -19,6 +19,7 @@ pub const CREEP: Effect = Effect {
         Quantity::shape("tau_s", (0.1, 500.0), 1.5, &[0.3, 1.5, 8.0, 40.0]),
     ],
     owner: Owner::All,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };
 
 /// The reading stays behind by a share of the largest force when its direction turns.
@@ -34,6 +35,7 @@ pub const HYSTERESIS: Effect = Effect {
     prior: "a play of 1 % of the largest force: strain-gauge cells have 0.1 % and less, resistive ones up to 10 % (Interlink 400 series)",
     quantities: &[Quantity::amplitude("width", 0.0, (0.0, 0.5), 0.03, &[0.03]).about(0.01)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };
 
 /// Adds `a` times what a low-pass filter of that time makes of the force, exact where the force moves straight.

@@ -1,6 +1,6 @@
 //! A force sensor of another gain.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// The reading is the force times a constant.
 pub const EFFECT: Effect = Effect {
@@ -15,4 +15,5 @@ pub const EFFECT: Effect = Effect {
     prior: "a force-measuring system of class 1 is within 1 % (ISO 7500-1)",
     quantities: &[Quantity::amplitude("gain", 1.0, (0.5, 2.0), 1.05, &[1.0]).about(0.01)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };

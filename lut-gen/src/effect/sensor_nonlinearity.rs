@@ -1,6 +1,6 @@
 //! A force sensor that is not linear.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// The reading has a quadratic part.
 pub const EFFECT: Effect = Effect {
@@ -18,4 +18,5 @@ pub const EFFECT: Effect = Effect {
         .about(0.005)
         .per_force(-1)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };

@@ -1,6 +1,6 @@
 //! Softening with cycles: Mullins' effect.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// Ogden and Roxburgh (1999, doi:10.1098/rspa.1999.0431) on the whole indentation.
 pub const EFFECT: Effect = Effect {
@@ -18,6 +18,7 @@ pub const EFFECT: Effect = Effect {
         Quantity::shape("scale", (0.01, 100.0), 0.3, &[0.1, 0.5, 2.0]),
     ],
     owner: Owner::All,
+    form_error: FormError::of(Share::Rough, Share::Softened),
 };
 
 /// Force while the largest depth of the spot is not exceeded: `F_e (1 - loss erf((1 - w) / scale))`, `w` the energy

@@ -77,3 +77,28 @@ fn of_two_times_the_longer_is_bounded_by_the_runs() {
     // one reading is no run: what is left to search is not empty
     assert!(longest(&relaxation::TWO, 0.0) > Some(0.01));
 }
+
+/// A code is one file, and what is to be known of an effect is there: its assumption, where it shows, what separates it,
+/// what it may be wrong by.
+#[test]
+fn an_effect_is_one_file_with_all_its_facts() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/effect");
+    for (at, effect) in CATALOGUE.iter().enumerate() {
+        let what = format!("{} {}", effect.code, effect.form);
+        let file = folder.join(format!("{}.rs", effect.code.replace('-', "_")));
+        assert!(file.is_file(), "{what}: {} is missing", file.display());
+        for told in [effect.assumption, effect.signature, effect.separated_by] {
+            assert!(told.len() > 10 && !told.ends_with('.'), "{what}: {told:?}");
+        }
+        let same = |other: &&Effect| (other.code, other.form) == (effect.code, effect.form);
+        assert!(!effect.form.is_empty() && !CATALOGUE[..at].iter().any(same), "{what} is there twice");
+        assert!(!effect.quantities.is_empty() && !effect.twins.contains(&effect.code), "{what}");
+        for (k, q) in effect.quantities.iter().enumerate() {
+            assert!(!effect.quantities[..k].iter().any(|other| other.name == q.name), "{what}: {} twice", q.name);
+        }
+        let (forth, back) = effect.form_error.chain.of();
+        assert!(forth > 0.0 && back >= forth, "{what}");
+        // who shares a code shares its kind
+        assert!(find(effect.code, None).is_some_and(|first| first.kind == effect.kind), "{what}");
+    }
+}

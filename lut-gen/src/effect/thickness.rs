@@ -1,6 +1,6 @@
 //! A wrong height of the specimen, or a base that slides where it was thought bonded.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// The height under the ball is not the declared one.
 pub const HEIGHT: Effect = Effect {
@@ -17,6 +17,7 @@ pub const HEIGHT: Effect = Effect {
         .about(0.02)
         .of_height()],
     owner: Owner::Specimen,
+    form_error: FormError::of(Share::Rough, Share::Elastic),
 };
 
 /// The heights of all specimens are wrong by the same: the gauge that measured them was, or the table gives way by a layer that they all lie on.
@@ -41,4 +42,5 @@ pub const SLIDING: Effect = Effect {
     prior: "a base that is said to be bonded holds but for a tenth of what a free one does: glue and tape shear (laboratory judgement)",
     quantities: &[Quantity::amplitude("sliding", 0.0, (0.0, 1.0), 1.0, &[0.5]).about(0.1)],
     owner: Owner::Specimen,
+    form_error: FormError::of(Share::Rough, Share::Elastic),
 };

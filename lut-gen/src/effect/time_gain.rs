@@ -1,6 +1,6 @@
 //! A clock of another rate.
 
-use super::{Effect, Kind, Owner, Quantity, Stage};
+use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
 /// The recorded time is the true one times a constant. Only what has a time of its own can tell: relaxation, creep, lag and drift.
 ///
@@ -17,4 +17,5 @@ pub const EFFECT: Effect = Effect {
     prior: "a crystal is within 0.01 %; sampling timed by software in a loop is off by up to 1 %, of which half is taken",
     quantities: &[Quantity::amplitude("gain", 1.0, (0.8, 1.25), 1.01, &[1.0]).about(0.005)],
     owner: Owner::All,
+    form_error: FormError::of(Share::Outside, Share::Elastic),
 };

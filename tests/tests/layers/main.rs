@@ -96,6 +96,17 @@ fn layers_import_what_is_below_them_only() {
     let physics =
         sources("infer").into_iter().filter(|(_, code)| code.contains("lut_gen") || code.contains("super::super"));
     assert_eq!(physics.map(|(file, _)| file).collect::<Vec<_>>(), [""; 0]);
+    // what effects are called is nothing that inference asks
+    let named = sources("infer").into_iter().filter(|(_, code)| code.contains(".code"));
+    assert_eq!(named.map(|(file, _)| file).collect::<Vec<_>>(), [""; 0]);
+    // a table and a display know nothing of each other, nor of the specimen
+    let others = |own: &str, other: &'static [&'static str]| {
+        let asks = move |code: &str| other.iter().any(|other| code.contains(other));
+        sources(own).into_iter().filter(move |(_, code)| asks(code)).map(|(file, _)| file).collect::<Vec<_>>()
+    };
+    assert_eq!(others("diagnose/table", &["display::", "lut_gen", "compression::", "search::"]), [""; 0]);
+    assert_eq!(others("diagnose/display", &["table::", "lut_gen", "compression::", "search::"]), [""; 0]);
+    assert_eq!(others("diagnose/compression", &["table::", "display::"]), [""; 0]);
 }
 
 /// Worlds that judge a diagnosis are drawn without a look at it; only their score sees its answers.

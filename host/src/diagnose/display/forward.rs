@@ -4,14 +4,20 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::design::Design;
-use super::effect::{CATALOGUE, Effect};
+use super::effect::{CATALOGUE, Effect, Quantity};
 use super::fit::{self, Fit, Problem};
 use super::law::{self, Law, Setting};
 use super::noise::Noise;
 use super::whiten::Whitening;
 use crate::infer::evidence::Parameter;
 use crate::infer::presence;
-use crate::infer::sets::{Forward, Misfits, Weighed};
+use crate::infer::sets::{Forward, Misfits};
+
+/// A set of effects of a channel, fitted, with its evidence.
+pub type Weighed = crate::infer::sets::Weighed<Fit>;
+
+/// What is believed of a channel; effects by their codes.
+pub type Judged = crate::infer::sets::Judged<&'static str>;
 
 /// Relative error of an effect as the catalogue writes it down, along smooth shapes of time in every command by itself: nature's friction,
 /// creep and steel are no closer to these laws.
@@ -114,13 +120,7 @@ impl Forward for Search<'_> {
     }
 
     fn signature(&self, at: &Fit, effect: &&'static Effect) -> (DMatrix<f64>, Parameter) {
-        let columns = self.changes(at, effect);
-        let amount = effect.quantities.iter().find_map(|q| {
-            let null = q.of(q.null?);
-            let far = |value: f64| q.of(value) - null;
-            Some(Parameter::in_units(far(q.plausible), (far(q.bounds.0), far(q.bounds.1)), far(q.plausible)))
-        });
-        (columns, amount.unwrap_or(Parameter::in_units(1.0, (0.0, f64::MAX), 1.0)))
+        (self.changes(at, effect), Quantity::in_plausible_ones(effect.quantities))
     }
 }
 
@@ -131,7 +131,7 @@ impl Misfits for Search<'_> {
         self.problem.design.samples()
     }
 
-    fn model(&self, set: &Weighed<Fit>, columns: &DMatrix<f64>, amounts: Option<&DVector<f64>>) -> (Law, DVector<f64>) {
+    fn model(&self, set: &Weighed, columns: &DMatrix<f64>, amounts: Option<&DVector<f64>>) -> (Law, DVector<f64>) {
         let x = DVector::from_column_slice(&set.evidence.x);
         let beside = amounts.map_or_else(|| DVector::zeros(columns.nrows()), |amounts| columns * amounts);
         (fit::at(&set.fit.law, &set.fit.coordinates, &x), beside)

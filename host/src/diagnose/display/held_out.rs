@@ -2,10 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::Weighed;
 use super::design::{Design, Series};
 use super::fit::{Fit, Problem};
-use super::forward::Search;
+use super::forward::{Search, Weighed};
 use super::whiten::Whitening;
 
 /// Root mean square errors over commands that were left out of fit and choice alike.

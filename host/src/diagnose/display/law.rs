@@ -3,7 +3,7 @@
 use super::channel::{Channel, KNEE_A};
 use super::design::Series;
 use super::effect::{
-    self, Effect, backlash, coil_heating, delay, gap, rate_limit, remanence, saturation, sensor_creep,
+    Effect, Quantity, backlash, coil_heating, delay, gap, rate_limit, remanence, saturation, sensor_creep,
     sensor_hysteresis, sensor_nonlinearity, stiction,
 };
 
@@ -216,7 +216,7 @@ impl Shaft {
 /// What a plausible amount of an effect is, once for every start of its shape parameters.
 #[must_use]
 pub fn plausible(effect: &'static Effect) -> Vec<Setting> {
-    starts(effect, |q| if q.null.is_some() { vec![q.plausible] } else { q.starts.to_vec() })
+    starts(effect, Quantity::plausible_values)
 }
 
 /// Every combination of an effect's starts.
@@ -225,15 +225,8 @@ pub fn starting(effect: &'static Effect) -> Vec<Setting> {
     starts(effect, |q| q.starts.to_vec())
 }
 
-fn starts(effect: &'static Effect, of: impl Fn(&effect::Quantity) -> Vec<f64>) -> Vec<Setting> {
-    let mut list: Vec<Vec<f64>> = vec![Vec::new()];
-    for quantity in effect.quantities {
-        let values = of(quantity);
-        list = list
-            .iter()
-            .flat_map(|head| values.iter().map(|v| head.iter().copied().chain([*v]).collect::<Vec<f64>>()))
-            .collect();
-    }
+fn starts(effect: &'static Effect, of: impl Fn(&Quantity) -> Vec<f64>) -> Vec<Setting> {
+    let list = Quantity::combined(effect.quantities, of);
     list.into_iter().map(|values| Setting { effect, values }).collect()
 }
 

@@ -30,6 +30,7 @@ use channel::Channel;
 use design::{Design, Explained, Unusable};
 use fit::{Estimate, Fit, Problem};
 use forward::Search;
+pub use forward::{Judged, Weighed};
 use held_out::HeldOut;
 use law::Law;
 use noise::{Jitter, Noise, SensorNoise};
@@ -65,12 +66,6 @@ pub struct Finding {
     /// Share of the misfit that it explains alone, where there is one.
     pub explains: Option<f64>,
 }
-
-/// A set of effects of a channel, fitted, with its evidence.
-pub type Weighed = crate::infer::sets::Weighed<Fit>;
-
-/// What is believed of a channel; effects by their codes.
-pub type Judged = crate::infer::sets::Judged<&'static str>;
 
 /// What was found in one channel.
 #[derive(Debug)]

@@ -2,11 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Weighed;
 use super::channel::Channel;
 use super::design::{Design, Series};
 use super::fit::{Fit, Problem};
-use super::forward::{Search, with};
+use super::forward::{Search, Weighed, with};
 use super::law;
 use super::whiten::Whitening;
 use crate::infer::covariance::Factor;

@@ -1,7 +1,7 @@
 //! What effects may be wrong by as they are written down, which is no evidence for another one.
 
 use lut_gen::chain::Model;
-use lut_gen::effect::{Stage, adhesion, friction, poisson, relaxation, sensor_creep, softening};
+use lut_gen::effect::{Kind, Share, Stage, sensor_creep};
 use nalgebra::{DMatrix, DVector};
 
 use super::super::coordinate::Candidate;
@@ -11,29 +11,10 @@ use crate::infer::covariance::Factor;
 use crate::infer::lowrank::Fold;
 use crate::infer::product::inner;
 
-/// Relative error of an effect as the catalogue writes it down, along smooth shapes, on the way down and in holds, and on the way back, where
-/// the edge of the contact lifts and histories matter most: the chain against finite elements of the whole path is within that
-/// (tests/chain.rs), and nature is not closer to either.
-const ROUGH: (f64, f64) = (0.02, 0.06);
-/// The same of an effect that finite elements of the whole path contain, and of those outside the specimen, which the chain has as their
-/// equations say.
-const SOLVED_SHARE: (f64, f64) = (0.005, 0.0075);
-const OUTSIDE: (f64, f64) = (0.01, 0.02);
-/// The same of softening: 1.0 and 1.0 % (tests/whole_paths.rs).
-const SOFTENED: (f64, f64) = (0.01, 0.015);
-/// The same of friction: where points stick and where they slip depends on the mesh (tests/whole_paths.rs).
-const RUBBED: (f64, f64) = (0.05, 0.07);
-/// The same of adhesion: finite elements pull with 0.64 to 0.72 of what the catalogue writes down, by ball, which is 5 % about their mean; the mean is the work's
-/// (lut-gen's adhesion).
-const ADHESIVE: (f64, f64) = (0.05, 0.06);
-/// The same of another elastic law, of what it has beyond the base with another modulus and exponent: of the force itself it misses 0.1 to 0.2 %
-/// (tests/whole_paths.rs, lut-gen/tests/chain.rs), which is what all elastic forces are taken to be wrong by.
-const ELASTIC: (f64, f64) = (0.0201, 0.0201);
-
 /// Least and largest share that an effect may be wrong by, on the way down and on the way back.
 #[must_use]
 pub fn form_error_range() -> ((f64, f64), (f64, f64)) {
-    let all = [ROUGH, SOLVED_SHARE, OUTSIDE, SOFTENED, RUBBED, ADHESIVE, ELASTIC];
+    let all = Share::ALL.map(Share::of);
     let ends = |of: fn(&(f64, f64)) -> f64| {
         let each = all.iter().map(of);
         (each.clone().fold(f64::INFINITY, f64::min), each.fold(0.0, f64::max))
@@ -51,13 +32,14 @@ pub(in crate::diagnose) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatr
         let mut bare = fit.model.clone();
         bare.settings.retain(|s| s.effect != candidate.effect || s.owner != candidate.owner);
         let mut added = problem.plain(&bare) - &here;
-        let share = share_of(candidate, fit);
-        if share == ELASTIC || share == RUBBED {
+        let own = share_of(candidate, fit);
+        if matches!(own, Share::Elastic | Share::Rubbed) {
             beyond_base(problem, &fit.model, &here, &mut added);
         }
         if !reaches_coupons(candidate) {
             without_coupons(problem, &mut added);
         }
+        let share = own.of();
         forth.axpy(share.0, &added, 1.0);
         back.axpy(share.1, &added, 1.0);
     }
@@ -93,7 +75,7 @@ pub(in crate::diagnose) fn form_error(problem: &Problem<'_>, fit: &Fit) -> DMatr
 /// True for effects that may be wrong by a part of what they add to a coupon: those of machine and sensor, and memories. Another elastic law is exact there
 /// as it is written down, whatever the chain misses under a ball, and contacts have no part in it.
 fn reaches_coupons(candidate: &Candidate) -> bool {
-    let memory = [relaxation::ONE.code, softening::EFFECT.code].contains(&candidate.effect.code);
+    let memory = matches!(candidate.effect.kind, Kind::Memory | Kind::History);
     memory || matches!(candidate.effect.stage, Stage::Machine | Stage::Sensor | Stage::Clock)
 }
 
@@ -124,20 +106,11 @@ fn beyond_base(problem: &Problem<'_>, model: &Model, here: &DVector<f64>, added:
     }
 }
 
-/// How far an effect may be wrong, relative, on the way down and on the way back.
-fn share_of(candidate: &Candidate, fit: &Fit) -> (f64, f64) {
-    let outside = matches!(candidate.effect.stage, Stage::Machine | Stage::Sensor | Stage::Clock);
-    let solved = fit.model.whole.as_ref().is_some_and(|whole| whole.covers(candidate.effect.code));
-    match (solved, outside) {
-        (true, _) if candidate.effect.code == softening::EFFECT.code => SOFTENED,
-        (true, _) if candidate.effect.code == friction::EFFECT.code => RUBBED,
-        (true, _) if candidate.effect.code == relaxation::ONE.code => SOLVED_SHARE,
-        (true, _) => ELASTIC,
-        (false, false) if candidate.effect.code == poisson::EFFECT.code => ELASTIC,
-        (false, true) => OUTSIDE,
-        (false, false) if candidate.effect.code == adhesion::EFFECT.code => ADHESIVE,
-        (false, false) => ROUGH,
-    }
+/// How far an effect of a fit may be wrong.
+fn share_of(candidate: &Candidate, fit: &Fit) -> Share {
+    let is_solved = fit.model.whole.as_ref().is_some_and(|whole| whole.covers(candidate.effect.code));
+    let own = candidate.effect.form_error;
+    if is_solved { own.solved } else { own.chain }
 }
 
 /// The same as errors to be allowed.

@@ -4,47 +4,7 @@
 //! separates it from the others.
 
 use super::readings::{Reading, Table};
-use crate::infer::evidence::Prior;
-
-/// A parameter of an effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Quantity {
-    /// Name in answers, with its unit; amounts are shares of the span of the table.
-    pub name: &'static str,
-    /// Value at which the effect is absent; none for a shape.
-    pub null: Option<f64>,
-    /// Least and largest value.
-    pub bounds: (f64, f64),
-    /// An amount that tables meet; half of them have less.
-    pub plausible: f64,
-    /// Values from which a search begins.
-    pub starts: &'static [f64],
-    /// Searched in its logarithm.
-    pub logarithmic: bool,
-}
-
-impl Quantity {
-    /// The coordinate of a value.
-    #[must_use]
-    pub fn of(&self, value: f64) -> f64 {
-        if self.logarithmic { value.max(f64::MIN_POSITIVE).ln() } else { value }
-    }
-
-    /// The value of a coordinate.
-    #[must_use]
-    pub fn value(&self, x: f64) -> f64 {
-        if self.logarithmic { x.exp() } else { x }
-    }
-
-    /// What is known of it beforehand, as a coordinate.
-    #[must_use]
-    pub fn known(&self) -> Prior {
-        match self.null.map(|null| self.of(null)) {
-            Some(null) => Prior::Cauchy { null, scale: (self.of(self.plausible) - null).abs() },
-            None => Prior::between((self.of(self.bounds.0), self.of(self.bounds.1))),
-        }
-    }
-}
+use crate::infer::quantity::Quantity;
 
 /// One departure from the base.
 #[derive(Debug)]
@@ -71,17 +31,13 @@ impl PartialEq for Effect {
     }
 }
 
-const fn amount(name: &'static str, bounds: (f64, f64), plausible: f64, starts: &'static [f64]) -> Quantity {
-    Quantity { name, null: Some(0.0), bounds, plausible, starts, logarithmic: false }
-}
-
 /// Data sheets and hand-made magnets: a few percent as a gain.
 static GAIN: Effect = Effect {
     code: "sensor-gain",
     form: "gain",
     assumption: "the simulated gain is that of sensor, gap, leakage and turns",
     separated_by: "the same table at a second gap, and a reference sensor: a gap, a leak and a sensor are all a gain",
-    quantities: &[amount("gain_share", (-0.95, 5.0), 0.05, &[0.05, -0.05])],
+    quantities: &[Quantity::amount("gain_share", (-0.95, 5.0), 0.05, &[0.05, -0.05])],
     adds: |r, p| p[0] * r.level,
     is_possible: |table| table.is_simulated,
 };
@@ -92,7 +48,7 @@ static QUADRATIC: Effect = Effect {
     form: "quadratic",
     assumption: "reading and line differ by a gain and a zero",
     separated_by: "readings at the middle and at both ends, several times each",
-    quantities: &[amount("bow_share", (-1.0, 1.0), 0.02, &[0.02])],
+    quantities: &[Quantity::amount("bow_share", (-1.0, 1.0), 0.02, &[0.02])],
     adds: |r, p| p[0] * 4.0 * r.level * (1.0 - r.level),
     is_possible: |table| table.places.len() > 2,
 };
@@ -123,9 +79,9 @@ static CURVE: Effect = Effect {
     assumption: QUADRATIC_ASSUMPTION,
     separated_by: "readings at the middle and at both ends, several times each",
     quantities: &[
-        amount("wave_1_share", (-1.0, 1.0), 0.02, &[0.01]),
-        amount("wave_2_share", (-1.0, 1.0), 0.01, &[0.0]),
-        amount("wave_3_share", (-1.0, 1.0), 0.01, &[0.0]),
+        Quantity::amount("wave_1_share", (-1.0, 1.0), 0.02, &[0.01]),
+        Quantity::amount("wave_2_share", (-1.0, 1.0), 0.01, &[0.0]),
+        Quantity::amount("wave_3_share", (-1.0, 1.0), 0.01, &[0.0]),
     ],
     adds: |r, p| {
         let wave = |k: usize| (std::f64::consts::PI * (k + 1) as f64 * r.level).sin();
@@ -158,7 +114,7 @@ static HYSTERESIS: Effect = Effect {
     form: "hysteresis",
     assumption: "the reading does not depend on where x came from",
     separated_by: "loops to several peaks: a sensor's loop grows with the reading, a magnet's does not",
-    quantities: &[amount("half_width_share", (0.0, 0.5), 0.02, &[0.02])],
+    quantities: &[Quantity::amount("half_width_share", (0.0, 0.5), 0.02, &[0.02])],
     adds: |r, p| -p[0] * r.way * r.level,
     is_possible: Table::has_both_ways,
 };
@@ -169,7 +125,7 @@ static REMANENCE: Effect = Effect {
     form: "loop",
     assumption: "flux depends on the current of the moment",
     separated_by: "loops to several peaks, and readings at zero current after each",
-    quantities: &[amount("half_width_share", (0.0, 0.5), 0.01, &[0.01])],
+    quantities: &[Quantity::amount("half_width_share", (0.0, 0.5), 0.01, &[0.01])],
     adds: |r, p| -p[0] * r.way,
     is_possible: Table::has_both_ways,
 };
@@ -180,7 +136,7 @@ static DRIFT: Effect = Effect {
     form: "zero",
     assumption: "nothing changes between the first reading and the last",
     separated_by: "the same points in another order",
-    quantities: &[amount("over_all_share", (-1.0, 1.0), 0.02, &[0.02])],
+    quantities: &[Quantity::amount("over_all_share", (-1.0, 1.0), 0.02, &[0.02])],
     adds: |r, p| p[0] * r.order,
     is_possible: |table| table.readings.len() > table.places.len(),
 };
@@ -192,7 +148,7 @@ static SETTLING: Effect = Effect {
     assumption: "nothing changes between the first reading and the last",
     separated_by: "the same points in another order",
     quantities: &[
-        amount("over_all_share", (-1.0, 1.0), 0.02, &[0.02]),
+        Quantity::amount("over_all_share", (-1.0, 1.0), 0.02, &[0.02]),
         Quantity {
             name: "settles_in_share",
             null: None,
@@ -212,7 +168,7 @@ static CREEP: Effect = Effect {
     form: "logarithmic",
     assumption: "the reading depends on x of the moment",
     separated_by: "a long rest at one x, and short ones at many",
-    quantities: &[amount("per_decade_share", (-0.5, 0.5), 0.03, &[0.03])],
+    quantities: &[Quantity::amount("per_decade_share", (-0.5, 0.5), 0.03, &[0.03])],
     adds: |r, p| p[0] * r.level * (r.rest_s / 0.1).ln_1p() / std::f64::consts::LN_10,
     is_possible: |table| table.has_time && table.readings.iter().any(|r| r.rest_s > 0.0),
 };

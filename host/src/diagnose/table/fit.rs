@@ -2,11 +2,18 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::effect::{Effect, Quantity};
+use super::effect::Effect;
 use super::readings::{Reading, Table};
 use crate::infer::descent::{Region, Residuals, Rule, minimise};
 use crate::infer::evidence::{Linearised, Parameter, Prior};
+use crate::infer::quantity::Quantity;
 use crate::infer::sets::Fitted;
+
+/// A set of effects of a table, fitted, with its evidence.
+pub type Weighed = crate::infer::sets::Weighed<Fit>;
+
+/// What is believed of a table; effects by their codes.
+pub type Judged = crate::infer::sets::Judged<&'static str>;
 
 /// The base of a table with effects: a line, or a simulation with a zero of its own.
 #[derive(Debug, Clone, PartialEq)]
@@ -138,7 +145,7 @@ impl Problem<'_> {
         });
         let of = |q: &Quantity| Coordinate {
             name: q.name,
-            ends: (q.of(q.bounds.0), q.of(q.bounds.1)),
+            ends: q.ends(),
             logarithmic: q.logarithmic,
             prior: q.known(),
             null: q.null.map(|null| q.of(null)),

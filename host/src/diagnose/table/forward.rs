@@ -2,13 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Weighed;
 use super::effect::{CATALOGUE, Effect};
-use super::fit::{Fit, Law, Problem, at};
+use super::fit::{Fit, Law, Problem, Weighed, at};
 use super::readings::Reading;
 use crate::infer::evidence::{Parameter, Sizes};
 use crate::infer::presence;
 use crate::infer::process::Shapes;
+use crate::infer::quantity::Quantity;
 use crate::infer::sets::{Forward, Group, Groups, Misfits};
 
 /// Size of a discrepancy, as a share of the span: as often above as below, and a factor of 2.7 to either
@@ -64,13 +64,6 @@ impl<'a> Search<'a> {
         let each = varied.map(made).filter(|group| group.columns.amax() > 0.0).collect();
         Groups::new(table.readings.len(), each, Sizes::about(SIZE.0, SIZE.1))
     }
-
-    /// Every combination of some values of an effect's quantities.
-    fn combined(effect: &Effect, of: impl Fn(&super::effect::Quantity) -> Vec<f64>) -> Vec<Vec<f64>> {
-        effect.quantities.iter().map(of).fold(vec![Vec::new()], |lists: Vec<Vec<f64>>, values| {
-            lists.iter().flat_map(|list| values.iter().map(|v| [list.as_slice(), &[*v]].concat())).collect()
-        })
-    }
 }
 
 impl Forward for Search<'_> {
@@ -99,14 +92,13 @@ impl Forward for Search<'_> {
 
     fn log_odds(&self, effect: &&'static Effect) -> f64 {
         let alike = self.effects.iter().filter(|other| other.code == effect.code).count().max(1) as f64;
-        let is_one_sided = |q: &&super::effect::Quantity| q.null.is_some_and(|null| q.bounds.0 >= null);
-        let sided = effect.quantities.iter().filter(is_one_sided).count() as f64;
+        let sided = effect.quantities.iter().filter(|q| q.is_one_sided()).count() as f64;
         let p = presence::probability();
         (p / (1.0 - p) / alike).ln() + sided * std::f64::consts::LN_2
     }
 
     fn extended(&self, from: &Fit, effect: &&'static Effect) -> Option<Fit> {
-        let starts = Self::combined(effect, |q| q.starts.to_vec());
+        let starts = Quantity::combined(effect.quantities, |q| q.starts.to_vec());
         let fits = starts.into_iter().map(|values| self.problem.fit(&from.law.with(effect, values)));
         fits.min_by(|a, b| a.square.total_cmp(&b.square))
     }
@@ -133,16 +125,11 @@ impl Forward for Search<'_> {
     }
 
     fn signature(&self, at: &Fit, effect: &&'static Effect) -> (DMatrix<f64>, Parameter) {
-        let shapes = Self::combined(effect, |q| if q.null.is_some() { vec![q.plausible] } else { q.starts.to_vec() });
+        let shapes = Quantity::combined(effect.quantities, Quantity::plausible_values);
         let here = self.problem.plain(&at.law);
         let change = |values| (&here - self.problem.plain(&at.law.with(effect, values))) / self.problem.sigma;
         let columns: Vec<DVector<f64>> = shapes.into_iter().map(change).collect();
-        let amount = effect.quantities.iter().find_map(|q| {
-            let null = q.of(q.null?);
-            let far = |value: f64| q.of(value) - null;
-            Some(Parameter::in_units(far(q.plausible), (far(q.bounds.0), far(q.bounds.1)), far(q.plausible)))
-        });
-        (DMatrix::from_columns(&columns), amount.unwrap_or(Parameter::in_units(1.0, (0.0, f64::MAX), 1.0)))
+        (DMatrix::from_columns(&columns), Quantity::in_plausible_ones(effect.quantities))
     }
 }
 

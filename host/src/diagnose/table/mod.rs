@@ -22,15 +22,11 @@ use crate::infer::evidence::amounts;
 use crate::infer::sets::{Known, Outcome, Shares, is_visible, led};
 
 use fit::Problem;
-pub use fit::{Fit, Law};
+pub use fit::{Fit, Judged, Law, Weighed};
 use forward::Search;
 pub use plan::{Proposal, passes};
 pub use readings::{Table, Unusable};
 
-/// A set of effects of a table, fitted, with its evidence.
-pub type Weighed = crate::infer::sets::Weighed<Fit>;
-/// What is believed of a table; effects by their codes.
-pub type Judged = crate::infer::sets::Judged<&'static str>;
 /// A parameter with its 95 % interval.
 pub type Estimate = (&'static str, f64, (f64, f64));
 

@@ -3,10 +3,10 @@
 
 use nalgebra::DVector;
 
-use super::fit::{Fit, Law, Problem};
+use super::Diagnosis;
+use super::fit::{Fit, Judged, Law, Problem, Weighed};
 use super::forward::Search;
 use super::readings::{Reading, Table};
-use super::{Diagnosis, Judged, Weighed};
 use crate::calibration::distribution::student_critical;
 use crate::calibration::polynomial::Polynomial;
 use crate::infer::covariance::Factor;

@@ -42,3 +42,29 @@ pub const CATALOGUE: &[&Effect] = &[
 pub fn find(code: &str, form: Option<&str>) -> Option<&'static Effect> {
     CATALOGUE.iter().copied().find(|e| e.code == code && form.is_none_or(|form| form == e.form))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is to be known of an effect is in its file: its assumption, where it shows, what separates it, its amounts.
+    #[test]
+    fn an_effect_has_all_its_facts() {
+        for (at, effect) in CATALOGUE.iter().enumerate() {
+            let what = format!("{} {}", effect.code, effect.form);
+            for told in [effect.assumption, effect.signature, effect.separated_by] {
+                assert!(told.len() > 10 && !told.ends_with('.'), "{what}: {told:?}");
+            }
+            let same = |other: &&Effect| (other.code, other.form) == (effect.code, effect.form);
+            assert!(!CATALOGUE[..at].iter().copied().any(|other| same(&other)), "{what} is there twice");
+            for q in effect.quantities {
+                let inside = |x: f64| (q.bounds.0..=q.bounds.1).contains(&x);
+                assert!(inside(q.plausible) && q.starts.iter().copied().all(inside), "{what}: {}", q.name);
+                assert!(q.null.is_none_or(inside) && q.null != Some(q.plausible), "{what}: {}", q.name);
+            }
+            for twin in effect.twins {
+                assert!(find(twin, None).is_some() && *twin != effect.code, "{what} names {twin}");
+            }
+        }
+    }
+}
