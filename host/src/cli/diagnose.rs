@@ -9,7 +9,7 @@ use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models};
 use crate::experiment::{self, Experiment};
 use crate::extended::ExtendedModel;
 use crate::extended::display::DisplayModel;
-use crate::report::{self, number};
+use crate::report::{self, Page, number};
 
 use super::progress::Progress;
 
@@ -27,6 +27,21 @@ pub struct Arguments {
     /// File for the extended model, if anything is named [default: model.toml beside the report]
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// Folder of the report: people get the figures without asking, scripts say where they want them.
+    fn folder(&self) -> Option<PathBuf> {
+        self.report.clone().or_else(|| (!self.json).then(|| PathBuf::from("out/diagnose")))
+    }
+
+    /// Writes a page where there is a folder for it, and says where it is.
+    fn written(&self, file: &str, page: impl FnOnce() -> Page) -> miette::Result<Option<String>> {
+        let Some(file) = self.folder().map(|folder| folder.join(file)) else { return Ok(None) };
+        let cannot = || format!("cannot write the report to {}", file.display());
+        page().write(&file).into_diagnostic().wrap_err_with(cannot)?;
+        Ok(Some(file.display().to_string()))
+    }
 }
 
 /// Reads, diagnoses, tells.
@@ -69,17 +84,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let found = diagnose::diagnose(&experiment, &models, &tell);
     progress.end();
     let found = found.map_err(|cause| miette::miette!("{cause}"))?;
-    let mut written = None;
-    // People get the figures without asking; scripts say where they want them.
-    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/diagnose")));
-    if let Some(folder) = &folder {
-        let file = folder.join("report.html");
-        report::diagnosis::page(&experiment, &found)
-            .write(&file)
-            .into_diagnostic()
-            .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
-        written = Some(file.display().to_string());
-    }
+    let folder = arguments.folder();
+    let written = arguments.written("report.html", || report::diagnosis::page(&experiment, &found))?;
     let beside = folder.as_ref().map(|folder| folder.join("model.toml"));
     let models = match arguments.model.as_ref().or(beside.as_ref()) {
         Some(file) => save(&experiment, &found, file)?,
@@ -154,16 +160,8 @@ fn report_compressed(
     found: &[diagnose::compression::Diagnosis],
     indented: bool,
 ) -> miette::Result<()> {
-    let mut written = None;
-    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/diagnose")));
-    if let Some(folder) = &folder {
-        let file = folder.join(if indented { "compression.html" } else { "report.html" });
-        report::compression::page(experiment, found)
-            .write(&file)
-            .into_diagnostic()
-            .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
-        written = Some(file.display().to_string());
-    }
+    let file = if indented { "compression.html" } else { "report.html" };
+    let written = arguments.written(file, || report::compression::page(experiment, found))?;
     if !arguments.json {
         for one in found {
             crate::print::out(format_args!("{}", report::compression::summary(one)));
@@ -190,16 +188,8 @@ fn report_table(
     found: &diagnose::table::Diagnosis,
     others: bool,
 ) -> miette::Result<()> {
-    let mut written = None;
-    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/diagnose")));
-    if let Some(folder) = &folder {
-        let file = folder.join(if others { "table.html" } else { "report.html" });
-        report::readings::page(experiment, found)
-            .write(&file)
-            .into_diagnostic()
-            .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
-        written = Some(file.display().to_string());
-    }
+    let file = if others { "table.html" } else { "report.html" };
+    let written = arguments.written(file, || report::readings::page(experiment, found))?;
     if !arguments.json {
         crate::print::out(format_args!("{}", report::readings::summary(found)));
         if let Some(file) = written {
@@ -218,8 +208,7 @@ fn report_display(
     found: &diagnose::display::Diagnosis,
     others: bool,
 ) -> miette::Result<()> {
-    let mut written = None;
-    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/diagnose")));
+    let folder = arguments.folder();
     let stem = if others { "display-model.toml" } else { "model.toml" };
     let beside = folder.as_ref().map(|folder| folder.join(stem));
     let named = arguments.model.as_ref().filter(|_| !others).or(beside.as_ref());
@@ -228,14 +217,8 @@ fn report_display(
         super::file::save(file, found.to_toml().as_bytes())?;
         model = Some(file.display().to_string());
     }
-    if let Some(folder) = &folder {
-        let file = folder.join(if others { "display.html" } else { "report.html" });
-        report::display::page(experiment, found)
-            .write(&file)
-            .into_diagnostic()
-            .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
-        written = Some(file.display().to_string());
-    }
+    let file = if others { "display.html" } else { "report.html" };
+    let written = arguments.written(file, || report::display::page(experiment, found))?;
     if !arguments.json {
         crate::print::out(format_args!("{}", report::display::summary(found)));
         if let Some(file) = model {

@@ -9,7 +9,7 @@ use crate::experiment::Experiment;
 
 use super::diagnosis::{percent, probability};
 use super::figure::{Axis, Figure, Series, Stroke};
-use super::{Page, number};
+use super::{Page, believed, number};
 
 /// Curves that are drawn.
 const DRAWN: usize = 8;
@@ -30,38 +30,14 @@ pub fn sentence(found: &Diagnosis) -> String {
 }
 
 fn named(found: &Diagnosis) -> String {
-    let told = |f: &crate::diagnose::Finding| {
-        std::iter::once(f.code).chain(f.ambiguous_with.iter().copied()).collect::<Vec<_>>().join(" or ")
-    };
+    let told = |f: &crate::diagnose::Finding| believed::twins(f.code, &f.ambiguous_with);
     found.findings.iter().map(told).collect::<Vec<_>>().join(", and ")
 }
 
 fn unnamed(found: &Diagnosis) -> String {
-    const LIKELY: f64 = 0.5;
-    const CERTAIN: f64 = 0.99;
-    let Some(judged) = found.evidence.as_deref().map(|e| &e.judged) else { return "it has no name".to_owned() };
-    if let (false, Some(share)) = (judged.partly.is_empty(), judged.explains) {
-        let each: Vec<String> = judged.partly.iter().map(|twins| twins.join(" or ")).collect();
-        return format!("{} explains {} of it", each.join(" and "), percent(share));
-    }
-    match (judged.beliefs.first(), judged.kinds().first()) {
-        (Some(first), Some((kind, p))) if *p > CERTAIN && first.probability <= CERTAIN => {
-            format!("what is wrong is of one kind, {}, but its form is open", kind.words())
-        }
-        (Some(first), _) if first.probability > LIKELY => {
-            format!(
-                "{} is the likeliest cause (probability {}) but no name",
-                first.name,
-                probability(first.probability)
-            )
-        }
-        _ => "no effect of the catalogue explains it".to_owned(),
-    }
-}
-
-fn remainder(evidence: &Evidence) -> Option<String> {
-    let share = evidence.judged.remainder?;
-    Some(format!("{} of the force, over {}", percent(share), evidence.judged.shows_in.join(", ")))
+    let judged = found.evidence.as_deref().map(|e| &e.judged);
+    let kind = judged.and_then(|judged| judged.kinds().into_iter().next());
+    believed::unnamed(judged, kind.map(|(kind, p)| (kind.words(), p)))
 }
 
 /// All that is worth a line.
@@ -85,7 +61,7 @@ pub fn summary(found: &Diagnosis) -> String {
         }
     }
     if let Some(evidence) = found.evidence.as_deref() {
-        if let Some(told) = remainder(evidence).filter(|_| found.verdict != Verdict::Clean) {
+        if let Some(told) = believed::remainder(&evidence.judged, "force").filter(|_| found.verdict != Verdict::Clean) {
             let _ = writeln!(out, "remainder        {told}");
         }
         if let Some(held_out) = evidence.held_out.as_ref().filter(|_| !found.findings.is_empty()) {
@@ -147,9 +123,6 @@ fn drawn(page: &mut Page, curve: &Curve) {
 
 /// Effects with what is believed of them, and the likeliest sets.
 fn rests_on(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
-    const OF_NOTE: f64 = 0.01;
-    const SETS: usize = 4;
-    let judged = &evidence.judged;
     let interval = |(low, high): (f64, f64)| format!("{} to {}", number(low), number(high));
     let mut rows = Vec::new();
     for finding in &found.findings {
@@ -160,26 +133,5 @@ fn rests_on(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
     if !rows.is_empty() {
         page.table(&["parameter", "value", "95 %"], &rows);
     }
-    page.heading("What is believed of each effect");
-    let told = judged.beliefs.iter().filter(|b| b.probability > OF_NOTE);
-    let rows: Vec<Vec<String>> = told
-        .map(|b| {
-            vec![b.name.to_owned(), probability(b.probability), b.explains.map_or_else(|| "-".to_owned(), percent)]
-        })
-        .collect();
-    page.table(&["effect", "probability", "explains"], &rows);
-    let each = evidence.sets.iter().zip(&judged.members).zip(&judged.sets).take(SETS);
-    let rows: Vec<Vec<String>> = each
-        .map(|((set, codes), p)| {
-            let named = if codes.is_empty() { "none".to_owned() } else { codes.join(" + ") };
-            let beside: Vec<String> =
-                judged.beside(set).map(|(over, size)| format!("{over} {}", number(100.0 * size))).collect();
-            vec![named, probability(*p), if beside.is_empty() { "-".to_owned() } else { beside.join(", ") }]
-        })
-        .collect();
-    page.table(&["effects", "probability", "without a name beside them (% of the force)"], &rows);
-    if let Some(told) = remainder(evidence) {
-        page.paragraph(&format!("Remainder: {told}."));
-    }
-    page.paragraph(&judged.sensitivity_told());
+    believed::tables(page, &evidence.judged, &evidence.sets, "force");
 }

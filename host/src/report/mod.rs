@@ -2,6 +2,7 @@
 //! or colour.
 
 mod axis;
+mod believed;
 pub mod cloud;
 pub mod compression;
 pub mod diagnosis;

@@ -8,7 +8,7 @@ use crate::experiment::Experiment;
 
 use super::diagnosis::{percent, probability};
 use super::figure::{Axis, Figure, Series, Stroke};
-use super::{Page, number};
+use super::{Page, believed, number};
 
 /// The verdict in a sentence.
 #[must_use]
@@ -20,7 +20,10 @@ pub fn sentence(found: &Diagnosis) -> String {
         Verdict::Ambiguous => {
             format!("The table differs from {base} by {}; these readings cannot tell which.", named(found))
         }
-        Verdict::Unknown => format!("The table differs from {base}, and {}.", unnamed(found)),
+        Verdict::Unknown => format!(
+            "The table differs from {base}, and {}.",
+            believed::unnamed(found.evidence.as_ref().map(|e| &e.judged), None)
+        ),
         Verdict::TooFewData | Verdict::Refused => {
             format!("Whether {base} describes the table cannot be said from these readings.")
         }
@@ -28,30 +31,8 @@ pub fn sentence(found: &Diagnosis) -> String {
 }
 
 fn named(found: &Diagnosis) -> String {
-    let told = |f: &Finding| {
-        let own = format!("{} ({})", f.effect.code, f.effect.form);
-        std::iter::once(own.as_str()).chain(f.ambiguous_with.iter().copied()).collect::<Vec<_>>().join(" or ")
-    };
+    let told = |f: &Finding| believed::twins(&format!("{} ({})", f.effect.code, f.effect.form), &f.ambiguous_with);
     found.findings.iter().map(told).collect::<Vec<_>>().join(", and ")
-}
-
-fn unnamed(found: &Diagnosis) -> String {
-    const LIKELY: f64 = 0.5;
-    let Some(judged) = found.evidence.as_ref().map(|e| &e.judged) else { return "it has no name".to_owned() };
-    if let (false, Some(share)) = (judged.partly.is_empty(), judged.explains) {
-        let each: Vec<String> = judged.partly.iter().map(|twins| twins.join(" or ")).collect();
-        return format!("{} explains {} of it", each.join(" and "), percent(share));
-    }
-    match judged.beliefs.first().filter(|first| first.probability > LIKELY) {
-        Some(first) => {
-            format!(
-                "{} is the likeliest cause (probability {}) but no name",
-                first.name,
-                probability(first.probability)
-            )
-        }
-        None => "no effect of the catalogue explains it".to_owned(),
-    }
 }
 
 /// Lines about the test, the straight line, and the scatter of repeats.
@@ -105,7 +86,12 @@ pub fn summary(found: &Diagnosis) -> String {
             let _ = writeln!(out, "  decided by     {}", finding.effect.separated_by);
         }
     }
-    if let Some(told) = found.evidence.as_ref().and_then(remainder).filter(|_| found.verdict != Verdict::Clean) {
+    if let Some(told) = found
+        .evidence
+        .as_ref()
+        .and_then(|e| believed::remainder(&e.judged, "span"))
+        .filter(|_| found.verdict != Verdict::Clean)
+    {
         let _ = writeln!(out, "remainder        {told}");
     }
     let held_out = found.evidence.as_ref().and_then(|e| e.held_out).filter(|_| !found.findings.is_empty());
@@ -120,11 +106,6 @@ pub fn summary(found: &Diagnosis) -> String {
         let _ = writeln!(out, "  would tell     {}", next.decides.join(", "));
     }
     out
-}
-
-fn remainder(evidence: &Evidence) -> Option<String> {
-    let share = evidence.judged.remainder?;
-    Some(format!("{} of the span, over {}", percent(share), evidence.judged.shows_in.join(", ")))
 }
 
 /// Builds the page.
@@ -167,20 +148,7 @@ fn beliefs(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
         }
     }
     page.table(&["parameter", "value", "95 %"], &rows);
-    page.heading("What is believed of each effect");
-    let rows: Vec<Vec<String>> = evidence
-        .judged
-        .beliefs
-        .iter()
-        .map(|b| {
-            vec![b.name.to_owned(), probability(b.probability), b.explains.map_or_else(|| "-".to_owned(), percent)]
-        })
-        .collect();
-    page.table(&["effect", "probability", "explains"], &rows);
-    if let Some(told) = remainder(evidence) {
-        page.paragraph(&format!("Remainder: {told}."));
-    }
-    page.paragraph(&evidence.judged.sensitivity_told());
+    believed::tables(page, &evidence.judged, &evidence.sets, "span");
     if !found.blind_to.is_empty() {
         page.paragraph(&format!("A plausible amount of these would not be seen here: {}.", found.blind_to.join(", ")));
     }

@@ -4,22 +4,19 @@ use std::fmt::Write;
 
 use crate::diagnose::Verdict;
 use crate::diagnose::display::design::Series as Run;
-use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, Evidence, Finding, Judged, effect};
+use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, Evidence, Finding, effect};
 use crate::experiment::Experiment;
 
 use super::diagnosis::{percent, probability};
 use super::figure::{Axis, Figure, Series, Stroke};
-use super::{Page, number};
+use super::{Page, believed, number};
 
 /// The verdict on a channel in a sentence.
 #[must_use]
 pub fn sentence(channel: &ChannelDiagnosis) -> String {
     let what = channel.channel.word();
     let named = || {
-        let told = |f: &Finding| match f.ambiguous_with.as_slice() {
-            [] => f.code.to_owned(),
-            others => format!("{} or {}", f.code, others.join(" or ")),
-        };
+        let told = |f: &Finding| believed::twins(f.code, &f.ambiguous_with);
         channel.findings.iter().map(told).collect::<Vec<_>>().join(", and ")
     };
     match channel.verdict {
@@ -33,36 +30,14 @@ pub fn sentence(channel: &ChannelDiagnosis) -> String {
                 [] => String::new(),
                 variables => format!("; it shows in {}", variables.join(", ")),
             };
-            format!("The {what} differs from its simulation, and {}{seen}.", unnamed(channel))
+            format!(
+                "The {what} differs from its simulation, and {}{seen}.",
+                believed::unnamed(channel.evidence.as_deref().map(|e| &e.judged), None)
+            )
         }
         Verdict::TooFewData | Verdict::Refused => format!("The {what} is not judged."),
     }
 }
-
-/// What stands in the place of a name.
-fn unnamed(channel: &ChannelDiagnosis) -> String {
-    const LIKELY: f64 = 0.5;
-    let Some(judged) = channel.evidence.as_deref().map(|evidence| &evidence.judged) else { return NAMELESS.to_owned() };
-    if !judged.partly.is_empty() {
-        let each: Vec<String> = judged.partly.iter().map(|twins| twins.join(" or ")).collect();
-        return match judged.explains {
-            Some(share) => format!("{} explains {} of it", each.join(" and "), percent(share)),
-            None => format!("{} is a part of it", each.join(" and ")),
-        };
-    }
-    match judged.beliefs.first().filter(|first| first.probability > LIKELY) {
-        Some(first) => {
-            format!(
-                "{} is the likeliest cause (probability {}) but no name",
-                first.name,
-                probability(first.probability)
-            )
-        }
-        None => NAMELESS.to_owned(),
-    }
-}
-
-const NAMELESS: &str = "no effect of the catalogue explains it";
 
 /// All that is worth a line.
 #[must_use]
@@ -99,7 +74,7 @@ fn lines(out: &mut String, channel: &ChannelDiagnosis) {
         let (was, is, unit) = (held_out.rmse_before, held_out.rmse_after, channel.channel.unit());
         let _ = writeln!(out, "  held out, {unit:4} {:>10} -> {}  rms", number(was), number(is));
     }
-    if let Some(told) = remainder(&evidence.judged).filter(|_| channel.verdict != Verdict::Clean) {
+    if let Some(told) = believed::remainder(&evidence.judged, "span").filter(|_| channel.verdict != Verdict::Clean) {
         let _ = writeln!(out, "  remainder      {told}");
     }
     if !channel.blind_to.is_empty() {
@@ -149,7 +124,7 @@ fn section(page: &mut Page, channel: &ChannelDiagnosis) {
     let Some(evidence) = channel.evidence.as_deref() else { return };
     curves(page, channel, evidence);
     parameters(page, channel, evidence);
-    candidates(page, evidence);
+    believed::tables(page, &evidence.judged, &evidence.sets, "span");
     for finding in channel.findings.iter().filter(|f| !f.ambiguous_with.is_empty()) {
         if let Some(its) = effect::find(finding.code, Some(finding.form)) {
             page.paragraph(&format!(
@@ -243,45 +218,4 @@ fn parameters(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) 
             channel.channel.unit()
         ));
     }
-}
-
-/// Every effect with its probability, and the likeliest sets.
-fn candidates(page: &mut Page, evidence: &Evidence) {
-    const OF_NOTE: f64 = 0.01;
-    const SETS: usize = 4;
-    let judged = &evidence.judged;
-    page.heading("What is believed of each effect");
-    let (told, others): (Vec<_>, Vec<_>) = judged.beliefs.iter().partition(|b| b.probability > OF_NOTE);
-    let mut rows: Vec<Vec<String>> = told
-        .iter()
-        .map(|b| {
-            vec![b.name.to_owned(), probability(b.probability), b.explains.map_or_else(|| "-".to_owned(), percent)]
-        })
-        .collect();
-    if !others.is_empty() {
-        let codes: Vec<&str> = others.iter().map(|b| b.name).collect();
-        rows.push(vec![codes.join(", "), "< 1 % each".to_owned(), "-".to_owned()]);
-    }
-    page.table(&["effect", "probability", "explains"], &rows);
-    page.heading("The likeliest sets");
-    let each = evidence.sets.iter().zip(&judged.members).zip(&judged.sets).take(SETS);
-    let rows: Vec<Vec<String>> = each
-        .map(|((set, codes), p)| {
-            let named = if codes.is_empty() { "none".to_owned() } else { codes.join(" + ") };
-            let beside: Vec<String> =
-                judged.beside(set).map(|(over, size)| format!("{over} {}", number(100.0 * size))).collect();
-            vec![named, probability(*p), if beside.is_empty() { "-".to_owned() } else { beside.join(", ") }]
-        })
-        .collect();
-    page.table(&["effects", "probability", "without a name beside them (% of the span)"], &rows);
-    if let Some(told) = remainder(judged) {
-        page.paragraph(&format!("Remainder: {told}."));
-    }
-    page.paragraph(&judged.sensitivity_told());
-}
-
-/// What stays without a name.
-fn remainder(judged: &Judged) -> Option<String> {
-    let share = judged.remainder?;
-    Some(format!("{} of the span, in {}", percent(share), judged.shows_in.join(", ")))
 }
