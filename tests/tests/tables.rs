@@ -147,6 +147,18 @@ fn mistakes_are_told_with_their_place() {
     assert!(still.contains("x is 1 in all rows"), "{still}");
 }
 
+/// Times that are none are no times: the table is judged without them.
+#[test]
+fn a_time_that_is_no_number_is_left_out() {
+    let mut csv = String::from("time_s,x,y\n");
+    for k in 0..40 {
+        let time = if k == 7 { "late".to_owned() } else { format!("{k}") };
+        let _ = writeln!(csv, "{time},{},{}", k % 5, 2 * (k % 5) + (k * 7 % 3));
+    }
+    let found = of_csv(&csv, "").unwrap().unwrap();
+    assert!(!found.table.has_time && found.evidence.is_some());
+}
+
 /// Tables 6 and 7 of the thesis: nothing repeats in either, so that nothing can be named. The difference of the
 /// slopes of flux density is 50 G/A with p = 0.10 (an independent straight line).
 #[test]

@@ -111,8 +111,12 @@ fn places(design: &Design) -> Vec<Varied<'_>> {
         ("way back", COMMON, 1, Box::new(move |s, n| from(n, Branch::Unloading, depth(n), turn(s)))),
         ("hold", COMMON, 1, Box::new(move |_, n| from(n, Branch::Hold, late(n.held_s) / latest, 0.0))),
         ("session", SESSION, 1, Box::new(move |s, _| everywhere(started(s) / session, 0))),
-        (ZERO, SESSION, 1, Box::new(move |s, _| everywhere(started(s) / session, 0))),
     ];
+    if design.series.iter().all(|s| s.start_s.is_some()) {
+        // the zero is taken before the first run
+        let place = move |s: &Series, _: &Node| Some(Place { u: started(s) / session, from: Some(0.0), level: 0 });
+        all.push((ZERO, SESSION, 1, Box::new(place)));
+    }
     let each: [(&'static str, Level); 5] = [
         ("rate", |s| s.rate as i64),
         ("ball", |s| s.indenter as i64),

@@ -106,7 +106,7 @@ impl Table {
         if let Some(bare) = runs.iter().find(|run| is_simulated && !has(run)) {
             return Err(Unusable::Mixed { file: bare.file.clone() });
         }
-        let has_time = runs.iter().all(|run| run.recording.column("time_s").is_some());
+        let has_time = runs.iter().all(|run| time_of(run).is_some());
         let mut readings = Vec::new();
         for (file, run) in runs.iter().enumerate() {
             readings.extend(of_run(run, file, is_simulated)?);
@@ -147,6 +147,11 @@ impl Table {
     }
 }
 
+/// Time of every row, where each has one.
+fn time_of(run: &Run) -> Option<&[f64]> {
+    run.recording.column("time_s").filter(|t| t.iter().all(|v| v.is_finite()))
+}
+
 /// Rows of one file.
 fn of_run(run: &Run, file: usize, is_simulated: bool) -> Result<Vec<Reading>, Unusable> {
     let column = |name: &'static str, example: &'static str| {
@@ -164,7 +169,7 @@ fn of_run(run: &Run, file: usize, is_simulated: bool) -> Result<Vec<Reading>, Un
     };
     let (x, y) = (column(COLUMNS.0, "current_A")?, column(COLUMNS.1, "flux_T")?);
     let simulated = if is_simulated { Some(column(COLUMNS.2, "flux_simulated_T")?) } else { None };
-    let time_s = run.recording.column("time_s");
+    let time_s = time_of(run);
     let mut set_s = time_s.and_then(|t| t.first().copied()).unwrap_or(0.0);
     let mut way = 0.0;
     let rows = (0..x.len()).map(|k| {
@@ -172,7 +177,7 @@ fn of_run(run: &Run, file: usize, is_simulated: bool) -> Result<Vec<Reading>, Un
             way = (x[k] - x[k - 1]).signum();
             set_s = time_s.map_or(0.0, |t| t[k]);
         }
-        let rest_s = time_s.map_or(0.0, |t| t[k] - set_s);
+        let rest_s = time_s.map_or(0.0, |t| (t[k] - set_s).max(0.0));
         let simulated = simulated.map(|s| s[k]);
         Reading { x: x[k], y: y[k], simulated, level: 0.0, way, order: 0.0, rest_s, place: 0, file }
     });
