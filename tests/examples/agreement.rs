@@ -11,7 +11,7 @@ use palpate::identify::identify;
 use palpate::identify::spec::FitSpec;
 use palpate::infer::covariance::Z95;
 use palpate::simulate::Solver;
-use tests::arguments::number;
+use tests::arguments::cases_and_seed;
 use tests::hidden::{Case, Design};
 use tests::score::cores::on_all_cores;
 use tests::score::rate::bounded;
@@ -28,7 +28,7 @@ struct Apart {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let (count, first) = arguments(std::env::args().skip(1))?;
+    let (count, first) = cases_and_seed(std::env::args().skip(1), (40, 90_000))?;
     let (solver, models) = (Solver::new(), Models::default());
     let designs = [Design::D6, Design::D18];
     let cases: Vec<Case> =
@@ -85,18 +85,4 @@ fn errors(one: [Estimate; 2], other: [Estimate; 2]) -> f64 {
         (value.ln() - its.ln()).abs() / error
     });
     each.fold(0.0, f64::max)
-}
-
-/// Number of cases and the first seed.
-fn arguments(mut words: impl Iterator<Item = String>) -> Result<(usize, u64), String> {
-    let (mut cases, mut first) = (40, 90_000);
-    while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
-        match word.as_str() {
-            "--cases" => cases = number(&word, &value()?)?,
-            "--seed" => first = number(&word, &value()?)?,
-            _ => return Err(format!("{word}: expected --cases or --seed")),
-        }
-    }
-    Ok((cases, first))
 }

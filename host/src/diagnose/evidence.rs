@@ -165,15 +165,15 @@ impl Gauge {
     }
 }
 
-/// Whether a fit leaves more than noise, in the variables `V` of an experiment.
+/// Whether a fit leaves more than noise.
 #[derive(Debug, Clone)]
-pub struct Adequacy<V = Variable> {
+pub struct Adequacy {
     /// Every margin's mean in units of its scatter.
     pub readings: Vec<f64>,
     /// What the largest may be.
     pub threshold: f64,
     /// Variables whose margins exceed it, the worst first.
-    pub shows_in: Vec<V>,
+    pub shows_in: Vec<Variable>,
 }
 
 impl Adequacy {
@@ -191,10 +191,10 @@ fn without_spikes(residual: &DVector<f64>) -> DVector<f64> {
     if spike::are_many(residual) { residual.clone() } else { residual.map(|r| r.clamp(-SPIKE, SPIKE)) }
 }
 
-impl<V: PartialEq> Adequacy<V> {
+impl Adequacy {
     /// Of readings, each of the variable at its place.
-    pub(super) fn told(readings: Vec<f64>, threshold: f64, variables: impl Iterator<Item = V>) -> Self {
-        let mut worst: Vec<(V, f64)> = Vec::new();
+    fn told(readings: Vec<f64>, threshold: f64, variables: impl Iterator<Item = Variable>) -> Self {
+        let mut worst: Vec<(Variable, f64)> = Vec::new();
         for (variable, reading) in variables.zip(&readings).filter(|(_, r)| r.abs() > threshold) {
             match worst.iter_mut().find(|(v, _)| *v == variable) {
                 Some((_, size)) => *size = size.max(reading.abs()),

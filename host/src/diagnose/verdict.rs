@@ -6,13 +6,12 @@ use super::Diagnosis;
 use super::check::Kind;
 use super::design::Design;
 use super::evidence::{Gauge, Panel};
-use super::finding::Finding;
 use super::gradient::Gradient;
 use super::held_out::HeldOut;
 use super::noise::{Noise, Source};
 use super::ripple::{Over, Ripple, SPOILS};
 use super::search::Search;
-use super::sets::{Found, Judged, Weighed};
+use super::sets::{Found, Weighed, findings};
 use super::twins::Twins;
 use crate::experiment::Experiment;
 use crate::infer::sets::Outcome;
@@ -178,7 +177,8 @@ pub(super) fn conclude(
         judged.outcome = Outcome::Unknown;
     }
     diagnosis.verdict = judged.outcome.into();
-    diagnosis.findings = held.first().map(|best| findings(experiment, best, judged, sets)).unwrap_or_default();
+    let told = |best: &Weighed| findings(judged, best, |at| owners(experiment, best, at, sets));
+    diagnosis.findings = held.first().map(told).unwrap_or_default();
     let named = |code: &&str| diagnosis.findings.iter().any(|f| f.code == *code || f.ambiguous_with.contains(code));
     diagnosis.blind_to = diagnosis.blind_to.iter().filter(|code| !named(code)).copied().collect();
 }
@@ -214,27 +214,6 @@ fn tell(diagnosis: &mut Diagnosis, experiment: &Experiment, seen: &Seen<'_>) {
              look at the surface and the fixture"
         ));
     }
-}
-
-/// What is named, of the likeliest set, each with what may stand in its place.
-fn findings(experiment: &Experiment, best: &Weighed, judged: &Judged, sets: &[Weighed]) -> Vec<Finding> {
-    let each = best.fit.candidates.iter().enumerate().map(|(at, candidate)| {
-        let code = candidate.effect.code;
-        let belief = judged.belief(code);
-        let own = judged.findings.iter().find(|set| set.contains(&code)).map_or(&[][..], |set| set);
-        Finding {
-            code,
-            form: candidate.effect.form,
-            kind: candidate.effect.kind,
-            owner: candidate.owner,
-            of: owners(experiment, best, at, sets),
-            parameters: best.fit.quantities(at).into_iter().map(|(q, value, i)| (q.name, value, i)).collect(),
-            ambiguous_with: own.iter().filter(|other| **other != code).copied().collect(),
-            probability: belief.map_or(0.0, |belief| belief.probability),
-            explains: belief.and_then(|belief| belief.explains),
-        }
-    });
-    each.collect()
 }
 
 /// Names of the balls or specimens that an effect of the best set belongs to, there or in a rival that is the same but for that.

@@ -182,6 +182,17 @@ impl Fold {
     }
 }
 
+/// Standard deviations between predictions, where parameters with some derivative of the predictions are free within what data with
+/// another derivative left open of them; 0 where a number is none.
+#[must_use]
+pub fn apart(difference: &DVector<f64>, jacobian: &DMatrix<f64>, of_data: &DMatrix<f64>) -> f64 {
+    let mut known = inner(of_data, of_data);
+    for j in 0..known.nrows() {
+        known[(j, j)] = known[(j, j)] * (1.0 + 1e-9) + 1e-12;
+    }
+    Factor::of(&known).map_or(0.0, |known| Fold::of(known.rooted(jacobian)).taken_off(difference).norm())
+}
+
 /// Rows of a data set as all its other rows predict them: with independent errors of unit variance in every row and errors along columns that rows share,
 /// `C = I + Z Z'`.
 ///

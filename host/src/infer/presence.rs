@@ -28,6 +28,13 @@ pub fn probability() -> f64 {
     odds / (1.0 + odds)
 }
 
+/// Logarithm of the odds, before any data, of one of some forms of an effect, which share them; amounts of one sign have twice the density.
+#[must_use]
+pub fn log_odds(forms: usize, one_sided: usize) -> f64 {
+    let p = probability();
+    (p / (1.0 - p) / forms.max(1) as f64).ln() + one_sided as f64 * std::f64::consts::LN_2
+}
+
 /// Amounts of unit deviation as the data see them beside fitted parameters.
 #[derive(Debug, Clone)]
 pub struct Amounts {

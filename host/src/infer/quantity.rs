@@ -29,7 +29,7 @@ impl Quantity {
     /// The coordinate of a value.
     #[must_use]
     pub fn of(&self, value: f64) -> f64 {
-        if self.logarithmic { value.max(f64::MIN_POSITIVE).ln() } else { value }
+        place(self.logarithmic, value)
     }
 
     /// Least and largest coordinate.
@@ -79,6 +79,71 @@ impl Quantity {
     pub fn plausible_values(&self) -> Vec<f64> {
         if self.null.is_some() { vec![self.plausible] } else { self.starts.to_vec() }
     }
+}
+
+/// A parameter as it is searched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coordinate {
+    /// Name in answers, with its unit.
+    pub name: &'static str,
+    /// Least and largest place.
+    pub ends: (f64, f64),
+    /// Searched in its logarithm.
+    pub logarithmic: bool,
+    /// What is known of it beforehand.
+    pub prior: Prior,
+    /// Where its effect is absent; none of what belongs to no effect, and of a shape.
+    pub null: Option<f64>,
+    /// Step of a difference quotient.
+    pub step: f64,
+}
+
+impl Coordinate {
+    /// Of an effect's quantity, with the step of its difference quotients.
+    #[must_use]
+    pub fn of_quantity(q: &Quantity, step: f64) -> Self {
+        let null = q.null.map(|null| q.of(null));
+        Self { name: q.name, ends: q.ends(), logarithmic: q.logarithmic, prior: q.known(), null, step }
+    }
+
+    /// The place of a value.
+    #[must_use]
+    pub fn of(&self, value: f64) -> f64 {
+        place(self.logarithmic, value)
+    }
+
+    /// The value of a place.
+    #[must_use]
+    pub fn value(&self, x: f64) -> f64 {
+        if self.logarithmic { x.exp() } else { x }
+    }
+
+    /// The parameter of a model that is linearised at a place.
+    #[must_use]
+    pub fn at(&self, x: f64) -> Parameter {
+        Parameter { x, bounds: self.ends, prior: self.prior }
+    }
+
+    /// The value of a place, and those to both sides of it, no farther than the ends.
+    #[must_use]
+    pub fn estimate(&self, x: f64, half: f64) -> (&'static str, f64, (f64, f64)) {
+        let (low, high) = self.ends;
+        (self.name, self.value(x), (self.value((x - half).max(low)), self.value((x + half).min(high))))
+    }
+
+    /// True for a place within a thousandth of the way of an end at which its effect is something.
+    #[must_use]
+    pub fn is_at_bound(&self, x: f64) -> bool {
+        let (low, high) = self.ends;
+        let near = 1e-3 * (high - low);
+        let is_null = |end: f64| self.null.is_some_and(|null| (null - end).abs() < near);
+        (x - low < near && !is_null(low)) || (high - x < near && !is_null(high))
+    }
+}
+
+/// The place of a value, in its logarithm or not.
+fn place(logarithmic: bool, value: f64) -> f64 {
+    if logarithmic { value.max(f64::MIN_POSITIVE).ln() } else { value }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use std::time::Instant;
 use goals::{Counted, of_ideal, of_world, table};
 use palpate::diagnose::Models;
 use palpate::simulate::Solver;
-use tests::arguments::number;
+use tests::arguments::cases_and_seed;
 use tests::hidden::{Case, Design};
 use tests::laboratory::World;
 use tests::laboratory::score::Scored as Judged;
@@ -20,7 +20,7 @@ use tests::score::share::Yardstick;
 use tests::score::{ScoreError, Scored, suite};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let (cases, first) = arguments(std::env::args().skip(1))?;
+    let (cases, first) = cases_and_seed(std::env::args().skip(1), (80, 40_000))?;
     let start = Instant::now();
     let (solver, models) = (Solver::new(), Models::default());
     let yardstick = Yardstick { solver: &solver, models: &models };
@@ -66,18 +66,4 @@ fn told(line: Result<String, &ScoreError>) {
         Ok(line) => println!("{line}"),
         Err(error) => eprintln!("{error}"),
     }
-}
-
-/// Number of cases and the first seed.
-fn arguments(mut words: impl Iterator<Item = String>) -> Result<(usize, u64), String> {
-    let (mut cases, mut first) = (80, 40_000);
-    while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
-        match word.as_str() {
-            "--cases" => cases = number(&word, &value()?)?,
-            "--seed" => first = number(&word, &value()?)?,
-            _ => return Err(format!("{word}: expected --cases or --seed")),
-        }
-    }
-    Ok((cases, first))
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::super::check::Check;
 use super::super::coordinate::{Candidate, Coordinate, coordinates};
 use super::super::fit::{Fit, explained, freedom};
-use super::super::search::{Search, signature};
+use super::super::search::{Search, signature, starts};
 use super::super::sets::Weighed;
 use super::discrepancy::groups;
 use crate::infer::descent::{Region, Residuals, Rule, minimise};
@@ -19,6 +19,9 @@ use crate::infer::sets::{Forward, Groups, Misfits};
 /// Root mean square of a misfit, as a part of the largest force, below which it shows in no force.
 const SEEN: f64 = 1e-4;
 const RULE: Rule = Rule { most_steps: 40, settled: 1e-9, settled_share: 1e-9, rival: None };
+
+/// The model of a point, and the step of a difference quotient of a parameter at a place.
+type Searched<'a> = (&'a dyn Fn(&[f64]) -> Model, &'a dyn Fn(usize, f64) -> f64);
 
 /// A search whose rows are compressions only.
 pub(super) struct Coupons<'a> {
@@ -61,10 +64,8 @@ impl Forward for Coupons<'_> {
         let candidates: Vec<Candidate> = from.candidates.iter().copied().chain([*candidate]).collect();
         let list = coordinates(problem.design, &candidates);
         let sizes = candidate.sizes(problem.design);
-        let starts = candidate.effect.quantities.iter().fold(vec![Vec::new()], |lists: Vec<Vec<f64>>, q| {
-            let own = q.starts.iter().map(|v| if q.spread == Spread::Even { q.scaled(*v, &sizes) } else { *v });
-            let own: Vec<f64> = own.collect();
-            lists.iter().flat_map(|list| own.iter().map(|v| [list.as_slice(), &[*v]].concat())).collect()
+        let starts = starts(candidate, |q| {
+            q.starts.iter().map(|v| if q.spread == Spread::Even { q.scaled(*v, &sizes) } else { *v }).collect()
         });
         let known = from.x.len();
         let fits = starts.par_iter().map(|values| {
@@ -114,24 +115,14 @@ impl<'a> Coupons<'a> {
     fn fitted(&self, candidates: &[Candidate], start: &DVector<f64>) -> Fit {
         let problem = &self.search.problem;
         let list = coordinates(problem.design, candidates);
-        let left = |x: &[f64]| {
-            let model = problem.model(&list, candidates, &DVector::from_column_slice(x));
-            let mut left = self.measured() - self.predicted(&model);
-            left.iter_mut().zip(&problem.used).for_each(|(n, used)| *n = if *used { *n } else { 0.0 });
-            left
-        };
-        let slopes = |x: &[f64], here: &DVector<f64>| {
-            let column = |j: usize| {
-                let step = if x[j] + list[j].step() > list[j].bounds().1 { -list[j].step() } else { list[j].step() };
-                let mut moved = x.to_vec();
-                moved[j] += step;
-                (left(&moved) - here) / step * -1.0
-            };
-            DMatrix::from_columns(&(0..list.len()).map(column).collect::<Vec<_>>())
+        let model = |x: &[f64]| problem.model(&list, candidates, &DVector::from_column_slice(x));
+        let step = |j: usize, x: f64| {
+            let step = list[j].step();
+            if x + step > list[j].bounds().1 { -step } else { step }
         };
         let region = Region::of(list.iter().map(Coordinate::bounds));
-        let objective = Residuals { residual: left, jacobian: slopes };
-        let plain = DVector::from_vec(minimise(&objective, &region, start.as_slice(), &RULE).x);
+        let (plain, _) = self.least(&self.measured(), (&model, &step), &region, start.as_slice());
+        let plain = DVector::from_vec(plain);
         let fit = problem.fit(candidates, &plain);
         if (fit.x[0] - plain[0]).abs() < RUNS_OFF { fit } else { problem.at(candidates, &plain, &Fold::none()) }
     }
@@ -150,26 +141,36 @@ impl<'a> Coupons<'a> {
     /// A plain fit of a model's `mu` and `alpha`, its effects as they are, to some forces of those compressions
     /// that count: the model, and what it leaves, N.
     pub fn plainly(&self, with: &Model, to_n: &DVector<f64>) -> (Model, DVector<f64>) {
-        let used = &self.search.problem.used;
         let at = |x: &[f64]| Model { mu_mpa: x[0].exp(), alpha: x[1].exp(), ..with.clone() };
+        let region = Region::of([Coordinate::LnMu, Coordinate::LnAlpha].map(|c| c.bounds()));
+        let (x, left_n) = self.least(to_n, (&at, &|_, _| STEP), &region, &[with.mu_mpa.ln(), with.alpha.ln()]);
+        (at(&x), left_n)
+    }
+
+    /// Plain least squares of a model's parameters on some forces of those compressions that count: where they
+    /// end, and what is left, N.
+    fn least(
+        &self,
+        to_n: &DVector<f64>,
+        (model, step): Searched<'_>,
+        region: &Region,
+        start: &[f64],
+    ) -> (Vec<f64>, DVector<f64>) {
         let left = |x: &[f64]| {
-            let mut left = to_n - self.predicted(&at(x));
-            left.iter_mut().zip(used).for_each(|(n, used)| *n = if *used { *n } else { 0.0 });
+            let mut left = to_n - self.predicted(&model(x));
+            left.iter_mut().zip(&self.search.problem.used).for_each(|(n, used)| *n = if *used { *n } else { 0.0 });
             left
         };
         let slopes = |x: &[f64], here: &DVector<f64>| {
             let column = |j: usize| {
-                let mut moved = x.to_vec();
-                moved[j] += STEP;
-                (here - left(&moved)) / STEP
+                let (mut moved, step) = (x.to_vec(), step(j, x[j]));
+                moved[j] += step;
+                (here - left(&moved)) / step
             };
-            DMatrix::from_columns(&[column(0), column(1)])
+            DMatrix::from_columns(&(0..x.len()).map(column).collect::<Vec<_>>())
         };
-        let region = Region::of([Coordinate::LnMu, Coordinate::LnAlpha].map(|c| c.bounds()));
-        let objective = Residuals { residual: left, jacobian: slopes };
-        let end = minimise(&objective, &region, &[with.mu_mpa.ln(), with.alpha.ln()], &RULE);
-        let model = at(&end.x);
-        (model, end.kept.into_parts().0)
+        let end = minimise(&Residuals { residual: left, jacobian: slopes }, region, start, &RULE);
+        (end.x, end.kept.into_parts().0)
     }
 
     fn rms(&self, left_n: &DVector<f64>) -> f64 {

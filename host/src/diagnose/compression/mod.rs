@@ -12,6 +12,7 @@ mod held_out;
 use std::time::Instant;
 
 use lut_gen::chain::{Chain, Library};
+use lut_gen::effect::CATALOGUE;
 
 use super::check::{self, Check};
 use super::design::Design;
@@ -20,11 +21,10 @@ use super::fit::Problem;
 use super::noise::{self, Noise};
 use super::prepared::{Prepared, base_fit, used};
 use super::search::{self, Search};
-use super::sets::{Judged, Weighed};
+use super::sets::{Judged, Weighed, findings};
 use super::whiten::Whitening;
 use crate::experiment::{BaseLaw, Experiment, Test};
-use crate::infer::evidence::amounts;
-use crate::infer::sets::{Known, Misfits, Outcome, Shares, is_visible, led};
+use crate::infer::sets::{Misfits, Weighing};
 use forward::Coupons;
 
 pub use held_out::HeldOut;
@@ -55,8 +55,6 @@ pub struct Curve {
     pub name: String,
     /// Shortening at every window, mm.
     pub depth_mm: Vec<f64>,
-    /// Time there, s.
-    pub time_s: Vec<f64>,
     /// Force that was read, N.
     pub measured_n: Vec<f64>,
     /// By the base.
@@ -200,73 +198,30 @@ impl Diagnosis {
         let candidates = search::candidates(&design);
         let mut search = Search::new(Prepared { problem, base, noise }, candidates);
         // an effect of ball or contact changes nothing here
-        let shows: Vec<bool> = search.signatures.iter().map(|signature| signature.amax() > 1e-6).collect();
-        let mut shown = shows.iter();
-        search.candidates.retain(|_| shown.next().is_some_and(|shows| *shows));
-        let mut shown = shows.iter();
-        search.signatures.retain(|_| shown.next().is_some_and(|shows| *shows));
+        let mut shows = search.signatures.iter().map(|signature| signature.amax() > 1e-6);
+        search.candidates.retain(|_| shows.next().is_some_and(|shows| shows));
         self.judge(experiment, search)
     }
 
     fn judge(&mut self, experiment: &Experiment, search: Search<'_>) -> Result<(), Refusal> {
         let coupons = Coupons::new(search);
         let groups = &coupons.groups;
-        let sets = led(&coupons, &groups.discrepancy, &[], &mut Vec::new());
-        let shares = Shares::new(&coupons, groups, sets);
-        let base = shares.sets().iter().find(|set| set.is_base()).cloned().ok_or(Refusal::NoFit)?;
-        let mut judged = Judged::of(&shares, ELASTIC).ok_or(Refusal::NoFit)?;
-        let Known { sets, .. } = shares.into_known();
-        let mut held = judged.holding(&sets);
-        let held_out = held.first().and_then(|best| held_out::of(&coupons, best));
-        if !judged.findings.is_empty() {
-            let predicts = held_out.as_ref().is_none_or(HeldOut::gains);
-            if !predicts || held.first().is_none_or(|best| best.fit.at_bound) {
-                judged.withdraw();
-            }
-        }
-        if judged.findings.is_empty() {
-            held.clear();
-        }
-        self.verdict = judged.outcome.into();
-        self.findings = held.first().map_or_else(Vec::new, |best| findings(&judged, best));
-        if judged.outcome != Outcome::Clean {
-            let told = amounts(&base.linearised(), &base.evidence, &groups.discrepancy);
-            self.shows_in = told.map_or_else(Vec::new, |amounts| groups.largest(&amounts));
-        }
-        let seen = |candidate| is_visible(&coupons, &base, groups, candidate);
-        let list = &coupons.search.candidates;
-        for effect in lut_gen::effect::CATALOGUE {
-            let mut forms = list.iter().filter(|candidate| candidate.effect.code == effect.code);
-            if !self.blind_to.contains(&effect.code) && !forms.any(seen) {
-                self.blind_to.push(effect.code);
-            }
-        }
-        let curves = curves(experiment, &coupons, &base, held.first());
+        let mut found = Weighing::of(&coupons, groups, ELASTIC).ok_or(Refusal::NoFit)?;
+        let best = found.held.first();
+        let held_out = best.and_then(|best| held_out::of(&coupons, best));
+        let predicts = held_out.as_ref().is_none_or(HeldOut::gains);
+        found.keep_names(predicts && best.is_some_and(|best| !best.fit.at_bound));
+        self.verdict = found.judged.outcome.into();
+        let told = |best: &Weighed| findings(&found.judged, best, |_| Vec::new());
+        self.findings = found.held.first().map_or_else(Vec::new, told);
+        self.shows_in = found.shows_in(groups);
+        self.blind_to = found.blind_to(&coupons, groups, CATALOGUE.iter().map(|effect| effect.code));
+        let curves = curves(experiment, &coupons, &found.base, found.held.first());
+        let Weighing { base, sets, held, judged } = found;
         let noise = coupons.search.noise.clone();
         self.evidence = Some(Box::new(Evidence { noise, base, sets, held, judged, held_out, curves }));
         Ok(())
     }
-}
-
-/// What is named, of the likeliest set, each with what may stand in its place.
-fn findings(judged: &Judged, best: &Weighed) -> Vec<Finding> {
-    let each = best.fit.candidates.iter().enumerate().map(|(at, candidate)| {
-        let code = candidate.effect.code;
-        let belief = judged.belief(code);
-        let own = judged.findings.iter().find(|set| set.contains(&code)).map_or(&[][..], |set| set);
-        Finding {
-            code,
-            form: candidate.effect.form,
-            kind: candidate.effect.kind,
-            owner: candidate.owner,
-            of: Vec::new(),
-            parameters: best.fit.quantities(at).into_iter().map(|(q, value, i)| (q.name, value, i)).collect(),
-            ambiguous_with: own.iter().filter(|other| **other != code).copied().collect(),
-            probability: belief.map_or(0.0, |belief| belief.probability),
-            explains: belief.and_then(|belief| belief.explains),
-        }
-    });
-    each.collect()
 }
 
 /// Compressions with what plain fits of base and set predict of them.
@@ -293,7 +248,6 @@ fn curves(experiment: &Experiment, coupons: &Coupons<'_>, base: &Weighed, best: 
         Some(Curve {
             name: named(at).unwrap_or_else(|| format!("compression {}", at + 1)),
             depth_mm: nodes.iter().map(|n| n.depth_mm).collect(),
-            time_s: nodes.iter().map(|n| n.time_s).collect(),
             measured_n: check.measured(),
             base_n: check.predicted(&base),
             extended_n: best.as_ref().map(|model| check.predicted(model)),

@@ -8,7 +8,8 @@ use super::effect::Effect;
 use super::law::{Law, Setting};
 use super::whiten::Whitening;
 use crate::infer::descent::{Region, Residuals, Rule, minimise};
-use crate::infer::evidence::{Linearised, Parameter, Prior};
+use crate::infer::evidence::{Linearised, Prior};
+use crate::infer::quantity::Coordinate;
 use crate::infer::sets::Fitted;
 
 /// Data with their whitening.
@@ -20,43 +21,6 @@ pub struct Problem<'a> {
     pub whitening: Whitening,
     /// Runs that are fitted; the others are 0 in every residual, and [`Whitening::for_runs`] takes them for none.
     pub used: Vec<bool>,
-}
-
-/// A searched parameter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coordinate {
-    /// Name, with its unit.
-    pub name: &'static str,
-    /// Bounds of the value.
-    pub bounds: (f64, f64),
-    /// Searched in its logarithm.
-    pub logarithmic: bool,
-    /// Size of a change that matters little, as a coordinate.
-    step: f64,
-    /// A base parameter.
-    pub base: bool,
-    /// Value without the effect.
-    null: Option<f64>,
-    /// What is known of it beforehand, as a coordinate.
-    prior: Prior,
-}
-
-impl Coordinate {
-    /// The coordinate of a value.
-    #[must_use]
-    pub fn of(&self, value: f64) -> f64 {
-        if self.logarithmic { value.max(f64::MIN_POSITIVE).ln() } else { value }
-    }
-
-    /// The value of a coordinate.
-    #[must_use]
-    pub fn value(&self, x: f64) -> f64 {
-        if self.logarithmic { x.exp() } else { x }
-    }
-
-    pub(super) fn limits(&self) -> (f64, f64) {
-        (self.of(self.bounds.0), self.of(self.bounds.1))
-    }
 }
 
 /// A fit.
@@ -93,29 +57,17 @@ const UNTOLD: f64 = 0.05;
 /// Coordinates of a law.
 #[must_use]
 pub fn coordinates(law: &Law) -> Vec<Coordinate> {
-    let of = |logarithmic: bool, value: f64| if logarithmic { value.ln() } else { value };
     let base = law.channel.base().iter().map(|p| {
-        let [low, high] = [p.bounds.0, p.bounds.1].map(|end| of(p.logarithmic, end));
+        let of = |value: f64| if p.logarithmic { value.ln() } else { value };
+        let ends = (of(p.bounds.0), of(p.bounds.1));
         // what a command of one level does not tell is known to a part of its range
-        let prior = Prior::Normal { mean: of(p.logarithmic, p.nominal), deviation: UNTOLD * (high - low) };
-        Coordinate {
-            name: p.name,
-            bounds: p.bounds,
-            logarithmic: p.logarithmic,
-            step: if p.logarithmic { 1e-4 } else { 1e-5 * (p.bounds.1 - p.bounds.0).min(1.0) },
-            base: true,
-            null: None,
-            prior,
-        }
+        let prior = Prior::Normal { mean: of(p.nominal), deviation: UNTOLD * (ends.1 - ends.0) };
+        let step = if p.logarithmic { 1e-4 } else { 1e-5 * (p.bounds.1 - p.bounds.0).min(1.0) };
+        Coordinate { name: p.name, ends, logarithmic: p.logarithmic, prior, null: None, step }
     });
-    let effects = law.settings.iter().flat_map(|s| s.effect.quantities).map(|q| Coordinate {
-        name: q.name,
-        bounds: q.bounds,
-        logarithmic: q.logarithmic,
-        step: if q.logarithmic { 1e-3 } else { 0.01 * (q.plausible - q.null.unwrap_or(0.0)).abs() },
-        base: false,
-        null: q.null,
-        prior: q.known(),
+    let effects = law.settings.iter().flat_map(|s| s.effect.quantities).map(|q| {
+        let step = if q.logarithmic { 1e-3 } else { 0.01 * (q.plausible - q.null.unwrap_or(0.0)).abs() };
+        Coordinate::of_quantity(q, step)
     });
     base.chain(effects).collect()
 }
@@ -167,7 +119,7 @@ impl Problem<'_> {
         let columns: Vec<DVector<f64>> = (0..list.len())
             .into_par_iter()
             .map(|j| {
-                let (low, high) = list[j].limits();
+                let (low, high) = list[j].ends;
                 let (mut up, mut down) = (x.clone(), x.clone());
                 up[j] = (x[j] + list[j].step).min(high);
                 down[j] = (x[j] - list[j].step).max(low);
@@ -200,15 +152,10 @@ impl Problem<'_> {
             residual: |x: &[f64]| self.residual(&at(from, &list, &DVector::from_column_slice(x))),
             jacobian: |x: &[f64], _: &DVector<f64>| self.jacobian(from, &list, &DVector::from_column_slice(x)),
         };
-        let region = Region::of(list.iter().map(Coordinate::limits));
+        let region = Region::of(list.iter().map(|c| c.ends));
         let end = minimise(&objective, &region, point(from, &list).as_slice(), &RULE);
         let (x, (residual, jacobian)) = (DVector::from_vec(end.x), end.kept.into_parts());
-        let at_bound = list.iter().zip(x.iter()).filter(|(c, _)| !c.base).any(|(c, x)| {
-            let (low, high) = c.limits();
-            let near = 1e-3 * (high - low);
-            let is_null = |limit: f64| c.null.is_some_and(|null| (c.of(null) - limit).abs() < near);
-            (x - low < near && !is_null(low)) || (high - x < near && !is_null(high))
-        });
+        let at_bound = list.iter().zip(x.iter()).skip(from.base.len()).any(|(c, x)| c.is_at_bound(*x));
         Fit {
             law: at(from, &list, &x),
             effects: from.settings.iter().map(|s: &Setting| s.effect).collect(),
@@ -249,7 +196,7 @@ impl Fitted for Fit {
 
     fn linearised<'a>(&'a self, known: &'a DMatrix<f64>) -> Linearised<'a> {
         let own = self.coordinates.iter().zip(self.x.iter());
-        let parameters = own.map(|(c, x)| Parameter { x: *x, bounds: c.limits(), prior: c.prior });
+        let parameters = own.map(|(c, x)| c.at(*x));
         Linearised { residual: &self.residual, jacobian: &self.jacobian, parameters: parameters.collect(), known }
     }
 }

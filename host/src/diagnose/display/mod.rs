@@ -23,8 +23,7 @@ use std::time::Instant;
 
 use crate::diagnose::Verdict;
 use crate::experiment::{Experiment, Test};
-use crate::infer::evidence::amounts;
-use crate::infer::sets::{Groups, Known, Outcome, Shares, led};
+use crate::infer::sets::{Outcome, Weighing};
 
 use channel::Channel;
 use design::{Design, Explained, Unusable};
@@ -187,43 +186,28 @@ fn examined(design: Design) -> ChannelDiagnosis {
     };
     let search = Search::new(problem, base, noise);
     let groups = discrepancy::groups(&search.problem);
-    let sets = led(&search, &groups.discrepancy, &[], &mut Vec::new());
-    let shares = Shares::new(&search, &groups, sets);
-    let shared = search.base.law.base.len();
-    let base = shares.sets().iter().find(|set| set.is_base()).cloned();
-    let (Some(mut judged), Some(base)) = (Judged::of(&shares, shared), base) else {
+    let Some(mut found) = Weighing::of(&search, &groups, search.base.law.base.len()) else {
         out.refusal = Some(Refusal::NoNoise);
         return out;
     };
-    let Known { sets, .. } = shares.into_known();
-    let mut held = judged.holding(&sets);
-    out.blind_to = verdict::blind_spots(&search, &groups, &base);
-    let held_out = (!held.is_empty()).then(|| held_out::of(&search, &held)).flatten();
-    out.proposals = plan::proposals(&search, &held, &out.blind_to);
-    let is_irregular = sets.first().is_some_and(|best| verdict::is_irregular(&search, &groups, best));
-    verdict::conclude(&mut judged, &held, held_out.as_ref(), is_irregular);
-    out.verdict = judged.outcome.into();
-    if judged.findings.is_empty() {
-        held.clear();
+    out.blind_to = found.blind_to(&search, &groups, search.effects.iter().map(|effect| effect.code));
+    let held_out = (!found.held.is_empty()).then(|| held_out::of(&search, &found.held)).flatten();
+    out.proposals = plan::proposals(&search, &found.held, &out.blind_to);
+    let is_irregular = found.sets.first().is_some_and(|best| verdict::is_irregular(&search, &groups, best));
+    found.keep_names(verdict::hold(&found.held, held_out.as_ref()));
+    if is_irregular && found.judged.outcome == Outcome::Clean {
+        found.judged.outcome = Outcome::Unknown;
     }
-    out.findings = held.first().map_or_else(Vec::new, |best| verdict::findings(&judged, best));
-    out.shows_in = shows_in(&judged, &groups, &base, is_irregular);
+    out.verdict = found.judged.outcome.into();
+    out.findings = found.held.first().map_or_else(Vec::new, |best| verdict::findings(&found.judged, best));
+    out.shows_in = found.shows_in(&groups);
+    if is_irregular && found.judged.outcome != Outcome::Clean {
+        out.shows_in.push("no order");
+    }
+    let Weighing { base, sets, held, judged } = found;
     let noise = search.noise;
     out.evidence = Some(Box::new(Evidence { noise, base, sets, held, judged, held_out, design: design.clone() }));
     out
-}
-
-/// What the misfit of the base varies with, the largest first.
-fn shows_in(judged: &Judged, groups: &Groups, base: &Weighed, is_irregular: bool) -> Vec<&'static str> {
-    if judged.outcome == Outcome::Clean {
-        return Vec::new();
-    }
-    let amounts = amounts(&base.linearised(), &base.evidence, &groups.discrepancy);
-    let mut told = amounts.map_or_else(Vec::new, |amounts| groups.largest(&amounts));
-    if is_irregular {
-        told.push("no order");
-    }
-    told
 }
 
 /// Rounds in which noise and base are found, each from the other.

@@ -8,9 +8,7 @@ use super::fit::{Fit, Problem};
 use super::forward::{Search, Weighed, with};
 use super::law;
 use super::whiten::Whitening;
-use crate::infer::covariance::Factor;
-use crate::infer::lowrank::Fold;
-use crate::infer::product::inner;
+use crate::infer::lowrank;
 
 /// A run and what it would tell.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,12 +96,8 @@ fn distance(search: &Search<'_>, truth: &Fit, rival: &Fit, planned: &Planned) ->
     let whitening = Whitening::new(&design, &[predicted], &search.noise);
     let problem = Problem { design: &design, whitening, used: vec![true] };
     let (difference, jacobian) = problem.linear(rival);
-    let mut known = inner(&rival.jacobian, &rival.jacobian);
-    for j in 0..known.nrows() {
-        known[(j, j)] = known[(j, j)] * (1.0 + 1e-9) + 1e-12;
-    }
-    // what the data leave open of the parameters is an error of the prediction; where a number is none nothing is told apart
-    Factor::of(&known).map_or(0.0, |known| Fold::of(known.rooted(&jacobian)).taken_off(&difference).norm())
+    // what the data leave open of the parameters is an error of the prediction
+    lowrank::apart(&difference, &jacobian, &rival.jacobian)
 }
 
 impl Problem<'_> {

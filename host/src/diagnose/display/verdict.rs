@@ -9,24 +9,12 @@ use super::{ChannelDiagnosis, Finding, Judged, Weighed};
 use crate::diagnose::Verdict;
 use crate::infer::covariance::Z95;
 use crate::infer::lowrank::Fold;
-use crate::infer::sets::{Groups, Outcome, is_visible};
+use crate::infer::sets::{Groups, Told};
 
 /// Standard deviations beyond which what a set leaves is more than noise.
 const IRREGULAR: f64 = 4.0;
 /// Names may predict this much worse in the channel's unit: they are weighed in the noise.
 const WORSE: f64 = 1.1;
-
-/// Codes of which a plausible amount would not be seen in any form.
-pub(super) fn blind_spots(search: &Search<'_>, groups: &Groups, base: &Weighed) -> Vec<&'static str> {
-    let mut blind: Vec<&'static str> = Vec::new();
-    for effect in &search.effects {
-        let mut forms = search.effects.iter().filter(|other| other.code == effect.code);
-        if !blind.contains(&effect.code) && !forms.any(|form| is_visible(search, base, groups, form)) {
-            blind.push(effect.code);
-        }
-    }
-    blind
-}
 
 /// True where the likeliest set leaves more than the noise of repeats in no order that a discrepancy has.
 pub(super) fn is_irregular(search: &Search<'_>, groups: &Groups, best: &Weighed) -> bool {
@@ -42,33 +30,24 @@ pub(super) fn is_irregular(search: &Search<'_>, groups: &Groups, best: &Weighed)
     left.norm_squared() - expected > IRREGULAR * scatter
 }
 
-/// Takes names back that do not hold, and says so where nothing is clean.
-pub(super) fn conclude(judged: &mut Judged, held: &[Weighed], held_out: Option<&HeldOut>, is_irregular: bool) {
-    if !judged.findings.is_empty() {
-        let predicts =
-            held_out.is_none_or(|h| h.square_after < h.square_before && h.rmse_after < WORSE * h.rmse_before);
-        let at_bound = held.first().is_none_or(|best| best.fit.at_bound);
-        if !predicts || at_bound {
-            judged.withdraw();
-        }
-    }
-    if is_irregular && judged.outcome == Outcome::Clean {
-        judged.outcome = Outcome::Unknown;
-    }
+/// True where names hold: they predict what was left out better, in the noise and about as well in the channel's
+/// unit, and no parameter ended at a bound.
+pub(super) fn hold(held: &[Weighed], held_out: Option<&HeldOut>) -> bool {
+    let predicts = held_out.is_none_or(|h| h.square_after < h.square_before && h.rmse_after < WORSE * h.rmse_before);
+    predicts && held.first().is_some_and(|best| !best.fit.at_bound)
 }
 
 /// What is named, of the likeliest set, each with what may stand in its place.
 pub(super) fn findings(judged: &Judged, best: &Weighed) -> Vec<Finding> {
     let each = best.fit.effects.iter().enumerate().map(|(at, effect)| {
-        let belief = judged.belief(effect.code);
-        let own = judged.findings.iter().find(|set| set.contains(&effect.code)).map_or(&[][..], |set| set);
+        let Told { probability, explains, twins } = judged.told(effect.code);
         Finding {
             code: effect.code,
             form: effect.form,
             parameters: best.estimates(Some(at)),
-            ambiguous_with: own.iter().filter(|other| **other != effect.code).copied().collect(),
-            probability: belief.map_or(0.0, |belief| belief.probability),
-            explains: belief.and_then(|belief| belief.explains),
+            ambiguous_with: twins,
+            probability,
+            explains,
         }
     });
     each.collect()
@@ -86,12 +65,8 @@ impl Weighed {
                 start..start + law.settings[at].values.len()
             }
         };
-        let each = range.map(|j| {
-            let c = &self.fit.coordinates[j];
-            let (low, high) = c.limits();
-            let (x, half) = (self.evidence.x[j], Z95 * self.evidence.deviations[j]);
-            (c.name, c.value(x), (c.value((x - half).max(low)), c.value((x + half).min(high))))
-        });
+        let each =
+            range.map(|j| self.fit.coordinates[j].estimate(self.evidence.x[j], Z95 * self.evidence.deviations[j]));
         each.collect()
     }
 }

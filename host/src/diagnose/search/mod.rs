@@ -20,6 +20,7 @@ pub(super) use form_error::form_error;
 pub use form_error::{allowed, form_error_range};
 pub(super) use signature::changes;
 pub use signature::signature;
+pub(super) use signature::starts;
 
 /// Data, noise and base, with all that a search among effects needs of them.
 #[derive(Debug, Clone)]

@@ -38,7 +38,7 @@ fn shapes(sizes: &Sizes, candidate: &Candidate) -> Vec<Vec<f64>> {
 }
 
 /// All combinations of some values of each of a candidate's quantities.
-pub(super) fn starts(candidate: &Candidate, of: impl Fn(&Quantity) -> Vec<f64>) -> Vec<Vec<f64>> {
+pub(in crate::diagnose) fn starts(candidate: &Candidate, of: impl Fn(&Quantity) -> Vec<f64>) -> Vec<Vec<f64>> {
     let mut list = vec![Vec::new()];
     for q in candidate.effect.quantities {
         let values = of(q);

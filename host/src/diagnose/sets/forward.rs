@@ -1,6 +1,6 @@
 //! Specimen and rig as sets of effects see them: fits with the chain, and what is known beforehand.
 
-use lut_gen::effect::Spread;
+use lut_gen::effect::{Quantity, Spread};
 use nalgebra::DMatrix;
 
 use crate::diagnose::coordinate::{Candidate, Coordinate};
@@ -59,12 +59,10 @@ impl Forward for Search<'_> {
     /// Those of the effect, which its forms and owners share. Amounts of one sign have twice the density.
     fn log_odds(&self, candidate: &Candidate) -> f64 {
         let is_alike = |other: &&Candidate| other.effect.code == candidate.effect.code;
-        let alike = self.candidates.iter().filter(is_alike).count().max(1) as f64;
-        let p = presence::probability();
-        let quantities = candidate.effect.quantities.iter();
-        let sided =
-            quantities.filter(|q| q.spread == Spread::Even && q.prior > 0.0 && (q.low >= q.null || q.high <= q.null));
-        (p / (1.0 - p) / alike).ln() + sided.count() as f64 * std::f64::consts::LN_2
+        let alike = self.candidates.iter().filter(is_alike).count();
+        let is_sided =
+            |q: &&Quantity| q.spread == Spread::Even && q.prior > 0.0 && (q.low >= q.null || q.high <= q.null);
+        presence::log_odds(alike, candidate.effect.quantities.iter().filter(is_sided).count())
     }
 
     fn extended(&self, from: &Fit, candidate: &Candidate) -> Option<Fit> {

@@ -10,9 +10,9 @@ mod solve;
 use lut_gen::effect::{CATALOGUE, Kind};
 
 use super::coordinate::Coordinate;
-use super::finding::Verdict;
+use super::finding::{Finding, Verdict};
 use super::fit::Fit;
-use crate::infer::sets::Outcome;
+use crate::infer::sets::{Outcome, Told};
 
 pub use crate::infer::sets::Belief;
 pub(super) use found::{Found, found};
@@ -79,4 +79,23 @@ impl Judged {
             (own[at].value(low), own[at].value(high))
         })
     }
+}
+
+/// What is named, of the likeliest set, each with what may stand in its place; `of` names what the effect at a place belongs to.
+pub(super) fn findings(judged: &Judged, best: &Weighed, of: impl Fn(usize) -> Vec<String>) -> Vec<Finding> {
+    let each = best.fit.candidates.iter().enumerate().map(|(at, candidate)| {
+        let Told { probability, explains, twins } = judged.told(candidate.effect.code);
+        Finding {
+            code: candidate.effect.code,
+            form: candidate.effect.form,
+            kind: candidate.effect.kind,
+            owner: candidate.owner,
+            of: of(at),
+            parameters: best.fit.quantities(at).into_iter().map(|(q, value, i)| (q.name, value, i)).collect(),
+            ambiguous_with: twins,
+            probability,
+            explains,
+        }
+    });
+    each.collect()
 }

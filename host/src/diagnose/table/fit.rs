@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use super::effect::Effect;
 use super::readings::{Reading, Table};
 use crate::infer::descent::{Region, Residuals, Rule, minimise};
-use crate::infer::evidence::{Linearised, Parameter, Prior};
-use crate::infer::quantity::Quantity;
+use crate::infer::evidence::{Linearised, Prior};
+use crate::infer::quantity::{Coordinate, Quantity};
 use crate::infer::sets::Fitted;
 
 /// A set of effects of a table, fitted, with its evidence.
@@ -22,35 +22,6 @@ pub struct Law {
     pub base: Vec<f64>,
     /// Effects with their parameters.
     pub settings: Vec<(&'static Effect, Vec<f64>)>,
-}
-
-/// A searched parameter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coordinate {
-    /// Name in answers.
-    pub name: &'static str,
-    /// Ends, as a coordinate.
-    pub ends: (f64, f64),
-    /// Searched in its logarithm.
-    pub logarithmic: bool,
-    /// What is known of it beforehand.
-    prior: Prior,
-    /// Where its effect is absent, as a coordinate.
-    null: Option<f64>,
-    /// Step of a difference quotient.
-    step: f64,
-}
-
-impl Coordinate {
-    /// The value of a coordinate.
-    #[must_use]
-    pub fn value(&self, x: f64) -> f64 {
-        if self.logarithmic { x.exp() } else { x }
-    }
-
-    fn of(&self, value: f64) -> f64 {
-        if self.logarithmic { value.max(f64::MIN_POSITIVE).ln() } else { value }
-    }
 }
 
 /// A fit.
@@ -143,14 +114,7 @@ impl Problem<'_> {
             null: None,
             step: 1e-3 * unit,
         });
-        let of = |q: &Quantity| Coordinate {
-            name: q.name,
-            ends: q.ends(),
-            logarithmic: q.logarithmic,
-            prior: q.known(),
-            null: q.null.map(|null| q.of(null)),
-            step: 1e-4,
-        };
+        let of = |q: &Quantity| Coordinate::of_quantity(q, 1e-4);
         base.chain(law.settings.iter().flat_map(|(effect, _)| effect.quantities).map(of)).collect()
     }
 
@@ -200,12 +164,7 @@ impl Problem<'_> {
         let start = point(from, &list);
         let end = minimise(&objective, &region, start.as_slice(), &RULE);
         let (x, (residual, jacobian)) = (DVector::from_vec(end.x), end.kept.into_parts());
-        let is_end = |(c, x): (&Coordinate, &f64)| {
-            let near = 1e-3 * (c.ends.1 - c.ends.0);
-            let is_null = |end: f64| c.null.is_some_and(|null| (null - end).abs() < near);
-            [c.ends.0, c.ends.1].into_iter().any(|end| (x - end).abs() < near && !is_null(end))
-        };
-        let at_bound = list.iter().zip(x.iter()).skip(from.base.len()).any(is_end);
+        let at_bound = list.iter().zip(x.iter()).skip(from.base.len()).any(|(c, x)| c.is_at_bound(*x));
         let effects = from.settings.iter().map(|(effect, _)| *effect).collect();
         let square = residual.norm_squared();
         Fit { law: at(from, &list, &x), effects, coordinates: list, x, residual, jacobian, square, at_bound }
@@ -236,7 +195,7 @@ impl Fitted for Fit {
 
     fn linearised<'a>(&'a self, known: &'a DMatrix<f64>) -> Linearised<'a> {
         let own = self.coordinates.iter().zip(self.x.iter());
-        let parameters = own.map(|(c, x)| Parameter { x: *x, bounds: c.ends, prior: c.prior });
+        let parameters = own.map(|(c, x)| c.at(*x));
         Linearised { residual: &self.residual, jacobian: &self.jacobian, parameters: parameters.collect(), known }
     }
 }

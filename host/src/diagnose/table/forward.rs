@@ -91,10 +91,8 @@ impl Forward for Search<'_> {
     }
 
     fn log_odds(&self, effect: &&'static Effect) -> f64 {
-        let alike = self.effects.iter().filter(|other| other.code == effect.code).count().max(1) as f64;
-        let sided = effect.quantities.iter().filter(|q| q.is_one_sided()).count() as f64;
-        let p = presence::probability();
-        (p / (1.0 - p) / alike).ln() + sided * std::f64::consts::LN_2
+        let alike = self.effects.iter().filter(|other| other.code == effect.code).count();
+        presence::log_odds(alike, effect.quantities.iter().filter(|q| q.is_one_sided()).count())
     }
 
     fn extended(&self, from: &Fit, effect: &&'static Effect) -> Option<Fit> {

@@ -18,8 +18,7 @@ use crate::calibration::polynomial::Polynomial;
 use crate::diagnose::Verdict;
 use crate::experiment::Experiment;
 use crate::infer::covariance::Z95;
-use crate::infer::evidence::amounts;
-use crate::infer::sets::{Known, Outcome, Shares, is_visible, led};
+use crate::infer::sets::{Outcome, Told, Weighing};
 
 use fit::Problem;
 pub use fit::{Fit, Judged, Law, Weighed};
@@ -133,11 +132,8 @@ impl Weighed {
         let law = &self.fit.law;
         let first = |at: usize| law.base.len() + law.settings[..at].iter().map(|(_, v)| v.len()).sum::<usize>();
         let range = effect.map_or(0..law.base.len(), |at| first(at)..first(at + 1));
-        let each = range.map(|j| {
-            let c = &self.fit.coordinates[j];
-            let (x, half) = (self.evidence.x[j], Z95 * self.evidence.deviations[j]);
-            (c.name, c.value(x), (c.value((x - half).max(c.ends.0)), c.value((x + half).min(c.ends.1))))
-        });
+        let each =
+            range.map(|j| self.fit.coordinates[j].estimate(self.evidence.x[j], Z95 * self.evidence.deviations[j]));
         each.collect()
     }
 }
@@ -218,37 +214,21 @@ impl Diagnosis {
 
     fn judge(&mut self, search: Search<'_>, sigma: (f64, usize)) {
         let groups = search.groups();
-        let sets = led(&search, &groups.discrepancy, &[], &mut Vec::new());
-        let shares = Shares::new(&search, &groups, sets);
-        let base = shares.sets().iter().find(|set| set.is_base()).cloned();
-        let (Some(mut judged), Some(base)) = (Judged::of(&shares, search.base.law.base.len()), base) else { return };
-        let Known { sets, .. } = shares.into_known();
-        let mut held = judged.holding(&sets);
-        let held_out = held.first().and_then(|best| left_out(&search.problem, &search.base.law, &best.fit.law));
+        let Some(mut found) = Weighing::of(&search, &groups, search.base.law.base.len()) else { return };
+        let best = found.held.first();
+        let held_out = best.and_then(|best| left_out(&search.problem, &search.base.law, &best.fit.law));
         let predicts = held_out.is_none_or(|h| h.after < h.before);
-        if !judged.findings.is_empty() && (!predicts || held.first().is_none_or(|best| best.fit.at_bound)) {
-            judged.withdraw();
-        }
+        found.keep_names(predicts && best.is_some_and(|best| !best.fit.at_bound));
         let is_missed = self.lack_of_fit.is_some_and(|test| test.probability < LEVEL);
-        if judged.outcome == Outcome::Clean && is_missed {
-            judged.outcome = Outcome::Unknown;
+        if found.judged.outcome == Outcome::Clean && is_missed {
+            found.judged.outcome = Outcome::Unknown;
         }
-        if judged.findings.is_empty() {
-            held.clear();
-        }
-        self.verdict = judged.outcome.into();
-        self.findings = held.first().map_or_else(Vec::new, |best| findings(&judged, best));
-        if judged.outcome != Outcome::Clean {
-            let told = amounts(&base.linearised(), &base.evidence, &groups.discrepancy);
-            self.shows_in = told.map_or_else(Vec::new, |amounts| groups.largest(&amounts));
-        }
-        for effect in effect::CATALOGUE {
-            let mut forms = search.effects.iter().filter(|other| other.code == effect.code);
-            if !self.blind_to.contains(&effect.code) && !forms.any(|form| is_visible(&search, &base, &groups, form)) {
-                self.blind_to.push(effect.code);
-            }
-        }
-        self.proposals = plan::proposals(&search, &sets, &judged, &self.blind_to);
+        self.verdict = found.judged.outcome.into();
+        self.findings = found.held.first().map_or_else(Vec::new, |best| findings(&found.judged, best));
+        self.shows_in = found.shows_in(&groups);
+        self.blind_to = found.blind_to(&search, &groups, effect::CATALOGUE.map(|effect| effect.code));
+        self.proposals = plan::proposals(&search, &found.sets, &found.judged, &self.blind_to);
+        let Weighing { base, sets, held, judged } = found;
         self.evidence = Some(Evidence { sigma, base, sets, held, judged, held_out });
     }
 }
@@ -256,15 +236,8 @@ impl Diagnosis {
 /// What is named, of the likeliest set.
 fn findings(judged: &Judged, best: &Weighed) -> Vec<Finding> {
     let each = best.fit.effects.iter().enumerate().map(|(at, effect)| {
-        let belief = judged.belief(effect.code);
-        let own = judged.findings.iter().find(|set| set.contains(&effect.code)).map_or(&[][..], |set| set);
-        Finding {
-            effect,
-            parameters: best.told(Some(at)),
-            ambiguous_with: own.iter().filter(|other| **other != effect.code).copied().collect(),
-            probability: belief.map_or(0.0, |belief| belief.probability),
-            explains: belief.and_then(|belief| belief.explains),
-        }
+        let Told { probability, explains, twins } = judged.told(effect.code);
+        Finding { effect, parameters: best.told(Some(at)), ambiguous_with: twins, probability, explains }
     });
     each.collect()
 }

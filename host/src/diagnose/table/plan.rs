@@ -9,9 +9,7 @@ use super::forward::Search;
 use super::readings::{Reading, Table};
 use crate::calibration::distribution::student_critical;
 use crate::calibration::polynomial::Polynomial;
-use crate::infer::covariance::Factor;
-use crate::infer::lowrank::Fold;
-use crate::infer::product::inner;
+use crate::infer::lowrank;
 
 /// Readings and what they would tell.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,11 +118,7 @@ fn distance(search: &Search<'_>, truth: &Law, rival: &Fit, table: &Table) -> f64
     let problem = Problem { table: &told, ..problem };
     let difference: DVector<f64> = problem.plain(&rival.law) / problem.sigma;
     let jacobian = problem.jacobian_of(rival);
-    let mut known = inner(&rival.jacobian, &rival.jacobian);
-    for j in 0..known.nrows() {
-        known[(j, j)] = known[(j, j)] * (1.0 + 1e-9) + 1e-12;
-    }
-    Factor::of(&known).map_or(0.0, |known| Fold::of(known.rooted(&jacobian)).taken_off(&difference).norm())
+    lowrank::apart(&difference, &jacobian, &rival.jacobian)
 }
 
 /// What can be read next, scaled to the table. Levels and spans are those of the table so far.

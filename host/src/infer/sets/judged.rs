@@ -74,7 +74,30 @@ pub struct Judged<N> {
     pub wider: Wider<N>,
 }
 
+/// What is told of a name that holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Told<N> {
+    /// Probability that it is there.
+    pub probability: f64,
+    /// Share of the misfit that it explains alone, where there is one.
+    pub explains: Option<f64>,
+    /// Names that may stand in its place.
+    pub twins: Vec<N>,
+}
+
 impl<N: Copy + Eq + Send + Sync> Judged<N> {
+    /// What is told of a name that holds.
+    #[must_use]
+    pub fn told(&self, name: N) -> Told<N> {
+        let belief = self.belief(name);
+        let own = self.findings.iter().find(|set| set.contains(&name)).map_or(&[][..], |set| set);
+        Told {
+            probability: belief.map_or(0.0, |belief| belief.probability),
+            explains: belief.and_then(|belief| belief.explains),
+            twins: own.iter().filter(|other| **other != name).copied().collect(),
+        }
+    }
+
     /// Of sets that were weighed; none where there is none. `shared` parameters, the first of each, are
     /// those that all sets have.
     #[must_use]

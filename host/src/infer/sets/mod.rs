@@ -8,6 +8,7 @@
 //! judged   from the evidence of sets to what is believed of effects
 //! visible  whether a plausible amount would be believed
 //! verdict  from what is believed to names
+//! weighing the whole of it in one noise
 //! ```
 
 mod judged;
@@ -16,18 +17,19 @@ mod shares;
 mod verdict;
 mod visible;
 mod weigh;
+mod weighing;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::evidence::{Discrepancy, Linearised, Parameter, Sizes};
 use super::product::beside;
 
-pub use judged::{Belief, Judged, Wider};
+pub use judged::{Belief, Judged, Told, Wider};
 pub use search::led;
 pub use shares::{Known, Misfits, Shares};
 pub use verdict::Outcome;
-pub use visible::is_visible;
 pub use weigh::{Weighed, level};
+pub use weighing::Weighing;
 
 /// How far (logarithm) behind the likeliest set another may lie to count: one in a million.
 pub const BEHIND: f64 = 14.0;
