@@ -25,6 +25,8 @@ type Estimate = (f64, (f64, f64));
 struct Apart {
     base: f64,
     extended: Option<f64>,
+    /// Of the base: the larger difference of both parameters, percent.
+    percent: f64,
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -36,7 +38,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let told = on_all_cores(&cases, |case| {
         let found = apart(case, &solver, &models);
         match &found {
-            Ok(Some(one)) => println!("{} {}: {:.2} {:?}", case.design.name(), case.seed, one.base, one.extended),
+            Ok(Some(one)) => println!(
+                "{} {}: {:.2} ({:.2} %) {:?}",
+                case.design.name(),
+                case.seed,
+                one.base,
+                one.percent,
+                one.extended
+            ),
             Ok(None) => println!("{} {}: not judged", case.design.name(), case.seed),
             Err(error) => println!("{} {}: {error}", case.design.name(), case.seed),
         }
@@ -46,7 +55,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let within = |of: &[f64]| bounded(of.iter().filter(|apart| **apart < 1.0).count(), of.len());
     let base: Vec<f64> = all.iter().map(|one| one.base).collect();
     let extended: Vec<f64> = all.iter().filter_map(|one| one.extended).collect();
+    let mut percent: Vec<f64> = all.iter().map(|one| one.percent).collect();
+    percent.sort_by(f64::total_cmp);
+    let at = |share: usize| percent.get(percent.len() * share / 100).copied().unwrap_or(f64::NAN);
     println!("base within a standard error: {}", within(&base));
+    println!("base apart, percent: median {:.2}, nine of ten within {:.2}, worst {:.2}", at(50), at(90), at(100 - 1));
     println!("extended within a standard error: {}", within(&extended));
     Ok(())
 }
@@ -63,7 +76,9 @@ fn apart(case: &Case, solver: &Solver, models: &Models) -> Outcome<Option<Apart>
         let own = fit.parameters.iter().find(|p| p.name == name).ok_or("a parameter is missing")?;
         Ok((own.value, (own.interval95.low, own.interval95.high)))
     };
-    let base = errors(evidence.before.parameters, [of("mu_MPa")?, of("alpha")?]);
+    let (own, its) = (evidence.before.parameters, [of("mu_MPa")?, of("alpha")?]);
+    let percent = own.iter().zip(its).map(|(one, other)| 100.0 * (one.0 / other.0 - 1.0).abs()).fold(0.0, f64::max);
+    let base = errors(own, its);
     let extended = match ExtendedModel::of(&experiment, &found[0]).zip(evidence.extended()) {
         None => None,
         Some((model, after)) => {
@@ -75,7 +90,7 @@ fn apart(case: &Case, solver: &Solver, models: &Models) -> Outcome<Option<Apart>
             Some(errors(after, [of(0)?, of(1)?]))
         }
     };
-    Ok(Some(Apart { base, extended }))
+    Ok(Some(Apart { base, extended, percent }))
 }
 
 /// The larger of two distances in standard errors of the second fit.

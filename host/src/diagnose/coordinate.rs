@@ -98,7 +98,8 @@ impl Coordinate {
     }
 
     /// Values within a half width of a point, no farther than the bounds.
-    pub(super) fn interval(&self, x: f64, half: f64) -> (f64, f64) {
+    #[must_use]
+    pub fn interval(&self, x: f64, half: f64) -> (f64, f64) {
         let (low, high) = self.bounds();
         (self.value((x - half).max(low)), self.value((x + half).min(high)))
     }

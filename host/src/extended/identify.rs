@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use lut_gen::chain::{LibraryError, Setting};
+use lut_gen::chain::{LibraryError, Model, Setting};
 use nalgebra::DVector;
 use serde_json::{Map, Value, json};
 
@@ -10,6 +10,7 @@ use crate::diagnose::Models;
 use crate::diagnose::coordinate::{Candidate, Coordinate, coordinates};
 use crate::diagnose::design::Design;
 use crate::diagnose::fit::{self, Problem};
+use crate::diagnose::plain::Plainly;
 use crate::experiment::{Experiment, motion};
 use crate::identify::Outcome;
 use crate::infer::covariance::Z95;
@@ -193,48 +194,47 @@ fn unusable(experiment: &Experiment, material: &str) -> Outcome {
     if long { Outcome::NoContact } else { Outcome::TooFewPoints }
 }
 
-/// The model, mu and alpha with their intervals, and whether alpha lies at an edge.
-type Fitted = (lut_gen::chain::Model, [(f64, (f64, f64)); 2], bool);
-
 /// A parameter may lie this close to a bound, as a part of the range, and counts as on it.
 const ON_BOUND: f64 = 1e-3;
 
 impl Identified {
+    /// Values are those of the plain best fit, as `palpate identify` without a model makes it and as a diagnosis prints them;
+    /// intervals are those of the fit that weighs residuals by their noise, and hold the values.
     fn fit(&mut self, problem: &Problem<'_>, settings: &[Setting], freed: bool) {
         let descents = fitting::search(problem, settings);
         let used = problem.used.iter().filter(|used| **used).count().max(1) as f64;
         self.starts = descents.iter().map(|d| start_of(d, used)).collect();
         let Some(best) = descents.into_iter().next() else { return };
         let design = problem.design;
-        let (model, base, at_edge) = if freed && !settings.is_empty() {
+        let (model, intervals) = if freed && !settings.is_empty() {
             self.freed(problem, settings, &best.x)
         } else {
             let list = coordinates(design, &[]);
             let covariance = covariance(&inner(&best.jacobian, &best.jacobian));
-            let base: [(f64, (f64, f64)); 2] = std::array::from_fn(|i| {
+            let of = |i: usize| {
                 let sigma = covariance.as_ref().map_or(f64::NAN, |c| c[(i, i)].sqrt());
-                let (low, high) = list[i].bounds();
-                let end = |x: f64| list[i].value(x.clamp(low, high));
-                (list[i].value(best.x[i]), (end(best.x[i] - Z95 * sigma), end(best.x[i] + Z95 * sigma)))
-            });
-            let at_edge = on_bound(&list[1], best.x[1]);
-            (fitting::extended(design, &best.x, settings), base, at_edge)
+                list[i].interval(best.x[i], Z95 * sigma)
+            };
+            (fitting::extended(design, &best.x, settings), [of(0), of(1)])
         };
-        let names = [("mu_MPa", Coordinate::LnMu), ("alpha", Coordinate::LnAlpha)];
-        self.parameters = names
-            .iter()
-            .zip(base)
-            .map(|((name, coordinate), (value, interval))| Parameter {
+        let plainly = Plainly { design, chain: problem.chain, with: &model };
+        let plain = plainly.best();
+        let values = [plain.model.mu_mpa, plain.model.alpha];
+        let named = [("mu_MPa", Coordinate::LnMu), ("alpha", Coordinate::LnAlpha)];
+        let each = named.iter().zip(values).zip(intervals);
+        let parameter =
+            |(((name, coordinate), value), (low, high)): ((&(&str, Coordinate), f64), (f64, f64))| Parameter {
                 name: (*name).to_owned(),
                 value,
-                interval: Some(interval),
+                interval: Some((value.min(low), value.max(high))),
                 bounds: (coordinate.bounds().0.exp(), coordinate.bounds().1.exp()),
                 fixed: false,
-            })
-            .collect();
+            };
+        self.parameters = each.map(parameter).collect();
+        let at_edge = on_bound(&Coordinate::LnAlpha, plain.model.alpha.ln());
         self.outcome = if at_edge { Outcome::OutsideGrid } else { Outcome::Fitted };
-        self.rmse_n = fitting::rmse_n(problem, &model);
-        let forces = fit::predicted(design, problem.chain, &model, &problem.contacts_mm);
+        self.rmse_n = plain.rmse_n;
+        let forces = fit::predicted(design, problem.chain, &plain.model, &plainly.contacts_of_runs(&plain));
         for (series, force) in design.series.iter().zip(&forces) {
             let square: f64 = series.nodes.iter().zip(force).map(|(n, f)| (n.force_n - f).powi(2)).sum();
             self.runs.push((series.run, (square / series.nodes.len().max(1) as f64).sqrt(), series.hold_out));
@@ -242,7 +242,7 @@ impl Identified {
     }
 
     /// Fits the effects' parameters as well, from those of the file.
-    fn freed(&mut self, problem: &Problem<'_>, settings: &[Setting], x: &DVector<f64>) -> Fitted {
+    fn freed(&mut self, problem: &Problem<'_>, settings: &[Setting], x: &DVector<f64>) -> (Model, [(f64, f64); 2]) {
         let candidates: Vec<Candidate> =
             settings.iter().map(|s| Candidate { effect: s.effect, owner: s.owner }).collect();
         let list = coordinates(problem.design, &candidates);
@@ -255,8 +255,7 @@ impl Identified {
                 (parameter.value, parameter.interval, parameter.fixed) = (value, Some(interval), false);
             }
         }
-        let at_edge = on_bound(&list[1], found.x[1]);
-        (found.model.clone(), found.base(), at_edge)
+        (found.model.clone(), found.base().map(|known| known.1))
     }
 
     /// The answer of `palpate identify` with a model: the keys of the contract, and `model` with the effects.
