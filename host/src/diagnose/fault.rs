@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::experiment::motion::{self, Event, Motion};
+use crate::experiment::sensor::Trouble;
 use crate::experiment::{Experiment, Run, Test};
 
 /// A fault of the data.
@@ -19,6 +20,13 @@ pub enum Fault {
         run: String,
         /// The event in words.
         event: String,
+    },
+    /// Readings that are none, or a sensor at its limit.
+    Reading {
+        /// The run's file.
+        run: String,
+        /// What was wrong, and what was done.
+        trouble: Trouble,
     },
     /// The force fell within one sample.
     ForceDrop {
@@ -37,6 +45,7 @@ impl Fault {
             Fault::DeadSensor { .. } => "dead-sensor",
             Fault::Restarted { .. } => "restart",
             Fault::ForceDrop { .. } => "force-drop",
+            Fault::Reading { trouble, .. } => trouble.code(),
         }
     }
 
@@ -44,7 +53,10 @@ impl Fault {
     #[must_use]
     pub fn run(&self) -> &str {
         match self {
-            Fault::DeadSensor { run } | Fault::Restarted { run, .. } | Fault::ForceDrop { run, .. } => run,
+            Fault::DeadSensor { run }
+            | Fault::Restarted { run, .. }
+            | Fault::ForceDrop { run, .. }
+            | Fault::Reading { run, .. } => run,
         }
     }
 
@@ -64,6 +76,7 @@ impl fmt::Display for Fault {
                     "{run}: the force sensor shows nothing while the ball goes down: a dead sensor, or no contact"
                 )
             }
+            Fault::Reading { run, trouble } => write!(f, "{run}: {trouble}"),
             Fault::Restarted { run, event } | Fault::ForceDrop { run, event } => write!(f, "{run}: {event}"),
         }
     }
@@ -109,7 +122,9 @@ pub fn of(experiment: &Experiment, material: &str) -> Vec<Fault> {
     let mut ranges: Vec<f64> = moved.iter().map(|one| range(&force(one))).collect();
     ranges.sort_by(f64::total_cmp);
     let usual = ranges.get(ranges.len() / 2).copied().unwrap_or(0.0);
-    let mut faults = Vec::new();
+    let reading = |run: &Run, trouble: &Trouble| Fault::Reading { run: run.file.clone(), trouble: trouble.clone() };
+    let told = experiment.runs.iter().filter(own).flat_map(|run| run.troubles.iter().map(move |t| reading(run, t)));
+    let mut faults: Vec<Fault> = told.collect();
     for one in &moved {
         let (run, motion) = one;
         let force = force(one);

@@ -8,6 +8,7 @@ use toml::de::DeValue;
 use super::error::{ExperimentError, Problem};
 use super::recording::{self, Need, Recording};
 use super::section::{Document, Section};
+use super::sensor;
 use super::{Base, BaseLaw, Experiment, Format, Indenter, Length, Mapping, Run, Sensor, Specimen, Test};
 
 /// Lengths of specimens and balls that can be meant, mm; outside, a unit was confused.
@@ -34,7 +35,7 @@ pub(super) fn experiment(file: &Path, text: &str) -> Result<Experiment, Experime
     let format = format(&root, Format::default())?;
     let specimens = root.named("specimen")?.iter().map(specimen).collect::<Result<Vec<_>, _>>()?;
     let indenters = root.named("indenter")?.iter().map(indenter).collect::<Result<Vec<_>, _>>()?;
-    let sensor = sensor(&root)?;
+    let sensor = force_sensor(&root)?;
     let places = Places {
         folder: &folder,
         specimens: specimens.iter().enumerate().map(|(i, s)| (s.name.clone(), i)).collect(),
@@ -186,13 +187,16 @@ fn indenter((name, section): &(String, Section<'_>)) -> Result<Indenter, Experim
     Ok(Indenter { name: name.clone(), radius_mm: length(section, "radius_mm", expected)? })
 }
 
-fn sensor(root: &Section<'_>) -> Result<Sensor, ExperimentError> {
+fn force_sensor(root: &Section<'_>) -> Result<Sensor, ExperimentError> {
     let Some(section) = root.section("sensor", "[sensor]".to_owned())? else {
         return Ok(Sensor::default());
     };
-    section.only(&["noise_N"])?;
+    section.only(&["noise_N", "zero"])?;
     let expected = "a standard deviation above 0 N";
-    Ok(Sensor { noise_n: section.number("noise_N", f64::MIN_POSITIVE..=1e6, expected)? })
+    Ok(Sensor {
+        noise_n: section.number("noise_N", f64::MIN_POSITIVE..=1e6, expected)?,
+        zero_is_known: section.word("zero", &[("known", true), ("free", false)])?.unwrap_or(false),
+    })
 }
 
 /// Names and places of everything a run can refer to.
@@ -246,6 +250,12 @@ fn run(
         recording.check_pairs(&path)?;
     }
     crop(section, &mut recording)?;
+    let troubles = match test {
+        Test::Indentation | Test::Uniaxial | Test::Confined | Test::Shear => {
+            sensor::cleaned(&mut recording).map_err(|problem| ExperimentError::of_file(&path, problem))?
+        }
+        _ => Vec::new(),
+    };
     if test == Test::Tension {
         recording.turn_to_push();
     } else if let Some(height_mm) = specimen.and_then(|at| specimens.get(at)?.height_mm.known()) {
@@ -264,6 +274,7 @@ fn run(
         hold_out: section.flag("hold_out")?.unwrap_or(false),
         load_n: section.number("load_N", -1e6..=1e6, "the known load in N, pressing positive")?,
         path,
+        troubles,
         recording,
     })
 }

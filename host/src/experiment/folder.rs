@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::sensor::Trouble;
 use super::{Indenter, Recording, Specimen, Test};
 
 /// What is known of the force sensor.
@@ -9,6 +10,8 @@ use super::{Indenter, Recording, Specimen, Test};
 pub struct Sensor {
     /// Standard deviation of its noise in N, if stated.
     pub noise_n: Option<f64>,
+    /// The force zero is right even where no force before contact is recorded.
+    pub zero_is_known: bool,
 }
 
 /// One recorded time series and its labels.
@@ -38,6 +41,8 @@ pub struct Run {
     pub hold_out: bool,
     /// Load of a mass that the sensor carries, N, if stated.
     pub load_n: Option<f64>,
+    /// What was wrong with its readings, and was left out.
+    pub troubles: Vec<Trouble>,
     /// The samples.
     pub recording: Recording,
 }
@@ -59,6 +64,7 @@ impl Run {
             start_s: None,
             hold_out: false,
             load_n: None,
+            troubles: Vec::new(),
             recording,
         }
     }

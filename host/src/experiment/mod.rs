@@ -14,6 +14,7 @@ pub mod motion;
 mod recording;
 pub mod replicate;
 pub(crate) mod section;
+pub mod sensor;
 mod specimen;
 
 use std::path::Path;

@@ -14,6 +14,13 @@ const STANDING: f64 = 0.3;
 const JITTER: f64 = 0.02;
 /// A rise by less than this share of the whole range is not a loading branch.
 const BRANCH: f64 = 0.25;
+/// A way on of this many times the noise of the depth is one, however slow.
+const SLOW_SIGMA: f64 = 20.0;
+/// A press has begun where the force has risen by this share; an approach is as fast as the press unless it differs by this factor.
+const RISEN: f64 = 0.02;
+const OTHER_SPEED: f64 = 1.5;
+/// Fewest samples of a press, and of an approach, that tell a speed.
+const FEWEST: usize = 8;
 /// A fall of force within one sample above this share of its range, while the indenter goes on
 /// down, is a slip or a fault. It must also exceed [`JUMP_SIGMA`] times the noise, of the whole branch and of the
 /// [`AROUND`] samples on either side: noise that is a part of the force is most of it where the force is large; and
@@ -70,8 +77,8 @@ pub struct Motion {
     pub hold: Option<Range<usize>>,
     /// First way back after it, if there was one.
     pub unloading: Option<Range<usize>>,
-    /// Number of loading branches in the run.
-    pub cycles: usize,
+    /// All loading branches of the run, the first among them.
+    pub loadings: Vec<Range<usize>>,
     /// Unusual things within the first loading branch.
     pub events: Vec<Event>,
 }
@@ -87,6 +94,8 @@ impl Motion {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     Down,
+    /// Down while the force rises, far slower than an approach before it.
+    SlowlyDown,
     Still,
     Up,
 }
@@ -103,6 +112,13 @@ pub fn noise_of(signal: &[f64]) -> f64 {
     let bends = signal.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs());
     // 0.6745 is the median of |x| for unit normal x; a second difference has variance 6.
     median(bends) / 0.6745 / 6.0_f64.sqrt()
+}
+
+/// Resolution of a reading: the least difference between neighbours that differ; 0 where none do.
+pub fn step_of(signal: &[f64]) -> f64 {
+    let steps = signal.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|step| *step > 0.0);
+    let least = steps.fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
 }
 
 /// The upper of two middle values; 0 of none.
@@ -125,16 +141,24 @@ pub fn of(recording: &Recording) -> Option<Motion> {
         return None;
     }
     let speed = typical_speed(time, depth, lowest, range)?;
-    let stretches = stretches(time, depth, speed, noise, range);
+    let mut stretches = stretches(time, depth, speed, noise, range);
+    find_slow_presses(&mut stretches, recording, noise);
     let travel = |s: &Stretch| depth[s.samples.end - 1] - depth[s.samples.start];
-    let is_branch = |s: &&Stretch| s.way == Way::Down && travel(s) >= BRANCH * range;
-    let cycles = stretches.iter().filter(is_branch).count();
-    let first = stretches.iter().position(|s| is_branch(&s)).or_else(|| {
+    let is_branch = |at: &usize| {
+        let stretch = &stretches[*at];
+        let presses_next = stretches.get(at + 1).is_some_and(|next| next.way == Way::SlowlyDown);
+        let whole = stretch.way == Way::Down && travel(stretch) >= BRANCH * range && !presses_next;
+        stretch.way == Way::SlowlyDown || whole
+    };
+    let branches: Vec<usize> = (0..stretches.len()).filter(is_branch).collect();
+    let first = branches.first().copied().or_else(|| {
         (0..stretches.len())
             .filter(|&at| stretches[at].way == Way::Down)
             .max_by(|&a, &b| travel(&stretches[a]).total_cmp(&travel(&stretches[b])))
     })?;
-    let mut loading = stretches[first].samples.clone();
+    let mut loading = pressing(recording, stretches[first].samples.clone());
+    let later = branches.iter().skip(1).map(|at| stretches[*at].samples.clone());
+    let loadings = std::iter::once(loading.clone()).chain(later).collect();
     let mut events = Vec::new();
     let next = stretches.get(first + 1);
     let after = stretches.get(first + 2);
@@ -151,7 +175,49 @@ pub fn of(recording: &Recording) -> Option<Motion> {
         events.push(event);
     }
     let rate_mm_per_s = slope(&time[loading.clone()], &depth[loading.clone()])?;
-    Some(Motion { loading, rate_mm_per_s, hold, unloading, cycles: cycles.max(1), events })
+    Some(Motion { loading, rate_mm_per_s, hold, unloading, loadings, events })
+}
+
+/// Marks what stands beside a fast approach but goes in slowly: the ball goes on, and the force rises there as on a loading branch.
+fn find_slow_presses(stretches: &mut [Stretch], recording: &Recording, noise_mm: f64) {
+    let (depth, force) = (&recording.depth_mm, &recording.force_n);
+    if force.len() != depth.len() {
+        return;
+    }
+    let (low, high) = force.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(*f), b.max(*f)));
+    for stretch in stretches.iter_mut().filter(|stretch| stretch.way == Way::Still) {
+        let (first, last) = (stretch.samples.start, stretch.samples.end - 1);
+        let goes_on = depth[last] - depth[first] > SLOW_SIGMA * noise_mm;
+        if goes_on && force[last] - force[first] > BRANCH * (high - low) {
+            stretch.way = Way::SlowlyDown;
+        }
+    }
+}
+
+/// The part of a loading branch that goes on at the speed of the press: an approach at another one is no part of it.
+fn pressing(recording: &Recording, branch: Range<usize>) -> Range<usize> {
+    let (time, depth, force) = (&recording.time_s, &recording.depth_mm, &recording.force_n);
+    let own = force.get(branch.clone()).unwrap_or_default();
+    let (low, high) = own.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(*f), b.max(*f)));
+    let risen = own.iter().rposition(|f| *f < low + RISEN * (high - low)).map_or(0, |at| at + 1);
+    let press = branch.start + risen..branch.end;
+    if press.len() < FEWEST || risen < FEWEST {
+        return branch;
+    }
+    let Some(speed) = slope(&time[press.clone()], &depth[press.clone()]) else { return branch };
+    let reach = (press.len() / 4).clamp(1, FEWEST);
+    let differs = |at: usize| {
+        let local = (depth[at + reach] - depth[at]) / (time[at + reach] - time[at]);
+        local > OTHER_SPEED * speed || local < speed / OTHER_SPEED
+    };
+    // Noise of the depth makes a short stretch differ; an approach at another speed is long.
+    let far = (branch.start..press.start).rev().take_while(|at| at + reach < branch.end);
+    let other: Vec<usize> = far.filter(|at| differs(*at)).collect();
+    let Some(last) = other.first().copied() else { return branch };
+    let before = &time[branch.start..=last];
+    let approach = slope(before, &depth[branch.start..=last]).unwrap_or(speed);
+    let is_other = approach > OTHER_SPEED * speed || approach < speed / OTHER_SPEED;
+    if is_other && before.len() >= FEWEST { last + reach..branch.end } else { branch }
 }
 
 /// Mean speed of the first way from a tenth to nine tenths of the range.
@@ -214,7 +280,7 @@ fn without_jitter(stretches: Vec<Stretch>, depth: &[f64], least_mm: f64, least_s
         let moved = (depth[samples.end - 1] - depth[samples.start]).abs();
         let short = match stretch.way {
             Way::Still => samples.len() < least_samples,
-            Way::Down | Way::Up => moved < least_mm,
+            Way::Down | Way::SlowlyDown | Way::Up => moved < least_mm,
         };
         if short && let Some(last) = kept.last() {
             stretch.way = last.way;
@@ -294,7 +360,7 @@ mod tests {
         let hold = motion.hold.unwrap();
         assert!(hold.end.abs_diff(150) <= 2, "{hold:?}");
         assert!(motion.unloading.unwrap().end.abs_diff(170) <= 2);
-        assert_eq!(motion.cycles, 1);
+        assert_eq!(motion.loadings.len(), 1);
         assert!(motion.events.is_empty());
     }
 
@@ -372,7 +438,7 @@ mod tests {
         let motion = of(&run).unwrap();
         assert!((motion.rate_mm_per_s - 0.2).abs() < 0.01, "{motion:?}");
         assert!(motion.loading.end.abs_diff(200) < 15, "{motion:?}");
-        assert_eq!(motion.cycles, 1);
+        assert_eq!(motion.loadings.len(), 1);
     }
 
     #[test]
@@ -386,10 +452,28 @@ mod tests {
         assert!(motion.hold.is_some() && motion.events.is_empty(), "{motion:?}");
     }
 
+    /// A press ten times slower than a long approach, and one less than twice as slow: both begin where their own speed does.
+    #[test]
+    fn a_fast_approach_is_no_part_of_a_slow_press() {
+        let run = ramps(&[(0.0, -40.0), (8.0, 0.0), (16.0, 4.0)]);
+        let motion = of(&run).unwrap();
+        assert!((motion.rate_mm_per_s - 0.5).abs() < 0.02, "{motion:?}");
+        assert!(motion.loading.start.abs_diff(80) < 8 && motion.loading.end.abs_diff(160) < 3, "{motion:?}");
+        let run = ramps(&[(0.0, -10.0), (5.0, -1.0), (10.0, 4.0), (20.0, 4.0)]);
+        let motion = of(&run).unwrap();
+        assert!((motion.rate_mm_per_s - 1.0).abs() < 0.05, "{motion:?}");
+        assert!(motion.loading.start.abs_diff(50) < 10 && motion.hold.is_some(), "{motion:?}");
+        // a creep under a constant force is no press
+        let mut creep = ramps(&[(0.0, 0.0), (4.0, 4.0), (40.0, 4.5)]);
+        creep.force_n[40..].iter_mut().for_each(|force| *force = 8.0);
+        let motion = of(&creep).unwrap();
+        assert!(motion.loading.end.abs_diff(40) < 3 && motion.hold.is_some(), "{motion:?}");
+    }
+
     #[test]
     fn two_cycles_and_no_motion() {
         let run = ramps(&[(0.0, 0.0), (2.0, 2.0), (4.0, 0.0), (6.0, 2.0), (8.0, 0.0)]);
-        assert_eq!(of(&run).unwrap().cycles, 2);
+        assert_eq!(of(&run).unwrap().loadings.len(), 2);
         assert_eq!(of(&ramps(&[(0.0, 1.0), (9.0, 1.0)])), None);
     }
 }

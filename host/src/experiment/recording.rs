@@ -86,7 +86,7 @@ impl Recording {
     pub(super) fn turn_to_push(&mut self) {
         let largest = self.force_n.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
         if largest < 0.0 {
-            self.force_n.iter_mut().chain(&mut self.depth_mm).for_each(|value| *value = -*value);
+            self.turn();
         }
     }
 

@@ -220,17 +220,18 @@ impl Identified {
         let plainly = Plainly { design, chain: problem.chain, with: &model };
         let plain = plainly.best();
         let values = [plain.model.mu_mpa, plain.model.alpha];
-        let named = [("mu_MPa", Coordinate::LnMu), ("alpha", Coordinate::LnAlpha)];
-        let each = named.iter().zip(values).zip(intervals);
-        let parameter =
-            |(((name, coordinate), value), (low, high)): ((&(&str, Coordinate), f64), (f64, f64))| Parameter {
-                name: (*name).to_owned(),
+        let parameter = |at: usize| {
+            let (name, coordinate) = [("mu_MPa", Coordinate::LnMu), ("alpha", Coordinate::LnAlpha)][at];
+            let (value, (low, high)) = (values[at], intervals[at]);
+            Parameter {
+                name: name.to_owned(),
                 value,
                 interval: Some((value.min(low), value.max(high))),
                 bounds: (coordinate.bounds().0.exp(), coordinate.bounds().1.exp()),
                 fixed: false,
-            };
-        self.parameters = each.map(parameter).collect();
+            }
+        };
+        self.parameters = vec![parameter(0), parameter(1)];
         let at_edge = on_bound(&Coordinate::LnAlpha, plain.model.alpha.ln());
         self.outcome = if at_edge { Outcome::OutsideGrid } else { Outcome::Fitted };
         self.rmse_n = plain.rmse_n;

@@ -4,9 +4,10 @@ use crate::experiment::motion::Motion;
 use crate::experiment::{Experiment, Length};
 
 use super::contact;
-use super::data::{LEAST_SAMPLES, LeftOut, LoadingCurve, Selection};
+use super::data::{FACE_EXPONENT, LEAST_SAMPLES, LeftOut, LoadingCurve, Selection};
 use super::grip::Grip;
 use super::spec::{Extra, FitSpec};
+use super::zero::Unsure;
 
 /// Largest share of its height that a specimen is shortened by in the model.
 pub const SHORTEST: f64 = 0.9;
@@ -32,9 +33,11 @@ impl Selection {
             return Err(LeftOut::Unmeasured);
         };
         let motion = motions.get(at).and_then(Option::as_ref).ok_or(LeftOut::TooFewPoints)?;
-        self.messages.extend(motion.events.iter().map(|event| format!("{}: {event}", run.file)));
+        self.tell(run, motion);
         let recorded = &run.recording;
-        let (depths, forces) = (&recorded.depth_mm[motion.loading.clone()], &recorded.force_n[motion.loading.clone()]);
+        let zero = self.zero_of(run, motion, FACE_EXPONENT);
+        let forces = &zero.taken_off(run, motion.loading.clone());
+        let depths = &recorded.depth_mm[motion.loading.clone()];
         if depths.len() < LEAST_SAMPLES {
             return Err(LeftOut::TooFewPoints);
         }
@@ -77,11 +80,14 @@ impl Selection {
             block.iter().map(|&sample| values[sample]).sum::<f64>() / block.len() as f64
         };
         let column = |values: &[f64]| -> Vec<f64> { blocks.iter().map(|block| mean(values, block)).collect() };
+        let all = zero.taken_off(run, 0..recorded.len());
         self.curves.push(LoadingCurve {
             run: at,
             pairing,
+            unsure: Unsure::default(),
+            zero_is_free: false,
             depth_mm: column(&recorded.depth_mm),
-            force_n: column(&recorded.force_n),
+            force_n: column(&all),
             time_s: column(&recorded.time_s).iter().map(|time| time - end_s).collect(),
             hold_from,
             contact,

@@ -1,10 +1,12 @@
 //! From runs to loading curves: what is fitted, what is left out, and why.
 
 use crate::experiment::motion::Motion;
-use crate::experiment::{Experiment, Length, Test};
+use crate::experiment::{Experiment, Length, Run, Test};
 
 use super::contact::{self, ContactGuess};
 use super::grip::Grip;
+use super::relaxation;
+use super::zero::{self, Approach, Unsure};
 
 /// Deepest share of a specimen's height the model is trusted at.
 pub const DEEPEST_OF_HEIGHT: f64 = 0.8;
@@ -57,6 +59,10 @@ pub struct LoadingCurve {
     pub contact: ContactGuess,
     /// Speed, mm/s.
     pub rate_mm_per_s: f64,
+    /// What the zero of its force may still be.
+    pub unsure: Unsure,
+    /// No approach shows that zero.
+    pub zero_is_free: bool,
     /// Only predicted.
     pub hold_out: bool,
 }
@@ -113,6 +119,7 @@ pub fn select(experiment: &Experiment, motions: &[Option<Motion>], material: &st
         if !belongs {
             continue;
         }
+        selection.messages.extend(run.troubles.iter().map(|trouble| format!("{}: {trouble}", run.file)));
         let added = match (run.test, run.indenter, Grip::without_ball(run.test)) {
             (Test::Indentation, Some(indenter), _) => selection.add(experiment, motions, at, specimen, indenter),
             (_, _, Some(grip)) => selection.add_coupon(experiment, motions, at, specimen, grip),
@@ -130,9 +137,57 @@ pub fn select(experiment: &Experiment, motions: &[Option<Motion>], material: &st
         }
     }
     selection.bound_heights();
+    selection.tell_holds(experiment, motions);
     selection.compare_lengths(experiment);
     selection
 }
+
+/// Exponent with which force begins over depth under a ball, and under a face.
+const BALL_EXPONENT: f64 = 1.5;
+pub(super) const FACE_EXPONENT: f64 = 1.0;
+
+/// What the sensor of a run reads without a contact.
+pub(super) struct Zero {
+    approach: Option<Approach>,
+    is_off: bool,
+}
+
+impl Zero {
+    /// Forces of samples without it, N.
+    pub(super) fn taken_off(&self, run: &Run, samples: std::ops::Range<usize>) -> Vec<f64> {
+        let (depth, force) = (&run.recording.depth_mm[samples.clone()], &run.recording.force_n[samples]);
+        match self.approach.filter(|_| self.is_off) {
+            Some(approach) => force.iter().zip(depth).map(|(force, depth)| force - approach.at(*depth)).collect(),
+            None => force.to_vec(),
+        }
+    }
+}
+
+/// Loadings after the first, which alone is fitted.
+fn later_loadings(run: &Run, motion: &Motion) -> Option<String> {
+    let depth = |range: &std::ops::Range<usize>| run.recording.depth_mm[range.end - 1];
+    let deepest = motion.loadings.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
+    let (first_mm, deepest_mm) = (depth(&motion.loading), depth(deepest));
+    if motion.loadings.len() < 2 {
+        return None;
+    }
+    let used = format!(
+        "{}: {} loadings are recorded and the first is used, to {first_mm:.2} mm",
+        run.file,
+        motion.loadings.len()
+    );
+    let travel_mm = first_mm - run.recording.depth_mm[motion.loading.start];
+    if deepest_mm - first_mm < DEEPER * travel_mm {
+        return Some(format!("{used}; from_s and to_s in its [[run]] choose another"));
+    }
+    Some(format!(
+        "{used}; a later one goes to {deepest_mm:.2} mm and is not used: write from_s = {:.1} in its [[run]] to choose it",
+        run.recording.time_s[deepest.start]
+    ))
+}
+
+/// A later loading is deeper when it goes this share of the first one's travel beyond it.
+const DEEPER: f64 = 0.05;
 
 impl Selection {
     fn add(
@@ -145,14 +200,13 @@ impl Selection {
     ) -> Result<(), LeftOut> {
         let run = &experiment.runs[at];
         let motion = motions.get(at).and_then(Option::as_ref).ok_or(LeftOut::TooFewPoints)?;
-        for event in &motion.events {
-            self.messages.push(format!("{}: {event}", run.file));
-        }
+        self.tell(run, motion);
         let mut depth_mm = run.recording.depth_mm[motion.loading.clone()].to_vec();
-        let mut force_n = run.recording.force_n[motion.loading.clone()].to_vec();
         if depth_mm.len() < LEAST_SAMPLES {
             return Err(LeftOut::TooFewPoints);
         }
+        let zero = self.zero_of(run, motion, BALL_EXPONENT);
+        let mut force_n = zero.taken_off(run, motion.loading.clone());
         let ball_mm = experiment.indenters[indenter].radius_mm.known().ok_or(LeftOut::NoContact)?;
         let contact = contact::guess(&depth_mm, &force_n, ball_mm).ok_or(LeftOut::NoContact)?;
         let height = experiment.specimens[specimen].height_mm;
@@ -199,7 +253,7 @@ impl Selection {
                 Some(hold) => {
                     time_s.extend(hold.clone().map(|at| since_end(&at)));
                     depth_mm.extend_from_slice(&run.recording.depth_mm[hold.clone()]);
-                    force_n.extend_from_slice(&run.recording.force_n[hold]);
+                    force_n.extend(zero.taken_off(run, hold));
                 }
                 None => self.messages.push(format!("{}: no hold is fitted, only its loading", run.file)),
             }
@@ -210,7 +264,15 @@ impl Selection {
             time_s.retain(|_| keep.next().is_some_and(|d| d - contact.contact_mm <= deepest));
         }
         let (rate_mm_per_s, hold_out) = (motion.rate_mm_per_s, run.hold_out);
+        let zero_is_free = zero.approach.is_none() && !experiment.sensor.zero_is_known;
+        let unsure = match zero.approach {
+            Some(approach) if zero.is_off => approach.unsure(&depth_mm),
+            None if zero_is_free => zero::unseen(&depth_mm, &force_n),
+            _ => Unsure::default(),
+        };
         self.curves.push(LoadingCurve {
+            zero_is_free: zero_is_free && !unsure.is_empty(),
+            unsure,
             run: at,
             pairing,
             depth_mm,
@@ -222,6 +284,25 @@ impl Selection {
             hold_out,
         });
         Ok(())
+    }
+
+    /// What happened in a run, and what of it is not used.
+    pub(super) fn tell(&mut self, run: &Run, motion: &Motion) {
+        let told = motion.events.iter().map(|event| format!("{}: {event}", run.file));
+        self.messages.extend(told.chain(later_loadings(run, motion)));
+    }
+
+    /// The zero that the approach of a run shows; told where it is none.
+    pub(super) fn zero_of(&mut self, run: &Run, motion: &Motion, exponent: f64) -> Zero {
+        let (depth, force) = (&run.recording.depth_mm, &run.recording.force_n);
+        let end = motion.loading.end;
+        let approach = Approach::of(&depth[..end], &force[..end], exponent);
+        let largest = force[motion.loading.clone()].iter().copied().fold(0.0, f64::max);
+        let is_off = approach.is_some_and(|approach| approach.is_off(largest));
+        if let Some(approach) = approach.filter(|_| is_off) {
+            self.messages.push(format!("{}: {approach}", run.file));
+        }
+        Zero { approach, is_off }
     }
 
     pub(super) fn pairing(&mut self, specimen: usize, grip: Grip, height: Length, depth_mm: f64) -> usize {
@@ -261,6 +342,28 @@ impl Selection {
                 height.high_mm = height.high_mm.max(2.0 * height.low_mm);
             }
         }
+    }
+
+    /// Holds that are not fitted although the force falls in them: what relaxes there has relaxed on the way down as well.
+    fn tell_holds(&mut self, experiment: &Experiment, motions: &[Option<Motion>]) {
+        if self.holds {
+            return;
+        }
+        let fall = |curve: &LoadingCurve| {
+            let run = &experiment.runs[curve.run];
+            let hold = motions.get(curve.run)?.as_ref()?.hold.clone()?;
+            Some((&run.file, relaxation::fall(&run.recording, hold)?))
+        };
+        let falls: Vec<_> = self.curves.iter().filter_map(fall).collect();
+        let Some((file, most)) = falls.iter().max_by(|a, b| a.1.share.total_cmp(&b.1.share)) else { return };
+        self.messages.push(format!(
+            "the force falls by {:.0} % in the hold of {:.1} s of {file} ({} run(s) show a fall): the material relaxes, or the machine \
+             gives way. Without --relax, mu and alpha are those of this speed and are no material constants: use --relax 1, or \
+             `palpate diagnose` for the cause",
+            100.0 * most.share,
+            most.lasts_s,
+            falls.len(),
+        ));
     }
 
     /// Eq. 14 adds up samples, so a long run weighs more than a short one.

@@ -72,6 +72,8 @@ pub struct RunFit {
     pub contact_mm: f64,
     /// The contact point lies on a wall of its range.
     pub contact_at_bound: bool,
+    /// What the sensor most likely read at its first sample without a contact, N, where that is free.
+    pub zero_n: f64,
     /// Modelled forces at the run's samples, N.
     pub model_n: Vec<f64>,
     /// Root mean square of measured minus modelled force, N.
@@ -218,7 +220,11 @@ fn runs_at(problem: &Problem<'_>, point: &[f64]) -> Vec<RunFit> {
         .map(|at| {
             let track = &tracks[problem.condition_of[at]];
             let contact_mm = problem.contact(at, track);
-            run_fit(at, &selection.curves[at], contact_mm, forces(&selection.curves[at], track, contact_mm))
+            let data = &selection.curves[at];
+            let mut force_n = forces(data, track, contact_mm);
+            let zero_n = problem.zero_n(at, &force_n);
+            force_n.iter_mut().zip(&zero_n).for_each(|(force, zero)| *force += zero);
+            RunFit { zero_n: zero_n.first().copied().unwrap_or(0.0), ..run_fit(at, data, contact_mm, force_n) }
         })
         .collect()
 }
@@ -356,6 +362,7 @@ fn run_fit(curve: usize, data: &LoadingCurve, contact_mm: f64, model_n: Vec<f64>
         curve,
         contact_mm,
         contact_at_bound: !inside.contains(&contact_mm),
+        zero_n: 0.0,
         model_n,
         rmse_n: noise::rms(&[residual]),
         worst,
@@ -396,6 +403,26 @@ impl Fit {
         .max(1e-6)
     }
 
+    /// What became of zeros of the force that no approach shows.
+    fn free_zeros(&self, experiment: &Experiment, selection: &Selection) -> Option<String> {
+        let curve = |run: &RunFit| &selection.curves[run.curve];
+        let free = |run: &&RunFit| curve(run).zero_is_free && !curve(run).hold_out;
+        let all: Vec<&RunFit> = self.runs.iter().filter(free).collect();
+        let list = |run: &&RunFit| format!("{} {:+.4} N", experiment.runs[curve(run).run].file, run.zero_n);
+        let told: Vec<String> = all.iter().take(4).map(list).collect();
+        let more = if all.len() > told.len() { ", ..." } else { "" };
+        (!all.is_empty()).then(|| {
+            format!(
+                "force zero: {} run(s) record no force before contact, so it is not seen; it is free within {:.0} % of the largest \
+                 force (one standard deviation), which widens the intervals: {}{more}. Record a millimetre of approach, or state \
+                 [sensor] zero = \"known\"",
+                all.len(),
+                100.0 * super::zero::PRIOR_SHARE,
+                told.join(", "),
+            )
+        })
+    }
+
     pub(super) fn messages(&self, experiment: &Experiment, selection: &Selection) -> Vec<String> {
         let mut messages = Vec::new();
         for parameter in self.parameters.iter().filter(|parameter| parameter.at_bound) {
@@ -415,6 +442,7 @@ impl Fit {
             messages
                 .push(format!("{file}: the contact point, {:.3} mm, lies on a bound of its search", run.contact_mm));
         }
+        messages.extend(self.free_zeros(experiment, selection));
         messages.extend(self.newton.iter().flat_map(Newton::messages));
         messages.push(format!("intervals: {}", self.noise.source.sentence()));
         if let Some((at, units)) = self.largest_misfit(selection)

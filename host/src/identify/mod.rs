@@ -18,8 +18,10 @@ pub mod model;
 pub mod multistart;
 pub mod newton;
 pub mod noise;
+mod relaxation;
 pub mod simplex;
 pub mod spec;
+pub mod zero;
 
 use std::time::{Duration, Instant};
 
@@ -372,7 +374,10 @@ fn assumptions(experiment: &Experiment, selection: &Selection, material: &str, s
         }
     });
     list.extend(coupon::assumptions(selection, spec));
-    list.push("force zero and gain of the sensor are trusted; the contact point of every run is fitted".to_owned());
+    list.push(
+        "the force zero is what the sensor reads before contact; its gain is trusted; the contact point of every run is fitted"
+            .to_owned(),
+    );
     let mut specimens: Vec<usize> = selection.pairings.iter().map(|p| p.specimen).collect();
     specimens.sort_unstable();
     specimens.dedup();

@@ -67,7 +67,7 @@ pub fn simulate(spec: &Spec, solver: &Solver, progress: Progress<'_>) -> Result<
         name: spec.name.clone(),
         specimens,
         indenters,
-        sensor: crate::experiment::Sensor { noise_n },
+        sensor: crate::experiment::Sensor { noise_n, ..Default::default() },
         runs,
         truth: spec.clone(),
         solves: solver.solves() - before,

@@ -152,6 +152,9 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
         found = again.or_else(|_| problem.search(&others, budget, demand.told))?.after(&found);
     }
     let points = |found: &Found| found.path.iter().map(|v| v.point.clone()).collect::<Vec<_>>();
+    if problem.sharpen() {
+        found = problem.search_again(&points(&found), budget, demand.told)?.after(&found);
+    }
     let mut path = found.path.clone();
     let mut failures = found.failures.clone();
     let mut noises = Vec::new();
@@ -315,7 +318,8 @@ impl super::condition::Condition {
     #[must_use]
     pub fn error(&self) -> f64 {
         match &self.source {
-            Source::Solves(_) if self.is_homogeneous() => 0.0,
+            // No specimen is round, even and free of friction to better than a solve under a ball is exact.
+            Source::Solves(_) if self.is_homogeneous() => MESH_ERROR,
             Source::Solves(_) => MESH_ERROR.max(self.scatter),
             Source::Model(model) => model.error().total(),
             Source::Table(table) => table.error,

@@ -8,6 +8,7 @@ use crate::infer::unseen::Widening;
 
 use super::coordinate::{Kind, Values};
 use super::problem::{Problem, compare, forces};
+use crate::identify::zero::Unsure;
 
 /// Samples of a run that are kept, evenly taken; each stands for those around it.
 const MOST_SAMPLES: usize = 150;
@@ -27,6 +28,8 @@ pub struct LinearRun {
     weights: Vec<f64>,
     /// What a shift of the contact point changes, whitened, of unit length; nothing where it changes nothing.
     touch: DVector<f64>,
+    /// What the zero of its force may be, whitened, with the variance of the amount.
+    unsure: Unsure,
 }
 
 /// A fit near its minimum, whitened; what a shift of a run's contact point would absorb is taken out of its rows.
@@ -44,6 +47,7 @@ impl LinearRun {
     /// Forces (N) at the kept samples, whitened, without what the contact point would absorb.
     fn whitened(&self, force_n: impl Iterator<Item = f64>) -> DVector<f64> {
         let mut own = DVector::from_iterator(self.weights.len(), force_n.zip(&self.weights).map(|(f, w)| f * w));
+        self.unsure.whiten(own.as_mut_slice(), 1.0);
         own.axpy(-self.touch.dot(&own), &self.touch, 1.0);
         own
     }
@@ -105,10 +109,13 @@ impl Problem<'_> {
             let weight = |at: &usize| self.root_weight(curve, compared.residual_n[*at]) * (every as f64).sqrt();
             let weights: Vec<f64> = samples.iter().map(weight).collect();
             let by_contact = samples.iter().zip(&weights).map(|(at, w)| w * compared.by_contact[*at]);
-            let touch = DVector::from_iterator(samples.len(), by_contact);
+            let mut touch = DVector::from_iterator(samples.len(), by_contact);
+            let unsure = data.unsure.at(samples.iter().copied(), every).scaled(1.0 / self.variance_n2(curve));
+            unsure.whiten(touch.as_mut_slice(), 1.0);
             let length = touch.norm();
             let touch = if length > 0.0 { touch / length } else { touch };
-            let run = LinearRun { curve, samples, contact_mm, values: self.values(condition, point), weights, touch };
+            let run =
+                LinearRun { curve, samples, contact_mm, values: self.values(condition, point), weights, touch, unsure };
             let of = |all: &[f64]| run.whitened(run.samples.iter().map(|at| all[*at])).data.as_vec().clone();
             residuals.extend(of(&compared.residual_n));
             for ((low, high, width), column) in moved.iter().zip(&mut columns) {

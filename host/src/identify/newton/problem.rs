@@ -55,6 +55,8 @@ const VALLEYS: usize = 3;
 const REFINEMENTS: usize = 30;
 /// Steps of a golden section: the bracket shrinks to a millionth.
 const SECTIONS: usize = 29;
+/// What is left of the rounding of a touch once the search is near: a force at contact of a fiftieth of a sample's rise.
+const SHARPER: f64 = 0.02;
 /// Contact points are exact to this share of their range.
 const CONTACT_SHARE: f64 = 1e-9;
 /// And stand at an end of it when nearer than this: what a golden section leaves.
@@ -99,6 +101,12 @@ impl Problem<'_> {
             loss: self.loss,
             smooth: self.smooth,
         }
+    }
+
+    /// Faces that came to touch over a few samples, so that the search had no kinks, do so at once; true where any does.
+    pub fn sharpen(&mut self) -> bool {
+        let round = self.conditions.iter_mut().filter(|condition| condition.rounding_mm > 0.0);
+        round.map(|condition| condition.rounding_mm *= SHARPER).count() > 0
     }
 
     /// Curves that are fitted.
@@ -152,12 +160,12 @@ impl Problem<'_> {
     pub fn contact(&self, at: usize, track: &Track) -> f64 {
         let data = &self.selection.curves[at];
         let (low, high) = (data.contact.low_mm, data.contact.high_mm);
-        let loss = |contact: f64| self.loss_of(at, &compare(data, track, contact));
+        let loss = |contact: f64| self.loss_of(at, &self.compared(at, track, contact, 1));
         let stride = data.force_n.len().div_ceil(SCANNED).max(1);
         let step = (high - low) / SCAN as f64;
         let place = |i: usize| low + i as f64 * step;
         let scanned: Vec<f64> =
-            (0..=SCAN).map(|i| self.loss_of(at, &compare_some(data, track, place(i), stride))).collect();
+            (0..=SCAN).map(|i| self.loss_of(at, &self.compared(at, track, place(i), stride))).collect();
         let is_least = |i: &usize| {
             let beside = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|j| scanned.get(j));
             beside.into_iter().all(|other| scanned[*i] <= *other)
@@ -179,6 +187,33 @@ impl Problem<'_> {
         }
     }
 
+    /// Variance of a sample that carries the information of one, N2.
+    pub(super) fn variance_n2(&self, at: usize) -> f64 {
+        let Weight { sigma_n, correlated } = self.weights[at];
+        sigma_n * sigma_n * correlated
+    }
+
+    /// Measured against modelled forces of a run at a contact point, of one sample in `of`: what its zero of the force may absorb is
+    /// taken out of both, at its price.
+    fn compared(&self, at: usize, track: &Track, contact_mm: f64, of: usize) -> Compared {
+        let data = &self.selection.curves[at];
+        let mut compared = compare_some(data, track, contact_mm, of);
+        if !data.unsure.is_empty() {
+            let unsure = data.unsure.at((0..data.force_n.len()).step_by(of), of);
+            unsure.whiten(&mut compared.residual_n, self.variance_n2(at));
+            unsure.whiten(&mut compared.by_contact, self.variance_n2(at));
+        }
+        compared
+    }
+
+    /// What the sensor of a run most likely read without a contact, N at each sample, beside the modelled forces.
+    #[must_use]
+    pub fn zero_n(&self, at: usize, force_n: &[f64]) -> Vec<f64> {
+        let data = &self.selection.curves[at];
+        let left: Vec<f64> = data.force_n.iter().zip(force_n).map(|(measured, model)| measured - model).collect();
+        data.unsure.likely(&left, self.variance_n2(at))
+    }
+
     /// True when a contact point stands at an end of its range: it cannot follow the parameters any farther.
     fn stands_at_end(&self, at: usize, contact_mm: f64) -> bool {
         let range = &self.selection.curves[at].contact;
@@ -191,7 +226,7 @@ impl Problem<'_> {
         let data = &self.selection.curves[at];
         let sigma_n = self.weights[at].sigma_n;
         let mut contact = start;
-        let mut compared = compare(data, track, contact);
+        let mut compared = self.compared(at, track, contact, 1);
         let mut value = self.loss_of(at, &compared);
         for _ in 0..REFINEMENTS {
             let (mut slope, mut curvature) = (0.0, 0.0);
@@ -207,7 +242,7 @@ impl Problem<'_> {
             let mut move_mm = whole_mm;
             let mut gained = false;
             for _ in 0..8 {
-                let next = compare(data, track, contact + move_mm);
+                let next = self.compared(at, track, contact + move_mm, 1);
                 let there = self.loss_of(at, &next);
                 if there < value {
                     (contact, compared, value, gained) = (contact + move_mm, next, there, true);
@@ -219,7 +254,7 @@ impl Problem<'_> {
             if !gained && whole_mm.abs() > enough {
                 // Slopes mislead across a kink; a search without them does not.
                 let around = ((contact - whole_mm.abs()).max(low), contact, (contact + whole_mm.abs()).min(high));
-                return golden(|c| self.loss_of(at, &compare(data, track, c)), around);
+                return golden(|c| self.loss_of(at, &self.compared(at, track, c, 1)), around);
             }
             if !gained || move_mm.abs() < enough {
                 break;
@@ -232,7 +267,7 @@ impl Problem<'_> {
     pub(super) fn overlap(&self, at: usize, track: &Track) -> (f64, f64) {
         let data = &self.selection.curves[at];
         let weight = self.weights[at];
-        let scale = 1.0 / (weight.sigma_n * weight.sigma_n * weight.correlated);
+        let scale = 1.0 / self.variance_n2(at);
         let model = forces(data, track, self.contact(at, track));
         model.iter().zip(&data.force_n).fold((0.0, 0.0), |(mixed, own), (m, f)| {
             let w = scale * self.loss((f - m) / weight.sigma_n).1;
@@ -284,7 +319,7 @@ impl Problem<'_> {
             .fitted()
             .map(|at| {
                 let track = &tracks[self.condition_of[at]];
-                self.loss_of(at, &compare(&self.selection.curves[at], track, self.contact(at, track)))
+                self.loss_of(at, &self.compared(at, track, self.contact(at, track), 1))
             })
             .sum::<f64>()
     }
@@ -320,13 +355,15 @@ impl Problem<'_> {
             let condition = self.condition_of[at];
             let contact = self.contact(at, &tracks[condition]);
             let data = &self.selection.curves[at];
-            let compared = compare(data, &tracks[condition], contact);
+            let compared = self.compared(at, &tracks[condition], contact, 1);
             let columns: Vec<DVector<f64>> = moved
                 .iter()
                 .map(|(low, high, width)| {
                     let low = forces(data, &low[condition], contact);
                     let high = forces(data, &high[condition], contact);
-                    DVector::from_iterator(low.len(), low.iter().zip(&high).map(|(l, h)| (h - l) / width))
+                    let mut slope: Vec<f64> = low.iter().zip(&high).map(|(l, h)| (h - l) / width).collect();
+                    data.unsure.whiten(&mut slope, self.variance_n2(at));
+                    DVector::from_vec(slope)
                 })
                 .collect();
             (at, compared, self.stands_at_end(at, contact), DMatrix::from_columns(&columns))
@@ -387,7 +424,7 @@ impl Problem<'_> {
     /// Adds a run; `ends` where its contact point stands at an end of its range and absorbs nothing.
     fn add(&self, at: usize, (compared, ends): (&Compared, bool), jacobian: &DMatrix<f64>, sum: &mut Quadratic) {
         let weight = self.weights[at];
-        let scale = 1.0 / (weight.sigma_n * weight.sigma_n * weight.correlated);
+        let scale = 1.0 / self.variance_n2(at);
         let w = |r: f64| scale * self.loss(r / weight.sigma_n).1;
         let rows = compared.residual_n.len();
         let weighted = DVector::from_fn(rows, |i, _| w(compared.residual_n[i]));

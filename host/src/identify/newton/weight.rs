@@ -84,7 +84,11 @@ impl Problem<'_> {
                 let data = &self.selection.curves[at];
                 let track = &tracks[self.condition_of[at]];
                 let contact = self.contact(at, track);
-                let residual_n = compare(data, track, contact).residual_n;
+                let mut residual_n = compare(data, track, contact).residual_n;
+                if !data.unsure.is_empty() {
+                    let zero = data.unsure.likely(&residual_n, self.variance_n2(at));
+                    residual_n.iter_mut().zip(zero).for_each(|(left, zero)| *left -= zero);
+                }
                 Residual { depth_mm: places(data, contact), residual_n }
             })
             .collect();
@@ -139,8 +143,9 @@ fn places(data: &LoadingCurve, contact_mm: f64) -> Vec<f64> {
     samples.map(|(at, (d, t))| if at < data.hold_from { d - contact_mm } else { peak_mm - contact_mm + t }).collect()
 }
 
+/// Least noise of a reading, N: what its resolution makes of it, evenly within a step, is no less than a twelfth of the step's square.
 fn floor(force_n: &[f64]) -> f64 {
-    (LEAST_SHARE * peak(force_n)).max(LEAST_N)
+    (LEAST_SHARE * peak(force_n)).max(LEAST_N).max(crate::experiment::motion::step_of(force_n) / 12.0_f64.sqrt())
 }
 
 fn peak(force_n: &[f64]) -> f64 {

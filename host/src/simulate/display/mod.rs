@@ -62,6 +62,7 @@ impl DisplaySpec {
                     hold_out: one.hold_out,
                     load_n: None,
                     place_mm: None,
+                    troubles: Vec::new(),
                     recording: run::recorded(self, one, number),
                 });
                 start_s += one.length_s() + 600.0;

@@ -1,0 +1,75 @@
+//! Which way the columns count.
+
+use crate::experiment::Recording;
+use crate::experiment::error::Problem;
+
+/// An excursion to one side is this many times that to the other where it says which way a column counts.
+const CLEAR: f64 = 3.0;
+/// Readings at the beginning that stand for what a column reads at rest.
+const FIRST: usize = 3;
+
+/// Which way a column goes from its beginning.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Rises,
+    Falls,
+    Unclear,
+}
+
+/// True where both columns count compression negative, so that both are to be turned.
+///
+/// # Errors
+/// Where one of them alone does.
+pub(super) fn turns(recording: &Recording) -> Result<bool, Problem> {
+    let (depth, force) = (recording.depth_mm.as_slice(), recording.force_n.as_slice());
+    let (down, push) = (way(depth), way(force));
+    if depth.len() != force.len() || down == Way::Unclear || push == Way::Unclear {
+        return Ok(false);
+    }
+    let together = moves_together(depth, force);
+    match (down, push) {
+        (Way::Falls, Way::Falls) if together > 0.0 => Ok(true),
+        (Way::Rises, Way::Falls) if together < 0.0 => {
+            let (lowest, peak) = (least(force), greatest(depth));
+            Err(Problem::Contradiction(format!(
+                "the force falls to {lowest:.3} N while the ball goes in, to {peak:.3} mm: pushing must be positive; \
+                 write force_N = {{ name = \"...\", sign = -1 }} in [columns]"
+            )))
+        }
+        (Way::Falls, Way::Rises) if together < 0.0 => {
+            let (lowest, peak) = (least(depth), greatest(force));
+            Err(Problem::Contradiction(format!(
+                "the depth falls to {lowest:.3} mm while the force rises to {peak:.3} N: going in must be positive; \
+                 write depth_mm = {{ name = \"...\", sign = -1 }} in [columns]"
+            )))
+        }
+        _ => Ok(false),
+    }
+}
+
+fn way(values: &[f64]) -> Way {
+    let first = values.iter().take(FIRST).sum::<f64>() / values.len().clamp(1, FIRST) as f64;
+    let (up, down) = (greatest(values) - first, first - least(values));
+    if up > CLEAR * down {
+        Way::Rises
+    } else if down > CLEAR * up {
+        Way::Falls
+    } else {
+        Way::Unclear
+    }
+}
+
+/// Covariance of both columns, mm N.
+fn moves_together(depth: &[f64], force: &[f64]) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let (d, f) = (mean(depth), mean(force));
+    depth.iter().zip(force).map(|(a, b)| (a - d) * (b - f)).sum()
+}
+
+fn least(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+fn greatest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
