@@ -220,6 +220,8 @@ impl Identification {
     ) -> Result<(), ModelError> {
         let groups = replicate::groups(experiment, motions);
         let mut problem = newton::setup::problem(experiment, &self.selection, &self.material, spec, source);
+        // A simplex follows no slopes: kinks do not stop it.
+        problem.sharpen();
         let told = |solves: usize| progress(&self.material, solves, 0);
         let search = multistart::search(&mut problem, Effort::of(spec.most_solves), &told);
         let search = search.map_err(|cause| ModelError::Solve { what: self.material.clone(), cause })?;

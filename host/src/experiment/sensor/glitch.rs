@@ -9,6 +9,8 @@ use super::Signal;
 const SIGMA: f64 = 12.0;
 /// And this share of the column's range without it, so that no digit of a coarse converter is one.
 const SHARE: f64 = 0.02;
+/// And this many times as far as the larger steps from reading to reading around it go.
+const STEPS: f64 = 2.0;
 /// Its neighbours differ from one another by less than this share of that.
 const AGREE: f64 = 0.3;
 /// Readings on either side that the noise around it is taken from.
@@ -62,9 +64,9 @@ fn stands_off(values: &[f64], at: usize, length: usize, range: f64) -> bool {
     if least <= SHARE * range || (after - before - rise).abs() > AGREE * least {
         return false;
     }
-    // Noise that grows with the force counts where it is.
+    // Noise that grows with the force counts where it is; a bend from one slope to another is no glitch.
     let noise = noise_of(left).max(noise_of(right));
-    least > SIGMA * noise
+    least > SIGMA * noise && least > STEPS * large_step(left).max(large_step(right))
 }
 
 /// Median step from reading to reading.
@@ -72,6 +74,13 @@ fn usual_step(values: &[f64]) -> f64 {
     let mut steps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
     steps.sort_by(f64::total_cmp);
     steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Size of a step that four of five do not exceed: another glitch nearby hides none.
+fn large_step(values: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() * 4 / 5).copied().unwrap_or(0.0)
 }
 
 /// True where the other column shows as sharp a turn: a share of its range between neighbours.

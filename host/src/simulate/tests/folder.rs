@@ -44,7 +44,10 @@ fn the_same_seed_gives_the_same_bytes_and_another_one_other_data() {
 #[test]
 fn a_written_folder_reads_back_to_the_same_experiment() {
     let folder = tempfile::tempdir().unwrap();
-    let made = made(&noisy());
+    let mut spec = noisy();
+    // Single readings of long tails are left out where a folder is read.
+    spec.noise.heavy_tails = false;
+    let made = made(&spec);
     made.write(folder.path()).unwrap();
     let read = experiment::read(folder.path()).unwrap_or_else(|error| panic!("{error}"));
     let memory = made.experiment_in(folder.path());
