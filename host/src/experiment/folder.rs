@@ -38,6 +38,8 @@ pub struct Run {
     pub hold_out: bool,
     /// Load of a mass that the sensor carries, N, if stated.
     pub load_n: Option<f64>,
+    /// Label that it shares with the runs that repeat it, where that is declared.
+    pub repeats: Option<String>,
     /// The samples.
     pub recording: Recording,
 }
@@ -59,6 +61,7 @@ impl Run {
             start_s: None,
             hold_out: false,
             load_n: None,
+            repeats: None,
             recording,
         }
     }

@@ -111,6 +111,7 @@ impl SimulatedExperiment {
                 start_s: Some(one.start_s),
                 hold_out: one.hold_out,
                 load_n: one.load_n,
+                repeats: None,
                 recording,
             }
         };
