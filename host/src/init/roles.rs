@@ -162,13 +162,15 @@ pub(super) fn ends(values: &[f64]) -> (f64, f64) {
     (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// Signs of force and depth: force leaves its first value mostly upwards, and where it is large depth is large.
+/// Signs of force and depth: force leaves its first value mostly upwards, and where it is farthest from it depth is large.
 fn signs(depth: &[f64], force: &[f64]) -> (f64, f64) {
     let mut first: Vec<f64> = force.iter().copied().filter(|f| f.is_finite()).take(force.len() / 20 + 1).collect();
     first.sort_by(f64::total_cmp);
     let rest = first.get(first.len() / 2).copied().unwrap_or(0.0);
     let (low, high) = ends(force);
-    let force_sign = if high - rest >= rest - low { 1.0 } else { -1.0 };
+    // A force that never changes its sign was preloaded, or its sensor was not zeroed.
+    let upwards = if low >= 0.0 || high <= 0.0 { low >= 0.0 } else { high - rest >= rest - low };
+    let force_sign = if upwards { 1.0 } else { -1.0 };
     let top = 0.8 * (high - rest).max(rest - low);
     let mean = |large: bool| {
         let chosen = depth
