@@ -178,10 +178,10 @@ fn run(
     let pace = layout::pace(section)?;
     let window = window(section)?;
     let mut recording = file::read(&path, &Need::of(test, pace), &columns, &format, window)?;
+    crop(section, window, &mut recording)?;
     if test == Test::Display {
         recording.check_pairs(&path)?;
     }
-    crop(section, window, &mut recording)?;
     if test == Test::Tension {
         recording.turn_to_push();
     } else if let Some(height_mm) = specimen.and_then(|at| specimens.get(at)?.height_mm.known()) {

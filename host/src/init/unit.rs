@@ -43,7 +43,7 @@ pub(super) fn unit(text: &str) -> Option<(Quantity, f64)> {
     }
 }
 
-/// The name of a column without its unit, and the unit: "Weg [mm]", "Kraft / N", "Force (mN)", "extension_mm", "Zeit in s".
+/// The name of a column without its unit, and the unit: `Weg [mm]`, "Kraft / N", "Force (mN)", "extension_mm", "Zeit in s".
 pub(super) fn parted(name: &str) -> (String, Option<String>) {
     let name = name.trim();
     for (open, close) in [('(', ')'), ('[', ']'), ('<', '>')] {

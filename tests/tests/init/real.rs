@@ -55,7 +55,8 @@ fn every_raw_file_is_read_or_told() {
     let work = TempDir::new().unwrap();
     let mut recordings: BTreeMap<String, usize> = BTreeMap::new();
     for (at, file) in all.iter().enumerate() {
-        let Some((draft, read)) = made(&[file.clone()], &work.path().join(at.to_string()), &TWO_NUMBERS) else {
+        let Some((draft, read)) = made(std::slice::from_ref(file), &work.path().join(at.to_string()), &TWO_NUMBERS)
+        else {
             assert!(NO_TABLES.iter().any(|name| file.ends_with(name)), "{}", file.display());
             continue;
         };
@@ -90,7 +91,7 @@ fn as_described_by_hand() {
         let described = palpate::experiment::read(&by_hand.join(name)).unwrap();
         for run in &described.runs {
             let work = TempDir::new().unwrap();
-            let (_, read) = made(&[run.path.clone()], work.path(), &TWO_NUMBERS).unwrap();
+            let (_, read) = made(std::slice::from_ref(&run.path), work.path(), &TWO_NUMBERS).unwrap();
             let found = &read.runs[0].recording;
             assert_eq!((&found.time_s, &found.line), (&run.recording.time_s, &run.recording.line), "{}", run.file);
             assert_eq!(found.force_n, run.recording.force_n, "{}", run.file);

@@ -65,10 +65,10 @@ fn wanted<'a>(need: &Need, columns: &'a BTreeMap<String, Mapping>) -> Vec<Wanted
         .columns
         .iter()
         .map(|(name, why)| (*name, columns.get(*name).cloned().unwrap_or_else(|| Mapping::named(name)), Some(*why)));
-    let mapped = columns
-        .iter()
-        .filter(|(name, _)| !need.includes(name) && !(need.pace.is_some() && *name == "time_s"))
-        .map(|(name, mapping)| (name.as_str(), mapping.clone(), None));
+    // The time of a file whose pace is stated is not read.
+    let unused = |name: &str| need.includes(name) || (need.pace.is_some() && name == "time_s");
+    let mapped =
+        columns.iter().filter(|(name, _)| !unused(name)).map(|(name, mapping)| (name.as_str(), mapping.clone(), None));
     needed.chain(mapped).collect()
 }
 
@@ -91,7 +91,7 @@ fn place(
 ) -> Result<Option<usize>, Problem> {
     let named = || header.into_iter().flat_map(Row::cells).map(str::to_owned).collect::<Vec<_>>();
     match &mapping.source {
-        Source::Number(number) if *number <= width => Ok(Some(number - 1)),
+        Source::Number(number) if (1..=width).contains(number) => Ok(Some(number - 1)),
         Source::Number(number) => match why {
             Some(_) => Err(Problem::NoSuchColumn { wanted: wanted.to_owned(), number: *number, width }),
             None => Ok(None),

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::super::error::{ExperimentError, Problem};
-use super::super::format::{Format, Mapping, Part};
+use super::super::format::{Format, Mapping, Part, Source};
 use super::field::{Field, fields};
 use super::hint;
 use super::need::Need;
@@ -72,8 +72,8 @@ impl Plan<'_> {
     /// Places of the needed columns that are given by number.
     fn numbers(&self) -> Vec<usize> {
         let number = |name: &str| match self.columns.get(name)?.source {
-            super::super::format::Source::Number(number) => Some(number - 1),
-            super::super::format::Source::Name { .. } => None,
+            Source::Number(number) => number.checked_sub(1),
+            Source::Name { .. } => None,
         };
         self.need.columns.iter().filter_map(|(name, _)| number(name)).collect()
     }
@@ -137,7 +137,7 @@ fn words(row: Row<'_>) -> String {
 
 fn pick(mut segments: Vec<(String, Segment)>, part: &Part) -> Result<Segment, Problem> {
     let at = match part {
-        Part::Number(number) => (*number <= segments.len()).then(|| number - 1),
+        Part::Number(number) => number.checked_sub(1).filter(|at| *at < segments.len()),
         Part::Name(name) => {
             let name = name.to_lowercase();
             let lower = |title: &str| title.to_lowercase();

@@ -84,7 +84,7 @@ pub(super) fn table(path: &Path, bytes: &[u8], format: &Format) -> Result<Table,
     let table = match &format.sheet {
         Some(part) => {
             let name = match part {
-                Part::Number(number) => names.get(number - 1),
+                Part::Number(number) => number.checked_sub(1).and_then(|at| names.get(at)),
                 Part::Name(name) => names.iter().find(|n| n.trim() == name),
             };
             book.table(name.ok_or_else(|| unknown(part))?, format.decimal)?
