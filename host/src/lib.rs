@@ -14,6 +14,7 @@ pub mod extended;
 pub mod flash;
 pub mod identify;
 pub mod infer;
+pub mod init;
 pub mod link;
 pub mod log;
 pub mod monitor;

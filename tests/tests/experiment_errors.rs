@@ -160,7 +160,10 @@ fn mistakes_in_the_data() {
             with_line(1, "time_s,depth,force_N"),
             "a.csv, line 1: no column `depth_mm` (force without depth says nothing); the header has: time_s, depth, force_N. Map it in [columns] of experiment.toml",
         ),
-        (with_line(1, "time_s,time_s,force_N"), "a.csv, line 1: the column `time_s` appears twice in the header"),
+        (
+            with_line(1, "time_s,time_s,force_N"),
+            "a.csv, line 1: the column `time_s` appears twice in the header; choose with { name = \"time_s\", nth = 2 } or by number ({ number = 3 }) in [columns]",
+        ),
         ("time_s,depth_mm,force_N\n".to_owned(), "a.csv: the file has no rows below its header"),
         (String::new(), "a.csv: the file has no header line"),
     ];
@@ -221,7 +224,7 @@ fn other_names_units_and_decimal_commas() {
     let point = csv.replace("0,25", "0.25");
     assert_eq!(
         message(folder(&description, point.as_bytes()).path()),
-        "a.csv, line 3, column 3 (Kraft): \"0.25\" is not a number"
+        "a.csv, line 3, column 3 (Kraft): \"0.25\" is not a number; is this a decimal point? Write decimal = \".\" in [format]"
     );
 }
 

@@ -8,6 +8,7 @@ mod file;
 pub mod flash;
 pub mod gain;
 pub mod identify;
+pub mod init;
 pub mod log;
 pub mod lut;
 pub mod monitor;
@@ -44,6 +45,8 @@ enum Command {
     Board(board::Arguments),
     /// Write firmware and table through a debug probe
     Flash(flash::Arguments),
+    /// Look at recordings and write the experiment.toml that reads them
+    Init(init::Arguments),
     /// Find a material's parameters in indentation recordings
     Identify(identify::Arguments),
     /// Find what the simulation of an experiment gets wrong, and name the cause
@@ -74,6 +77,7 @@ pub fn main() -> ExitCode {
         Command::Monitor(arguments) => monitor::run(&arguments),
         Command::Board(arguments) => board::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
+        Command::Init(arguments) => init::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use toml::de::DeValue;
-
 use super::error::{ExperimentError, Problem};
-use super::recording::{self, Need, Recording};
+use super::file::{self, Need, Window};
+use super::layout;
 use super::section::{Document, Section};
 use super::sensor;
-use super::{Base, BaseLaw, Experiment, Format, Indenter, Length, Mapping, Run, Sensor, Specimen, Test};
+use super::{
+    Base, BaseLaw, Experiment, Format, Indenter, Length, Mapping, Recording, Run, Sensor, Specimen, Test, replicate,
+};
 
 /// Lengths of specimens and balls that can be meant, mm; outside, a unit was confused.
 const PLAUSIBLE_MM: std::ops::RangeInclusive<f64> = 0.05..=1000.0;
@@ -31,8 +32,8 @@ pub(super) fn experiment(file: &Path, text: &str) -> Result<Experiment, Experime
         Some(name) => name.to_owned(),
         None => folder.file_name().map_or("experiment".into(), |n| n.to_string_lossy().into()),
     };
-    let columns = columns(&root, BTreeMap::new())?;
-    let format = format(&root, Format::default())?;
+    let columns = layout::columns(&root, BTreeMap::new())?;
+    let format = layout::format(&root, Format::default())?;
     let specimens = root.named("specimen")?.iter().map(specimen).collect::<Result<Vec<_>, _>>()?;
     let indenters = root.named("indenter")?.iter().map(indenter).collect::<Result<Vec<_>, _>>()?;
     let sensor = force_sensor(&root)?;
@@ -50,91 +51,8 @@ pub(super) fn experiment(file: &Path, text: &str) -> Result<Experiment, Experime
         .map(|section| run(section, &places, &specimens, &columns, &format))
         .collect::<Result<Vec<_>, _>>()?;
     lie_still(&sections, &runs)?;
+    repeat_alike(&sections, &runs)?;
     Ok(Experiment { name, folder, specimens, indenters, sensor, runs })
-}
-
-/// The mappings of a section, over those of a wider one.
-fn columns(
-    root: &Section<'_>,
-    mut mappings: BTreeMap<String, Mapping>,
-) -> Result<BTreeMap<String, Mapping>, ExperimentError> {
-    let Some(section) = root.section("columns", "[columns]".to_owned())? else {
-        return Ok(mappings);
-    };
-    for key in section.keys() {
-        let wanted = key.get_ref().as_ref();
-        let Some(value) = section.value(wanted) else {
-            continue;
-        };
-        let mapping = match value.get_ref() {
-            DeValue::String(name) => Mapping { name: name.to_string(), scale: 1.0, sign: 1.0 },
-            DeValue::Table(table) => {
-                let name = format!("columns.{wanted}");
-                column(&Section::new(section.document, name, value.span(), table))?
-            }
-            _ => {
-                let expected = "a column name, or { name = \"...\", scale = 1.0, sign = 1 }";
-                return Err(section.bad(wanted, value, expected));
-            }
-        };
-        mappings.insert(wanted.to_owned(), mapping);
-    }
-    Ok(mappings)
-}
-
-fn column(section: &Section<'_>) -> Result<Mapping, ExperimentError> {
-    section.only(&["name", "scale", "sign"])?;
-    let expected = "the column's name in the header";
-    let name = section.text("name", expected)?.ok_or_else(|| section.missing("name", expected))?.to_owned();
-    let scale = section
-        .number("scale", f64::MIN_POSITIVE..=1e12, "a number above 0 (turn directions with sign)")?
-        .unwrap_or(1.0);
-    let sign = section.number("sign", -1.0..=1.0, "1 or -1")?.unwrap_or(1.0);
-    if let Some(value) = section.value("sign")
-        && sign.abs() != 1.0
-    {
-        return Err(section.bad("sign", value, "1 or -1"));
-    }
-    Ok(Mapping { name, scale, sign })
-}
-
-/// The format of a section; what it leaves out is as in a wider one.
-fn format(root: &Section<'_>, mut format: Format) -> Result<Format, ExperimentError> {
-    let Some(section) = root.section("format", "[format]".to_owned())? else {
-        return Ok(format);
-    };
-    section.only(&["delimiter", "skip_lines", "decimal", "encoding"])?;
-    if let Some(value) = section.value("delimiter") {
-        format.delimiter = match value.get_ref().as_str().map(str::as_bytes) {
-            Some(&[byte]) if byte.is_ascii() && !byte.is_ascii_alphanumeric() && byte != b'"' => byte,
-            _ => {
-                return Err(section.bad("delimiter", value, "one character such as \",\" or \"\\t\""));
-            }
-        };
-    }
-    if let Some(lines) = section.integer("skip_lines", 0..=100_000, "a whole number from 0")? {
-        format.skip_lines = usize::try_from(lines).unwrap_or(0);
-    }
-    if let Some(sign) = section.word("decimal", &[(".", '.'), (",", ',')])? {
-        format.decimal = sign;
-    }
-    if let Some(label) = section.text("encoding", "a label such as \"utf-8\" or \"latin1\"")? {
-        if encoding_rs::Encoding::for_label(label.as_bytes()).is_none() {
-            let span = section.value("encoding").map_or(0..0, toml::Spanned::span);
-            return Err(section.document.error(span, Problem::UnknownEncoding(label.to_owned())));
-        }
-        format.encoding = label.to_owned();
-    }
-    if format.decimal == ',' && format.delimiter == b',' {
-        let span = section.span.clone();
-        let problem = Problem::BadValue {
-            key: "decimal".to_owned(),
-            found: "\",\", as is the delimiter".to_owned(),
-            expected: "two different characters, such as delimiter = \";\"".to_owned(),
-        };
-        return Err(section.document.error(span, problem));
-    }
-    Ok(format)
 }
 
 fn length(section: &Section<'_>, key: &str, expected: &str) -> Result<Length, ExperimentError> {
@@ -229,8 +147,24 @@ fn run(
     format: &Format,
 ) -> Result<Run, ExperimentError> {
     section.only(&[
-        "file", "specimen", "indenter", "spot", "place_mm", "cycle", "order", "start_s", "hold_out", "test", "columns",
-        "format", "from_s", "to_s", "load_N",
+        "file",
+        "specimen",
+        "indenter",
+        "spot",
+        "place_mm",
+        "cycle",
+        "order",
+        "start_s",
+        "hold_out",
+        "test",
+        "columns",
+        "format",
+        "from_s",
+        "to_s",
+        "load_N",
+        "interval_s",
+        "rate_mm_per_s",
+        "repeats",
     ])?;
     let test = section.word("test", &TESTS)?.unwrap_or(Test::Indentation);
     let expected = "the name of a data file";
@@ -243,13 +177,15 @@ fn run(
     let whole = "a whole number";
     let specimen = reference(section, "specimen", &places.specimens, touches_specimen(test))?;
     let indenter = reference(section, "indenter", &places.indenters, test == Test::Indentation)?;
-    let columns = self::columns(section, columns.clone())?;
-    let format = self::format(section, format.clone())?;
-    let mut recording = recording::read(&path, &Need::of(test), &columns, &format)?;
+    let columns = layout::columns(section, columns.clone())?;
+    let format = layout::format(section, format.clone())?;
+    let pace = layout::pace(section)?;
+    let window = window(section)?;
+    let mut recording = file::read(&path, &Need::of(test, pace), &columns, &format, window)?;
+    crop(section, window, &mut recording)?;
     if test == Test::Display {
         recording.check_pairs(&path)?;
     }
-    crop(section, &mut recording)?;
     let troubles = match test {
         Test::Indentation | Test::Uniaxial | Test::Confined | Test::Shear => {
             sensor::cleaned(&mut recording).map_err(|problem| ExperimentError::of_file(&path, problem))?
@@ -273,6 +209,7 @@ fn run(
         start_s: section.number("start_s", TIMES_S, "a time in s")?,
         hold_out: section.flag("hold_out")?.unwrap_or(false),
         load_n: section.number("load_N", -1e6..=1e6, "the known load in N, pressing positive")?,
+        repeats: section.text("repeats", "a label in quotes that the runs share")?.map(str::to_owned),
         path,
         troubles,
         recording,
@@ -294,6 +231,22 @@ fn lie_still(sections: &[Section<'_>], runs: &[Run]) -> Result<(), ExperimentErr
     Ok(())
 }
 
+/// Refuses runs that repeat each other by declaration and were made with another test, specimen or ball.
+fn repeat_alike(sections: &[Section<'_>], runs: &[Run]) -> Result<(), ExperimentError> {
+    for (at, (section, run)) in sections.iter().zip(runs).enumerate() {
+        let first = runs[..at].iter().find(|other| replicate::declared(other, run));
+        let Some(other) = first.filter(|other| !replicate::comparable(other, run)) else { continue };
+        let label = run.repeats.as_deref().unwrap_or_default();
+        let problem = format!(
+            "runs that repeat \"{label}\" differ in test, specimen or indenter: {} and {}",
+            other.file, run.file
+        );
+        let span = section.value("repeats").map_or(0..0, toml::Spanned::span);
+        return Err(section.document.error(span, Problem::Contradiction(problem)));
+    }
+    Ok(())
+}
+
 /// Where on the specimen a run pressed, mm.
 fn place(section: &Section<'_>) -> Result<Option<[f64; 2]>, ExperimentError> {
     let expected = "two places in mm, each of -10000 to 10000, such as place_mm = [4.0, -2.5]";
@@ -306,13 +259,17 @@ fn place(section: &Section<'_>) -> Result<Option<[f64; 2]>, ExperimentError> {
     }
 }
 
+/// The part of the file's clock that is read.
+fn window(section: &Section<'_>) -> Result<Window, ExperimentError> {
+    let time = |key| section.number(key, TIMES_S, "a time in s on the file's clock");
+    Ok(Window { from_s: time("from_s")?, to_s: time("to_s")? })
+}
+
 /// Keeps the samples from `from_s` to `to_s` of the file's own clock.
-fn crop(section: &Section<'_>, recording: &mut Recording) -> Result<(), ExperimentError> {
-    let from_s = section.number("from_s", TIMES_S, "a time in s on the file's clock")?;
-    let to_s = section.number("to_s", TIMES_S, "a time in s on the file's clock")?;
+fn crop(section: &Section<'_>, window: Window, recording: &mut Recording) -> Result<(), ExperimentError> {
     let Some(key) = ["from_s", "to_s"].into_iter().find_map(|key| section.value(key)) else { return Ok(()) };
     let (first, last) = (recording.time_s.first().copied(), recording.time_s.last().copied());
-    recording.keep_between(from_s.unwrap_or(f64::NEG_INFINITY), to_s.unwrap_or(f64::INFINITY));
+    recording.keep_between(window.from_s.unwrap_or(f64::NEG_INFINITY), window.to_s.unwrap_or(f64::INFINITY));
     if !recording.is_empty() {
         return Ok(());
     }

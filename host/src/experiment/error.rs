@@ -6,6 +6,8 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
+use super::format::Part;
+
 /// A column of a text file as a reader would point at it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Column {
@@ -39,6 +41,63 @@ pub enum Problem {
     /// The text is not in the stated encoding.
     #[error("not valid {0}; state the file's encoding with [format] encoding = \"latin1\"")]
     Encoding(String),
+    /// UTF-16 without a mark, read as something else.
+    #[error("looks like UTF-16: write encoding = \"{0}\" in [format]")]
+    LooksWide(&'static str),
+    /// Bytes that no text has.
+    #[error("no text and no workbook; expected a table as text (CSV) or a workbook (xlsx, xls, ods)")]
+    NotText,
+    /// A workbook that cannot be opened.
+    #[error(
+        "{what} that cannot be read: {cause}; open it, save it again without a password, or export its sheet as CSV"
+    )]
+    Workbook {
+        /// What it looks like.
+        what: &'static str,
+        /// What the reader of workbooks said.
+        cause: String,
+    },
+    /// A workbook with several sheets of which none is chosen.
+    #[error("a workbook with several sheets: {}; write sheet = \"{}\" in [format], of all or of the run", quoted(.0), .0.first().map_or("", String::as_str))]
+    ManySheets(Vec<String>),
+    /// A sheet or segment that the file does not have, or has twice.
+    #[error("no {what} {}, or more than one; the file has: {}", shown(.part), list(.known))]
+    UnknownPart {
+        /// Sheet or segment.
+        what: &'static str,
+        /// What was asked for.
+        part: Part,
+        /// What the file has.
+        known: Vec<String>,
+    },
+    /// A column number beyond the row.
+    #[error("`{wanted}` is column {number}, and the rows have {width}")]
+    NoSuchColumn {
+        /// What is wanted of it.
+        wanted: String,
+        /// Its number, from 1.
+        number: usize,
+        /// Cells in a row.
+        width: usize,
+    },
+    /// Columns by number, and one without.
+    #[error(
+        "`{wanted}` has no column number; the file's first row is data, so that no column is called `{name}`. Write {wanted} = 1 (its number) in [columns]"
+    )]
+    NoNumber {
+        /// What is wanted.
+        wanted: String,
+        /// The name that was given instead.
+        name: String,
+    },
+    /// A mistake whose cause can be seen.
+    #[error("{problem}; {hint}")]
+    Hinted {
+        /// The mistake.
+        problem: Box<Problem>,
+        /// The likely cause, and the key that helps.
+        hint: String,
+    },
     /// `encoding` names nothing that is known.
     #[error("unknown encoding \"{0}\"; expected a label such as \"utf-8\" or \"latin1\"")]
     UnknownEncoding(String),
@@ -142,6 +201,17 @@ pub enum Problem {
         /// Declared height.
         height_mm: f64,
     },
+}
+
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
+}
+
+fn shown(part: &Part) -> String {
+    match part {
+        Part::Name(name) => format!("\"{name}\""),
+        Part::Number(number) => number.to_string(),
+    }
 }
 
 fn list(names: &[String]) -> String {

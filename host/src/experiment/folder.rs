@@ -43,6 +43,8 @@ pub struct Run {
     pub load_n: Option<f64>,
     /// What was wrong with its readings, and was left out.
     pub troubles: Vec<Trouble>,
+    /// Label that it shares with the runs that repeat it, where that is declared.
+    pub repeats: Option<String>,
     /// The samples.
     pub recording: Recording,
 }
@@ -65,6 +67,7 @@ impl Run {
             hold_out: false,
             load_n: None,
             troubles: Vec::new(),
+            repeats: None,
             recording,
         }
     }

@@ -6,10 +6,12 @@
 
 mod description;
 mod error;
+pub(crate) mod file;
 mod folder;
 mod format;
 mod keys;
 mod kind;
+mod layout;
 pub mod motion;
 mod recording;
 pub mod replicate;
@@ -21,10 +23,11 @@ use std::path::Path;
 
 pub(crate) use description::circle_mm;
 pub use error::{Column, ExperimentError, Problem};
+pub use file::{DISPLAY_PAIRS, GAP_MM};
 pub use folder::{Experiment, Run, Sensor};
-pub use format::{Format, Mapping};
+pub use format::{Format, Mapping, Pace, Part, Source};
 pub use kind::Test;
-pub use recording::{DISPLAY_PAIRS, GAP_MM, Recording};
+pub use recording::Recording;
 pub use specimen::{Base, BaseLaw, Indenter, Length, Specimen};
 
 /// Reads an experiment: a folder with `experiment.toml`, or that file itself.

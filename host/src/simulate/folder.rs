@@ -112,6 +112,7 @@ impl SimulatedExperiment {
                 hold_out: one.hold_out,
                 load_n: one.load_n,
                 troubles: Vec::new(),
+                repeats: None,
                 recording,
             }
         };

@@ -87,8 +87,8 @@ pub fn experiments() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// One ball press, one with everything that a description can say, and one display run.
-const EXPERIMENTS: [(&str, &str); 3] = [
+/// One ball press, one with everything that a description can say, one display run, and files with segments and side by side.
+const EXPERIMENTS: [(&str, &str); 5] = [
     (
         "name = \"EVA\"\n[specimen.eva]\nbase_law = \"hyperfoam\"\nterms = 1\nheight_mm = 12.7\nradius_mm = 25.0\nbase = \"bonded\"\n\
          [indenter.r4]\nradius_mm = 4.0\n[sensor]\nnoise_N = 0.002\n\
@@ -107,5 +107,18 @@ const EXPERIMENTS: [(&str, &str); 3] = [
     (
         "[[run]]\nfile = \"a.csv\"\ntest = \"display\"\n",
         "time_s,command_mm,position_mm,command_A,current_A,gap_mm\n0,1,0.9,0.5,0.45,1\n0.02,1.1,1.0,0.5,0.46,1\n",
+    ),
+    (
+        "[format]\nunits_row = true\nfooter_lines = 1\nsegment = \"approach\"\nthousands = \"'\"\n\
+         [specimen.a]\nheight_mm = 20\nradius_mm = 30\n[indenter.b]\nradius_mm = 4\n\
+         [[run]]\nfile = \"a.csv\"\nspecimen = \"a\"\nindenter = \"b\"\nfrom_s = 0\nto_s = 2\nrepeats = \"A\"\n",
+        "Machine,7\nSegment,approach\ntime_s,depth_mm,force_N\n(s),(mm),(N)\n12:00:00.5,0,NaN\n12:00:01.0,0.5,1'000.5\n\
+         Segment,hold\ntime_s,depth_mm,force_N\n(s),(mm),(N)\n12:00:02.0,0.5,900\nMean,,950\n",
+    ),
+    (
+        "[format]\ncolumns = \"by-number\"\ndelimiter = \"spaces\"\n[columns]\ndepth_mm = 3\nforce_N = { number = 4, sign = -1 }\n\
+         [specimen.a]\nheight_mm = 20\nradius_mm = 30\n[indenter.b]\nradius_mm = 4\n\
+         [[run]]\nfile = \"a.csv\"\nspecimen = \"a\"\nindenter = \"b\"\nrate_mm_per_s = 1.0\n",
+        "d f d f\n0 0 0 0\n1 1 1 -1\n2 3 2 -3\n3 6\n",
     ),
 ];

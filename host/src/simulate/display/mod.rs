@@ -61,6 +61,7 @@ impl DisplaySpec {
                     start_s: Some(start_s),
                     hold_out: one.hold_out,
                     load_n: None,
+                    repeats: None,
                     place_mm: None,
                     troubles: Vec::new(),
                     recording: run::recorded(self, one, number),
