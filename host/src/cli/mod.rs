@@ -10,6 +10,7 @@ pub mod gain;
 pub mod identify;
 pub mod log;
 pub mod lut;
+mod mode;
 pub mod monitor;
 pub mod plan;
 pub mod progress;
