@@ -1,5 +1,6 @@
 //! `palpate log`.
 
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -96,14 +97,15 @@ fn file_text(wanted: &Path, file: &Path) -> String {
 }
 
 fn tell(traffic: &Traffic, gaps: &[Gap], files: &[PathBuf]) {
-    for gap in gaps {
-        errln!("{}", gap_text(gap));
+    // Lines are still there; what the screen showed is gone with it.
+    if std::io::stderr().is_terminal() {
+        gaps.iter().for_each(|gap| errln!("{}", gap_text(gap)));
     }
     for file in files {
         errln!("recorded   {}", file.display());
     }
     errln!(
-        "telemetry  {} of {} records lost, {} of {} frames lost, {} damaged, {} gaps",
+        "telemetry  {} of {} records lost, {} of {} frames lost, {} damaged, gaps: {}",
         traffic.telemetry_lost,
         traffic.telemetry_received + traffic.telemetry_lost,
         traffic.frames_lost,

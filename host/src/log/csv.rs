@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use protocol::message::Telemetry;
 
 use super::LogError;
-use super::whole::WholeFile;
+use super::whole::{WholeFile, whole_lines};
 use crate::plant::Truth;
 use crate::session::Traffic;
 
@@ -45,7 +45,7 @@ impl CsvLog {
     /// # Errors
     /// [`LogError::File`].
     pub fn new(path: PathBuf, file: File) -> Result<Self, LogError> {
-        let (file, last) = (WholeFile::new(file), String::new());
+        let (file, last) = (WholeFile::new(file, whole_lines), String::new());
         let mut log = CsvLog { path, file, note: String::new(), note_waits: false, last };
         log.line(COLUMNS);
         log.keep(false)?;

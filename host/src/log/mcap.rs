@@ -14,7 +14,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::LogError;
-use super::whole::WholeFile;
+use super::whole::{WholeFile, all_or_nothing};
 use crate::session::{Gap, Traffic, cause_text, gap_text};
 
 /// A stream of messages in the log.
@@ -84,7 +84,7 @@ impl McapLog {
             .disable_seeking(true)
             .profile("")
             .library(concat!("palpate ", env!("CARGO_PKG_VERSION")))
-            .create(NoSeek::new(WholeFile::new(file)))
+            .create(NoSeek::new(WholeFile::new(file, all_or_nothing)))
             .map_err(|e| mcap_error(&path, e))?;
         Ok(McapLog { path, writer: Some(writer), file: second, channels: [None; Channel::ALL.len()] })
     }

@@ -75,7 +75,7 @@ impl Traffic {
 }
 
 /// More frames than any board sends in a second: a larger gap in their numbers is a board that counts anew.
-const MOST_FRAMES_PER_S: f64 = 2000.0;
+const MOST_FRAMES_PER_S: f64 = 500.0;
 
 /// An open conversation.
 #[derive(Debug)]
@@ -379,7 +379,8 @@ impl<L: Link> Session<L> {
                 }
                 self.last_tick = Some(record.tick);
                 self.record_s = self.link.now_s();
-                self.jumped = false;
+                // While the board is greeted anew, the jump is what tells a restart.
+                self.jumped &= self.gap_open;
                 self.events.push_back(Event::Telemetry(record));
             }
             Report::Estimate(estimate) => self.events.push_back(Event::Estimate(estimate)),

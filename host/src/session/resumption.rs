@@ -30,7 +30,8 @@ impl<L: Link> Session<L> {
         let turned_s = link.now_s() - self.link.now_s();
         self.record_s += turned_s;
         self.clock.heard_s += turned_s;
-        (self.last_sent_s, self.counted_s) = (link.now_s(), link.now_s());
+        self.counted_s += turned_s;
+        self.last_sent_s = link.now_s();
         self.link = link;
         self.decoder = Decoder::new();
         self.gap_begins(Some(why));
@@ -61,10 +62,9 @@ impl<L: Link> Session<L> {
 
     /// Greets the board anew, switches its telemetry on as it was, and completes the gap that was begun.
     pub(super) fn hear_again(&mut self) -> Result<Hello, SessionError> {
-        let (record_s, known, jumped) = (self.record_s, self.clock_before.take(), self.jumped);
+        let (record_s, known, lost) = (self.record_s, self.clock_before.take(), self.sequence.lost);
         let before = known.unwrap_or(self.clock);
-        self.clock = BoardClock { lost: self.sequence.lost, ..BoardClock::default() };
-        self.sequence.begin_again();
+        self.clock = BoardClock { lost, ..BoardClock::default() };
         self.last_tick = None;
         let greeted = self.greet().and_then(|hello| {
             self.set_telemetry(self.wanted)?;
@@ -73,20 +73,25 @@ impl<L: Link> Session<L> {
         });
         let now_s = self.link.now_s();
         self.clock_before = None;
+        // What the gap has swallowed is told as the gap.
+        self.sequence.lost = lost;
+        self.clock.lost = lost;
         let (hello, uptime_s) = match greeted {
             Ok(told) => told,
             Err(error) => {
                 // The next attempt compares with what was known before.
-                (self.record_s, self.jumped) = (record_s, jumped);
+                self.record_s = record_s;
                 self.clock_before = known;
                 self.clock = before;
                 return Err(error);
             }
         };
-        (self.record_s, self.jumped) = (now_s, false);
+        self.record_s = now_s;
         self.gap_open = false;
         let advanced_s = uptime_s - before.uptime_s();
-        let restarted = known.is_some() || jumped || advanced_s < (now_s - before.heard_s - RESTARTED_S).max(0.0);
+        let restarted = known.is_some()
+            || std::mem::take(&mut self.jumped)
+            || advanced_s < (now_s - before.heard_s - RESTARTED_S).max(0.0);
         if let Some(gap) = self.last_gap() {
             (gap.silent_s, gap.uptime_s) = (now_s - record_s, uptime_s);
             gap.restarted = restarted.then_some(hello.reset_cause);
