@@ -89,9 +89,8 @@ impl<L: Link> Session<L> {
         self.record_s = now_s;
         self.gap_open = false;
         let advanced_s = uptime_s - before.uptime_s();
-        let restarted = known.is_some()
-            || std::mem::take(&mut self.jumped)
-            || advanced_s < (now_s - before.heard_s - RESTARTED_S).max(0.0);
+        let behind = advanced_s < (now_s - before.heard_s - RESTARTED_S).max(0.0);
+        let restarted = std::mem::take(&mut self.jumped) || known.is_some() || behind;
         if let Some(gap) = self.last_gap() {
             (gap.silent_s, gap.uptime_s) = (now_s - record_s, uptime_s);
             gap.restarted = restarted.then_some(hello.reset_cause);
