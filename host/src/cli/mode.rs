@@ -51,12 +51,24 @@ fn positive(text: &str) -> Result<f64, String> {
 /// Longest wait for a word of the board before signals are looked at, s.
 const TURN_S: f64 = 0.1;
 
-/// Switches the outputs off however it ends; a lost link does so by itself.
+/// Longest way of the arm to its home, s.
+const HOME_S: f64 = 20.0;
+
+/// Switches the outputs off however it ends, and holds the link until the arm is home: a board without a host latches a fault on
+/// the way. A lost link switches off by itself.
 struct Outputs<'a, L: Link>(&'a mut Session<L>);
 
 impl<L: Link> Drop for Outputs<'_, L> {
     fn drop(&mut self) {
-        let _ = self.0.set_mode(Mode::Idle);
+        if self.0.set_mode(Mode::Idle).is_err() {
+            return;
+        }
+        let until_s = self.0.link().now_s() + HOME_S;
+        while let Ok(Some(event)) = self.0.poll(until_s) {
+            if matches!(event, Event::Telemetry(record) if matches!(record.state, State::Idle | State::Fault)) {
+                return;
+            }
+        }
     }
 }
 
@@ -99,11 +111,11 @@ fn palpate<L: Link>(session: &mut Session<L>, mode: Mode, timeout_s: f64, stop: 
     let state = outputs.0.latest_status().map(|status| format!("{:?}", status.state).to_lowercase());
     let Some(verdict) = verdict else {
         if stop.load(Ordering::Relaxed) {
-            return Err(miette!("stopped before the verdict: outputs are off, and the arm goes home"));
+            return Err(miette!("stopped before the verdict: outputs are off, and the arm went home"));
         }
         let state = state.unwrap_or_else(|| "unknown".to_owned());
         return Err(miette!(
-            "no verdict within {timeout_s} s (state {state}): outputs are off, and the arm goes home; --timeout SECONDS waits longer"
+            "no verdict within {timeout_s} s (state {state}): outputs are off, and the arm went home; --timeout SECONDS waits longer"
         ));
     };
     let mut text = verdict_text(&verdict, &[]);

@@ -138,6 +138,8 @@ impl CsvLog {
             self.note.push_str("; ");
         }
         self.note.push_str(&text);
+        // The row after a gap is where its end is told, also when its beginning has waited long.
+        self.note_waits = false;
     }
 
     /// Writes the collected lines; with `sync` waits until they are on the disk. A remark waits for the next record; a
