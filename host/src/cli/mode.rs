@@ -51,8 +51,8 @@ fn positive(text: &str) -> Result<f64, String> {
 /// Longest wait for a word of the board before signals are looked at, s.
 const TURN_S: f64 = 0.1;
 
-/// Longest way of the arm to its home, s.
-const HOME_S: f64 = 20.0;
+/// Longest way of the arm to its home, s: the board gives it 30.
+const HOME_S: f64 = 40.0;
 
 /// Switches the outputs off however it ends, and holds the link until the arm is home: a board without a host latches a fault on
 /// the way. A lost link switches off by itself.
@@ -161,5 +161,85 @@ fn next<L: Link>(session: &mut Session<L>, until_s: f64, stop: &AtomicBool) -> m
             Some(event) => return Ok(Some(event)),
             None => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use protocol::lut::{AxisSpec, Role, Scale, TableSpec, axis_name};
+    use protocol::message::Outcome;
+
+    use super::*;
+    use crate::link::{InProcess, Pace};
+    use crate::plant::Jitter;
+    use crate::session::Patience;
+    use crate::simulated_board::SimulatedBoard;
+
+    /// A board with a table, and nothing under its probe.
+    fn session() -> Session<InProcess> {
+        let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
+            name: name.into(),
+            unit: unit.into(),
+            role,
+            scale: Scale::Listed,
+            values: values.to_vec(),
+        };
+        let depths: Vec<f64> = (1..=200).map(|i| 4.0 * f64::from(i) / 200.0).collect();
+        let alphas: Vec<f64> = (1..=12).map(f64::from).collect();
+        let force = |alpha: f64, depth: f64| depth.powf(1.5) * (1.0 + 0.01 * alpha * depth);
+        let table = TableSpec {
+            columns: alphas.iter().map(|a| depths.iter().map(|d| force(*a, *d)).collect()).collect(),
+            axes: vec![
+                axis(axis_name::DEPTH, "mm", Role::Row, &depths),
+                axis(axis_name::ALPHA, "", Role::Column, &alphas),
+                axis(axis_name::MU, "MPa", Role::Factor, &[0.01, 0.1, 0.3]),
+            ],
+            library: vec![],
+            discretisation: 0.001,
+            interpolation: 0.001,
+            provenance: "for a test of board mode".into(),
+        };
+        let link = InProcess::new(SimulatedBoard::new(1, Jitter::NONE), Pace::Free);
+        let (mut session, _) = Session::open(link, Patience::default()).unwrap();
+        session.upload(&table.to_bytes().unwrap(), |_| {}).unwrap();
+        session
+    }
+
+    fn press(timeout: f64) -> ModeChoice {
+        ModeChoice::Palpate { rate: 4.0, depth: 4.0, timeout }
+    }
+
+    fn is_idle(session: &mut Session<InProcess>) -> bool {
+        let status = session.status().unwrap();
+        status.state == State::Idle && status.faults.is_empty()
+    }
+
+    #[test]
+    fn a_press_is_waited_for_and_its_verdict_told() {
+        let mut session = session();
+        let (value, text) = run(&mut session, &press(180.0)).unwrap();
+        assert_eq!(value["verdict"]["outcome"], json!(Outcome::NoContact));
+        assert_eq!(text, "palpation 1: no contact before the end of the travel");
+        assert!(is_idle(&mut session));
+    }
+
+    #[test]
+    fn a_press_that_takes_too_long_is_ended_and_the_arm_brought_home() {
+        let mut session = session();
+        let error = run(&mut session, &press(0.5)).unwrap_err().to_string();
+        assert!(error.starts_with("no verdict within 0.5 s (state "), "{error}");
+        assert!(error.ends_with("outputs are off, and the arm went home; --timeout SECONDS waits longer"), "{error}");
+        assert!(is_idle(&mut session));
+    }
+
+    #[test]
+    fn a_refused_mode_says_why() {
+        let mut session = session();
+        let choice = ModeChoice::Palpate { rate: 9.0, depth: 4.0, timeout: 10.0 };
+        let error = run(&mut session, &choice).unwrap_err().to_string();
+        assert_eq!(error, "the simulated board refused SetMode: a value is outside the board's own limits");
+        let (value, text) = run(&mut session, &ModeChoice::Idle).unwrap();
+        assert_eq!((value["mode"].as_str(), text.as_str()), (Some("Idle"), "outputs off"));
     }
 }
