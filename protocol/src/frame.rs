@@ -197,6 +197,17 @@ impl LossCounter {
         self.lost += u64::from(gap);
         gap
     }
+
+    /// How many frames [`see`](Self::see) would count as lost before one with this sequence number.
+    #[must_use]
+    pub fn gap_before(&self, seq: u16) -> u16 {
+        self.next.map_or(0, |next| seq.wrapping_sub(next))
+    }
+
+    /// The sender has begun to count anew: no frame is missing before its next one.
+    pub fn begin_again(&mut self) {
+        self.next = None;
+    }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use palpate::simulated_board::SimulatedBoard;
 fn logged(path: &std::path::Path) {
     let board = InProcess::new(SimulatedBoard::new(1, Jitter::NONE), Pace::Free);
     let (mut session, _) = Session::open(board, Patience::default()).unwrap();
-    let mut recorder = Recorder::create(None, Some(path)).unwrap();
+    let mut recorder = Recorder::create_new(None, Some(path)).unwrap();
     let until_s = session.link().now_s() + 10.0;
     while let Some(event) = session.poll(until_s).unwrap() {
         recorder.event(&event, &session.traffic()).unwrap();
@@ -49,7 +49,7 @@ fn what_is_no_mcap_is_named() {
     let file = folder.path().join("notes.mcap");
     std::fs::write(&file, "hello").unwrap();
     let error = recover_mcap(&file).unwrap_err().to_string();
-    assert_eq!(error, format!("log {}: not an MCAP file", file.display()));
+    assert_eq!(error, format!("recording {}: not an MCAP file", file.display()));
     let missing = folder.path().join("missing.mcap");
-    assert!(recover_mcap(&missing).unwrap_err().to_string().starts_with(&format!("log {}: ", missing.display())));
+    assert!(recover_mcap(&missing).unwrap_err().to_string().starts_with(&format!("recording {}: ", missing.display())));
 }

@@ -187,6 +187,36 @@ fn a_lost_link_is_told_tried_again_and_found_with_outputs_off() {
 }
 
 #[test]
+fn a_recording_goes_on_over_a_lost_link_and_notes_the_gap() {
+    let folder = tempfile::tempdir().unwrap();
+    let cable = Cable::new();
+    let watched = start(&cable, folder.path());
+    watched.done();
+    watched.worker.command(Command::Record(true));
+    let csv = watched.until(|update| match update {
+        Update::Recording(path) => path.clone(),
+        _ => None,
+    });
+    watched.until(|update| state_of(update).map(|_| ()));
+    cable.pull(true);
+    watched.until(|update| matches!(update, Update::Lost(_)).then_some(()));
+    cable.pull(false);
+    let gap = watched.until(|update| match update {
+        Update::Event(Event::Gap(gap), _) => Some(gap.clone()),
+        _ => None,
+    });
+    assert_eq!((gap.link_lost.as_deref(), gap.restarted), (Some("the cable closed the connection"), None));
+    watched.until(|update| state_of(update).map(|_| ()));
+    drop(watched);
+    let text = std::fs::read_to_string(&csv).unwrap();
+    assert!(text.contains(&palpate::session::gap_text(&gap)), "{text}");
+    let recovered = palpate::log::recover_mcap(&csv.with_extension("mcap")).unwrap();
+    assert_eq!(recovered.torn, None);
+    let over = |topic: &str, value: &serde_json::Value| topic == "gap" && value["over"] == true;
+    assert_eq!(recovered.messages.iter().filter(|(topic, _, value)| over(topic, value)).count(), 1);
+}
+
+#[test]
 fn a_worker_that_is_dropped_without_a_board_ends_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let watched = start_without_a_board(folder.path());

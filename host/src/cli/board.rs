@@ -6,9 +6,10 @@ use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{Context, IntoDiagnostic};
 use protocol::fault::Fault;
-use protocol::message::{Calibration, Gains, Hello, Mode, State, Status};
+use protocol::message::{Calibration, Gains, Hello, State, Status};
 use serde_json::json;
 
+use super::mode::ModeChoice;
 use crate::demo::bench_foams;
 use crate::link::{Address, IDLE_TOUCH, Link};
 use crate::plant::{Jitter, Noise, Source};
@@ -41,7 +42,7 @@ enum Action {
         #[arg(long, value_name = "FILE")]
         load: Option<PathBuf>,
     },
-    /// Set what the board does
+    /// Set what the board does, and stay until it is done
     #[command(subcommand)]
     Mode(ModeChoice),
     /// Set the gains of the display's position loop
@@ -80,26 +81,6 @@ enum Action {
     },
 }
 
-#[derive(Debug, Subcommand)]
-enum ModeChoice {
-    /// Outputs off
-    Idle,
-    /// Press the probe into a specimen and identify it
-    Palpate {
-        /// Rate of the probe, mm/s
-        #[arg(long, default_value_t = 2.0)]
-        rate: f32,
-        /// Depth after contact, mm
-        #[arg(long, default_value_t = 4.0)]
-        depth: f32,
-    },
-    /// Display a material of the table's library
-    Display {
-        /// Its number, from 0
-        material: u8,
-    },
-}
-
 /// Does what was asked for.
 ///
 /// # Errors
@@ -113,15 +94,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let answer = match &arguments.action {
         Action::Status => status(&mut session, &hello)?,
         Action::Calibrate { tare, load } => calibrate(&mut session, *tare, load.as_deref())?,
-        Action::Mode(choice) => {
-            let mode = match *choice {
-                ModeChoice::Idle => Mode::Idle,
-                ModeChoice::Palpate { rate, depth } => Mode::Palpate { rate_mm_s: rate, depth_mm: depth },
-                ModeChoice::Display { material } => Mode::Display { material },
-            };
-            session.set_mode(mode).into_diagnostic()?;
-            (json!({"mode": mode}), format!("mode set: {mode:?}"))
-        }
+        Action::Mode(choice) => super::mode::run(&mut session, choice)?,
         Action::Gains { kp, ki, kd, n } => {
             let gains = Gains { kp: *kp, ki: *ki, kd: *kd, n: *n };
             session.set_gains(gains.clone()).into_diagnostic()?;
@@ -143,7 +116,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 /// An answer for programs and for people.
-type Answer = (serde_json::Value, String);
+pub(super) type Answer = (serde_json::Value, String);
 
 fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<Answer> {
     let Status {

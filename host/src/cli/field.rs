@@ -11,7 +11,11 @@ use lut_gen::solve::Base;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use serde_json::json;
 
+use crate::ownership::OwnFolder;
 use crate::report::{field, number};
+
+/// Folder of files where none is asked for.
+const DEFAULT_FOLDER: &str = "out/field";
 
 /// One indentation, and at which depths to look inside.
 #[derive(Debug, Args)]
@@ -44,7 +48,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     refine: f64,
     /// Folder for field.pvd (open it in ParaView), its files and a picture of the deepest step
-    #[arg(long, value_name = "DIR", default_value = "out/field")]
+    #[arg(long, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     out: PathBuf,
     /// Print one JSON object on standard output
     #[arg(long)]
@@ -127,15 +131,11 @@ fn indentation(arguments: &Arguments, depth_mm: f64) -> miette::Result<Indentati
 
 /// Writes one pair of files a step, then the collection and the picture.
 fn write(folder: &Path, fields: &[Field]) -> miette::Result<Vec<PathBuf>> {
-    std::fs::create_dir_all(folder)
-        .into_diagnostic()
-        .wrap_err_with(|| format!("cannot make the folder {}", folder.display()))?;
+    let mut folder = OwnFolder::open(folder, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
     let mut files = Vec::new();
-    let mut save = |name: &str, text: &str| {
-        let file = folder.join(name);
-        let written = std::fs::write(&file, text);
-        files.push(file.clone());
-        written.into_diagnostic().wrap_err_with(|| format!("cannot write {}", file.display()))
+    let mut save = |name: &str, text: &str| -> miette::Result<()> {
+        files.push(folder.write(name, text.as_bytes()).into_diagnostic()?);
+        Ok(())
     };
     let mut steps = Vec::new();
     for (i, f) in fields.iter().enumerate() {

@@ -11,6 +11,7 @@ pub mod identify;
 pub mod init;
 pub mod log;
 pub mod lut;
+mod mode;
 pub mod monitor;
 pub mod plan;
 pub mod progress;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::{IntoDiagnostic, miette};
 use serde_json::{Value, json};
 
 use crate::experiment;
@@ -70,6 +70,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     let text = experiment::text_of(file)?;
+    // Before anything is solved for a folder that is not to be written to.
+    simulate::check_folder(folder).into_diagnostic()?;
     if display::is_display(&text) {
         return run_display(arguments, &text, file, folder);
     }
@@ -89,9 +91,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let made = made.into_diagnostic()?;
     made.write(folder).into_diagnostic()?;
     if let Some(truth) = &arguments.truth {
-        std::fs::write(truth, made.truth_toml())
-            .into_diagnostic()
-            .wrap_err_with(|| format!("cannot write {}", truth.display()))?;
+        save_truth(truth, &made.truth_toml())?;
     }
     let seconds = started.elapsed().as_secs_f64();
     if arguments.json {
@@ -102,13 +102,19 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
+/// Its first line tells such a file from any other, which is not replaced.
+fn save_truth(file: &Path, text: &str) -> miette::Result<()> {
+    let text = format!("# What is true in an experiment of palpate simulate.\n{text}");
+    crate::ownership::write_file(file, text.as_bytes(), "--truth").into_diagnostic()
+}
+
 /// Writes an experiment with a display.
 fn run_display(arguments: &Arguments, text: &str, file: &Path, folder: &Path) -> miette::Result<()> {
     let mut spec = display::parse(file, text)?;
     spec.seed = arguments.seed.unwrap_or(spec.seed);
     spec.write(folder).into_diagnostic()?;
     if let Some(truth) = &arguments.truth {
-        std::fs::write(truth, text).into_diagnostic().wrap_err_with(|| format!("cannot write {}", truth.display()))?;
+        save_truth(truth, text)?;
     }
     let runs: usize = spec.runs.iter().map(|run| run.replicates).sum();
     let codes: Vec<&str> = spec.effects.iter().map(|effect| effect.code()).collect();

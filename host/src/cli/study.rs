@@ -207,19 +207,21 @@ fn script(arguments: &Arguments) -> miette::Result<()> {
 }
 
 fn tell(findings: &Findings, arguments: &Arguments) -> miette::Result<()> {
-    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/study")));
-    let report = match folder {
-        Some(folder) => Some(
-            findings
-                .write(&folder)
-                .into_diagnostic()
-                .wrap_err_with(|| format!("cannot write the report to {}", folder.display()))?,
-        ),
-        None => None,
+    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from(study::DEFAULT_FOLDER)));
+    // The answer is printed also where the report cannot be written.
+    let written = folder.map(|folder| {
+        findings
+            .write(&folder)
+            .into_diagnostic()
+            .wrap_err_with(|| format!("cannot write the report to {}", folder.display()))
+    });
+    let (report, failed) = match written.transpose() {
+        Ok(report) => (report, Ok(())),
+        Err(error) => (None, Err(error)),
     };
     if arguments.json {
         outln!("{}", findings.answer(report.as_deref()));
-        return Ok(());
+        return failed;
     }
     outln!("{}\n{}\n", findings.title, findings.subject);
     for table in &findings.tables {
@@ -231,5 +233,5 @@ fn tell(findings: &Findings, arguments: &Arguments) -> miette::Result<()> {
     if let Some(page) = report {
         outln!("\nreport   {}", page.display());
     }
-    Ok(())
+    failed
 }

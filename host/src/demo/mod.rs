@@ -17,7 +17,6 @@ mod summary;
 mod table;
 mod watcher;
 
-use std::path::Path;
 use std::time::Instant;
 
 use protocol::lut::Table;
@@ -34,10 +33,19 @@ pub use watcher::{Stage, Watcher};
 
 use crate::link::{Disturbed, InProcess, Pace};
 use crate::log::{Recorder, library_names};
+use crate::ownership::OwnFolder;
 use crate::plant::{Noise, Source};
 use crate::session::{Patience, Session};
 use crate::simulated_board::SimulatedBoard;
 use listening::Listening;
+
+/// Names of the files in the demo's folder.
+const TABLE: &str = "table.lut";
+const CSV: &str = "telemetry.csv";
+const MCAP: &str = "log.mcap";
+const OVERVIEW: &str = "overview.svg";
+const REPORT: &str = "report.html";
+const FILES: [&str; 5] = [TABLE, CSV, MCAP, OVERVIEW, REPORT];
 
 /// Runs the demo and writes its files.
 ///
@@ -45,7 +53,10 @@ use listening::Listening;
 /// [`DemoError`].
 pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> {
     let started = Instant::now();
-    make_folder(&options.out)?;
+    let failed = |source| DemoError::File { path: options.out.clone(), source };
+    let mut folder = OwnFolder::open(&options.out, "--out", Some("out/demo")).map_err(failed)?;
+    // Before anything is computed for a folder that is not to be written to.
+    FILES.iter().try_for_each(|name| folder.check(name)).map_err(failed)?;
     let table_bytes = match &options.table {
         Some(path) => std::fs::read(path).map_err(|source| DemoError::File { path: path.clone(), source })?,
         None => {
@@ -53,8 +64,7 @@ pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> 
                 Some(model) => extended::table(model, options.rate_mm_s, watch)?,
                 None => demo_table(watch)?,
             };
-            let path = options.out.join("table.lut");
-            std::fs::write(&path, &bytes).map_err(|source| DemoError::File { path, source })?;
+            folder.write(TABLE, &bytes).map_err(failed)?;
             bytes
         }
     };
@@ -80,8 +90,8 @@ pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> 
     while session.poll(settled_s)?.is_some() {}
     session.tare()?;
 
-    let (csv, mcap) = (options.out.join("telemetry.csv"), options.out.join("log.mcap"));
-    let mut listening = Listening::new(session, Recorder::create(Some(&csv), Some(&mcap))?);
+    let (csv, mcap) = (folder.clear(CSV).map_err(failed)?, folder.clear(MCAP).map_err(failed)?);
+    let mut listening = Listening::new(session, Recorder::create_new(Some(&csv), Some(&mcap))?);
     let library = library_names(&table);
     let order = random_order(foams.len(), options.palpations, options.seed);
     let mut palpated = Vec::with_capacity(order.len());
@@ -93,6 +103,7 @@ pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> 
     let displayed = display::display(&mut listening, &table, &palpated)?;
     let (session, recorder) = listening.into_parts();
     recorder.finish()?;
+    [CSV, MCAP].iter().try_for_each(|name| folder.adopt(name)).map_err(failed)?;
 
     let summary = Summary {
         hello,
@@ -110,12 +121,8 @@ pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> 
         options: options.clone(),
         foams: foams.iter().map(|f| f.name.clone()).collect(),
     };
-    report::write(&summary, &foams, &table)?;
+    report::write(&summary, &foams, &table, &mut folder).map_err(failed)?;
     Ok(summary)
-}
-
-fn make_folder(path: &Path) -> Result<(), DemoError> {
-    std::fs::create_dir_all(path).map_err(|source| DemoError::File { path: path.into(), source })
 }
 
 /// Random order in which every foam comes equally often, up to one.

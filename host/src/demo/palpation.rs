@@ -6,7 +6,7 @@ use super::listening::Listening;
 use super::{DemoError, Options, Stage, Watcher};
 use crate::log::verdict_text;
 use crate::plant::Foam;
-use crate::session::{Event, fault_text};
+use crate::session::{Event, fault_text, gap_text};
 
 /// One control tick in contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,6 +99,7 @@ pub(super) fn palpate(
             Some((Event::Estimate(e), _)) => estimate = Some(e),
             Some((Event::Verdict(verdict), _)) => break verdict,
             Some((Event::Fault(fault), _)) => watch(Stage::Note(&fault_text(&fault))),
+            Some((Event::Gap(gap), _)) => watch(Stage::Note(&gap_text(&gap))),
             Some((Event::Telemetry(t), truth)) => {
                 // Records of the ticks before belong to the previous foam.
                 if let Some(truth) = truth.filter(|_| t.state != State::Idle) {

@@ -13,16 +13,21 @@ use super::figures::{
     display_over_time, felt_softness, force_over_depth, palpation_over_time, parameter_plane, search_over_depth,
 };
 use super::summary::{HEAD, HOST_TIME, STANDARD_ERROR};
-use super::{DemoError, Summary};
+use super::{OVERVIEW, REPORT, Summary};
+use crate::ownership::OwnFolder;
 use crate::plant::Foam;
 use crate::report::{Page, field};
 
 /// Writes `report.html` and `overview.svg` into the demo's folder.
-pub(super) fn write(summary: &Summary, foams: &[Foam], table: &Table<'_>) -> Result<(), DemoError> {
-    let path = summary.options.out.join("overview.svg");
-    std::fs::write(&path, overview_svg(summary, foams, table)).map_err(|source| DemoError::File { path, source })?;
-    let path = summary.options.out.join("report.html");
-    page(summary, foams, table).write(&path).map_err(|source| DemoError::File { path, source })
+pub(super) fn write(
+    summary: &Summary,
+    foams: &[Foam],
+    table: &Table<'_>,
+    folder: &mut OwnFolder,
+) -> std::io::Result<()> {
+    folder.write(OVERVIEW, overview_svg(summary, foams, table).as_bytes())?;
+    folder.write(REPORT, page(summary, foams, table).html().as_bytes())?;
+    Ok(())
 }
 
 /// The picture of the README: palpations on the left, the plane of the parameters on the right.

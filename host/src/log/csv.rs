@@ -5,15 +5,17 @@ use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use protocol::TICK_HZ;
 use protocol::message::Telemetry;
 
 use super::LogError;
+use super::whole::{WholeFile, whole_lines};
 use crate::plant::Truth;
 use crate::session::Traffic;
 
-/// Columns of the file. `sensor_`: as read; `belief_`: as the controller thinks; `true_`: physics of a simulated
-/// board, empty for a real one. Units are in the names; `faults` is the bit set of latched faults.
+/// Columns of the file. `time_s`: the board's time, which goes on by the host's clock when the board restarts, so that it
+/// never goes back; `tick` begins again then. `sensor_`: as read; `belief_`: as the controller thinks; `true_`: physics of a
+/// simulated board, empty for a real one. Units are in the names; `faults` is the bit set of latched faults. `note` says what
+/// happened since the row before: verdicts, faults, gaps. A row that repeats the tick before it only carries its note.
 pub const COLUMNS: &str = "time_s,tick,state,faults,\
 sensor_probe_mm,sensor_load_cell_n,sensor_fsr_n,sensor_shaft_mm,sensor_coil_a,\
 belief_depth_mm,belief_shaft_target_mm,belief_coil_target_a,belief_coil_c,belief_search_error_n,\
@@ -25,35 +27,58 @@ frames_lost,note";
 #[derive(Debug)]
 pub struct CsvLog {
     path: PathBuf,
-    file: File,
-    /// Complete lines not yet written.
-    lines: String,
+    file: WholeFile,
     /// Goes into the last column of the next line.
     note: String,
+    /// The note was there already when the file was written last.
+    note_waits: bool,
+    /// The newest line up to its note.
+    last: String,
 }
 
+/// Memory for lines that are not written yet; [`CsvLog::keep`] writes far earlier.
+const MOST_COLLECTED: usize = 1 << 20;
+
 impl CsvLog {
-    /// Makes the file and writes the header.
+    /// Writes the header to a new file.
     ///
     /// # Errors
     /// [`LogError::File`].
-    pub fn create(path: &Path) -> Result<Self, LogError> {
-        let file = File::create(path).map_err(|source| LogError::File { path: path.into(), source })?;
-        let mut log = CsvLog { path: path.into(), file, lines: format!("{COLUMNS}\n"), note: String::new() };
+    pub fn new(path: PathBuf, file: File) -> Result<Self, LogError> {
+        let (file, last) = (WholeFile::new(file, whole_lines), String::new());
+        let mut log = CsvLog { path, file, note: String::new(), note_waits: false, last };
+        log.line(COLUMNS);
         log.keep(false)?;
         Ok(log)
     }
 
-    /// Adds a line.
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn line(&mut self, text: &str) {
+        // Collecting cannot fail.
+        let _ = writeln!(self.file, "{text}");
+    }
+
+    /// Adds a line, at a time of the recording.
     ///
     /// # Errors
     /// [`LogError::File`] when the collected lines cannot be written.
-    pub fn telemetry(&mut self, t: &Telemetry, truth: Option<&Truth>, traffic: &Traffic) -> Result<(), LogError> {
+    pub fn telemetry(
+        &mut self,
+        time_s: f64,
+        t: &Telemetry,
+        truth: Option<&Truth>,
+        traffic: &Traffic,
+    ) -> Result<(), LogError> {
+        let mut line = String::new();
         // Writing to a string cannot fail.
         let _ = write!(
-            self.lines,
+            line,
             "{:.2},{},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{},{},",
-            f64::from(t.tick) / f64::from(TICK_HZ),
+            time_s,
             t.tick,
             t.state,
             t.faults.0,
@@ -74,7 +99,7 @@ impl CsvLog {
         match truth {
             Some(p) => {
                 let _ = write!(
-                    self.lines,
+                    line,
                     "{},{:.5},{:.5},{:.5},{:.5},{:.5},{:.5},{:.3},{:.5},{:.4},",
                     p.specimen,
                     p.probe_mm,
@@ -88,15 +113,23 @@ impl CsvLog {
                     p.yield_kpa
                 );
             }
-            None => self.lines.push_str(",,,,,,,,,,"),
+            None => line.push_str(",,,,,,,,,,"),
         }
+        let _ = write!(line, "{},", traffic.frames_lost);
+        self.last = line;
+        self.line_with_note();
+        if self.file.collected() > MOST_COLLECTED { self.keep(false) } else { Ok(()) }
+    }
+
+    /// The newest record with what there is to say.
+    fn line_with_note(&mut self) {
         let note = std::mem::take(&mut self.note);
-        let _ = writeln!(self.lines, "{},{}", traffic.frames_lost, quoted(&note));
-        // A bound on memory; `keep` writes far earlier.
-        if self.lines.len() > 1 << 20 {
-            self.keep(false)?;
+        self.note_waits = false;
+        if self.last.is_empty() {
+            self.last = ",".repeat(COLUMNS.matches(',').count());
         }
-        Ok(())
+        let line = format!("{}{}", self.last, quoted(&note));
+        self.line(&line);
     }
 
     /// Puts a remark into the next line.
@@ -105,26 +138,30 @@ impl CsvLog {
             self.note.push_str("; ");
         }
         self.note.push_str(&text);
+        // The row after a gap is where its end is told, also when its beginning has waited long.
+        self.note_waits = false;
     }
 
-    /// Writes the collected lines; with `sync` waits until they are on the disk.
+    /// Writes the collected lines; with `sync` waits until they are on the disk. A remark waits for the next record; a
+    /// board that falls silent sends none, and the next call writes the last record again with the remark.
     ///
     /// # Errors
     /// [`LogError::File`].
     pub fn keep(&mut self, sync: bool) -> Result<(), LogError> {
-        // A board that reports a fault and then falls silent sends no record that could carry the remark.
-        if !self.note.is_empty() {
-            let note = std::mem::take(&mut self.note);
-            let empty_cells = ",".repeat(COLUMNS.matches(',').count());
-            let _ = writeln!(self.lines, "{empty_cells}{}", quoted(&note));
+        if !self.note.is_empty() && std::mem::replace(&mut self.note_waits, true) {
+            self.line_with_note();
         }
-        let failed = |source| LogError::File { path: self.path.clone(), source };
-        self.file.write_all(self.lines.as_bytes()).map_err(failed)?;
-        self.lines.clear();
-        if sync {
-            self.file.sync_data().map_err(failed)?;
-        }
-        Ok(())
+        let flushed = self.file.flush().and_then(|()| if sync { self.file.sync() } else { Ok(()) });
+        flushed.map_err(|source| LogError::File { path: self.path.clone(), source })
+    }
+
+    /// Writes everything, remarks that wait included, to the disk.
+    ///
+    /// # Errors
+    /// [`LogError::File`].
+    pub fn finish(&mut self) -> Result<(), LogError> {
+        self.note_waits = true;
+        self.keep(true)
     }
 }
 

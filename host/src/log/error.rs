@@ -6,7 +6,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
     /// The file cannot be made, written or read.
-    #[error("log {}: {source}", .path.display())]
+    #[error("recording {}: {source}{}", .path.display(), advice(.source))]
     File {
         /// The file.
         path: PathBuf,
@@ -14,11 +14,34 @@ pub enum LogError {
         source: std::io::Error,
     },
     /// The MCAP library refused.
-    #[error("log {}: {reason}", .path.display())]
+    #[error("recording {}: {reason}", .path.display())]
     Mcap {
         /// The file.
         path: PathBuf,
         /// Why.
         reason: String,
     },
+    /// A folder, a device or a pipe has the name.
+    #[error("cannot record to {}: it is not a file; choose another name", .path.display())]
+    NoFile {
+        /// The name.
+        path: PathBuf,
+    },
+    /// CSV and MCAP would go into one file.
+    #[error("--csv and --mcap both name {}; they need two files", .path.display())]
+    SameFile {
+        /// The name.
+        path: PathBuf,
+    },
+}
+
+/// What is left of a recording that the disk takes no more of.
+fn advice(source: &std::io::Error) -> &'static str {
+    use std::io::ErrorKind as Kind;
+    match source.kind() {
+        Kind::StorageFull | Kind::QuotaExceeded | Kind::FileTooLarge => {
+            "; what was recorded before is kept and complete. Free some space, or record to another disk"
+        }
+        _ => "",
+    }
 }

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use mcap::records::MessageHeader;
+use mcap::write::NoSeek;
 use mcap::{McapError, WriteOptions, Writer};
 use protocol::fault::Fault;
 use protocol::message::{FaultReport, Telemetry};
@@ -13,7 +14,8 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::LogError;
-use crate::session::Traffic;
+use super::whole::{WholeFile, all_or_nothing};
+use crate::session::{Gap, Traffic, cause_text, gap_text};
 
 /// A stream of messages in the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,12 +30,14 @@ pub enum Channel {
     Truth,
     /// Results of the Kalman filter.
     Estimate,
+    /// Stretches in which the board was not heard: when they begin, and how they ended.
+    Gap,
 }
 
 impl Channel {
     /// Every channel.
-    pub const ALL: [Channel; 5] =
-        [Channel::Telemetry, Channel::Verdict, Channel::Fault, Channel::Truth, Channel::Estimate];
+    pub const ALL: [Channel; 6] =
+        [Channel::Telemetry, Channel::Verdict, Channel::Fault, Channel::Truth, Channel::Estimate, Channel::Gap];
 
     /// Name in the file.
     pub const fn topic(self) -> &'static str {
@@ -43,15 +47,19 @@ impl Channel {
             Channel::Fault => "fault",
             Channel::Truth => "truth",
             Channel::Estimate => "estimate",
+            Channel::Gap => "gap",
         }
     }
 }
 
-/// An MCAP log. Times in the file are board time since start, ns.
+/// An MCAP log. Times in the file are those of the recording, ns: the board's time since start, which goes on by the host's
+/// clock when the board restarts.
 pub struct McapLog {
     path: PathBuf,
+    /// `None` once a write has failed: the file then ends after the last complete chunk.
+    writer: Option<Writer<NoSeek<WholeFile>>>,
+    /// The same file, to wait for the disk.
     file: File,
-    writer: Writer<BufWriter<File>>,
     /// Number in the file and next sequence number of each channel that has had a message.
     channels: [Option<(u16, u32)>; Channel::ALL.len()],
 }
@@ -63,14 +71,12 @@ impl std::fmt::Debug for McapLog {
 }
 
 impl McapLog {
-    /// Makes the file and writes its header.
+    /// Writes the header to a new file.
     ///
     /// # Errors
     /// [`LogError`].
-    pub fn create(path: &Path) -> Result<Self, LogError> {
-        let failed = |source| LogError::File { path: path.into(), source };
-        let file = File::create(path).map_err(failed)?;
-        let out = BufWriter::new(file.try_clone().map_err(failed)?);
+    pub fn new(path: PathBuf, file: File) -> Result<Self, LogError> {
+        let second = file.try_clone().map_err(|source| LogError::File { path: path.clone(), source })?;
         // Without seeking a chunk is written in one piece when it is closed: a killed process
         // leaves whole chunks and at most one torn one at the end.
         let writer = WriteOptions::new()
@@ -78,12 +84,17 @@ impl McapLog {
             .disable_seeking(true)
             .profile("")
             .library(concat!("palpate ", env!("CARGO_PKG_VERSION")))
-            .create(out)
-            .map_err(|e| mcap_error(path, &e))?;
-        Ok(McapLog { path: path.into(), file, writer, channels: [None; Channel::ALL.len()] })
+            .create(NoSeek::new(WholeFile::new(file, all_or_nothing)))
+            .map_err(|e| mcap_error(&path, e))?;
+        Ok(McapLog { path, writer: Some(writer), file: second, channels: [None; Channel::ALL.len()] })
     }
 
-    /// Writes one message at a board time.
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes one message at a time of the recording.
     ///
     /// # Errors
     /// [`LogError`].
@@ -119,23 +130,42 @@ impl McapLog {
         self.write_value(Channel::Fault, board_s, &value)
     }
 
+    /// Writes that nothing is heard any more, and why.
+    ///
+    /// # Errors
+    /// [`LogError`].
+    pub fn gap_begins(&mut self, board_s: f64, why: &str) -> Result<(), LogError> {
+        let value = json!({
+            "over": false, "text": why, "silent_s": null, "after_tick": null, "uptime_s": null, "cause": "", "link_lost": why,
+        });
+        self.write_value(Channel::Gap, board_s, &value)
+    }
+
+    /// Writes how a gap ended.
+    ///
+    /// # Errors
+    /// [`LogError`].
+    pub fn gap(&mut self, board_s: f64, gap: &Gap) -> Result<(), LogError> {
+        let value = json!({
+            "over": true, "text": gap_text(gap), "silent_s": gap.silent_s, "after_tick": gap.after_tick,
+            "uptime_s": gap.uptime_s, "cause": gap.restarted.map_or("", cause_text),
+            "link_lost": gap.link_lost.as_deref().unwrap_or_default(),
+        });
+        self.write_value(Channel::Gap, board_s, &value)
+    }
+
     fn write_value(&mut self, channel: Channel, board_s: f64, value: &Value) -> Result<(), LogError> {
-        let failed = |e: McapError| mcap_error(&self.path, &e);
-        let (channel_id, sequence) = match self.channels[channel as usize] {
-            Some(known) => known,
-            None => {
-                let schema = schema_of(value).to_string();
-                let schema_id =
-                    self.writer.add_schema(channel.topic(), "jsonschema", schema.as_bytes()).map_err(failed)?;
-                let id =
-                    self.writer.add_channel(schema_id, channel.topic(), "json", &BTreeMap::new()).map_err(failed)?;
-                (id, 0)
-            }
-        };
-        self.channels[channel as usize] = Some((channel_id, sequence.wrapping_add(1)));
-        let time = (board_s.max(0.0) * 1e9).round() as u64;
-        let header = MessageHeader { channel_id, sequence, log_time: time, publish_time: time };
-        self.writer.write_to_known_channel(&header, value.to_string().as_bytes()).map_err(failed)
+        let Some(writer) = &mut self.writer else { return Ok(()) };
+        let written = write_message(writer, &mut self.channels[channel as usize], channel, board_s, value);
+        self.kept(written)
+    }
+
+    /// After an error nothing is written any more, not even the summary of a writer that is dropped.
+    fn kept(&mut self, written: Result<(), McapError>) -> Result<(), LogError> {
+        written.map_err(|error| {
+            self.writer.take().map(Writer::into_inner);
+            mcap_error(&self.path, error)
+        })
     }
 
     /// Closes the chunk and writes it; with `sync` waits until it is on the disk.
@@ -143,11 +173,15 @@ impl McapLog {
     /// # Errors
     /// [`LogError`].
     pub fn keep(&mut self, sync: bool) -> Result<(), LogError> {
-        self.writer.flush().map_err(|e| mcap_error(&self.path, &e))?;
-        if sync {
-            self.file.sync_data().map_err(|source| LogError::File { path: self.path.clone(), source })?;
-        }
-        Ok(())
+        let Some(writer) = &mut self.writer else { return Ok(()) };
+        let flushed = writer.flush();
+        self.kept(flushed)?;
+        self.sync(sync)
+    }
+
+    fn sync(&self, wanted: bool) -> Result<(), LogError> {
+        let synced = if wanted { self.file.sync_data() } else { Ok(()) };
+        synced.map_err(|source| LogError::File { path: self.path.clone(), source })
     }
 
     /// Writes the summary that ends the file.
@@ -155,13 +189,39 @@ impl McapLog {
     /// # Errors
     /// [`LogError`].
     pub fn finish(mut self) -> Result<(), LogError> {
-        self.writer.finish().map_err(|e| mcap_error(&self.path, &e))?;
-        self.file.sync_data().map_err(|source| LogError::File { path: self.path.clone(), source })
+        let Some(mut writer) = self.writer.take() else { return Ok(()) };
+        let written = writer.finish().and_then(|_| Ok(writer.into_inner().into_inner().flush()?));
+        self.kept(written)?;
+        self.sync(true)
     }
 }
 
-fn mcap_error(path: &Path, error: &McapError) -> LogError {
-    LogError::Mcap { path: path.into(), reason: error.to_string() }
+fn write_message(
+    writer: &mut Writer<NoSeek<WholeFile>>,
+    state: &mut Option<(u16, u32)>,
+    channel: Channel,
+    time_s: f64,
+    value: &Value,
+) -> Result<(), McapError> {
+    let (channel_id, sequence) = match *state {
+        Some(known) => known,
+        None => {
+            let schema = schema_of(value).to_string();
+            let schema_id = writer.add_schema(channel.topic(), "jsonschema", schema.as_bytes())?;
+            (writer.add_channel(schema_id, channel.topic(), "json", &BTreeMap::new())?, 0)
+        }
+    };
+    *state = Some((channel_id, sequence.wrapping_add(1)));
+    let time = (time_s.max(0.0) * 1e9).round() as u64;
+    let header = MessageHeader { channel_id, sequence, log_time: time, publish_time: time };
+    writer.write_to_known_channel(&header, value.to_string().as_bytes())
+}
+
+fn mcap_error(path: &Path, error: McapError) -> LogError {
+    match error {
+        McapError::Io(source) => LogError::File { path: path.into(), source },
+        other => LogError::Mcap { path: path.into(), reason: other.to_string() },
+    }
 }
 
 /// JSON schema of messages shaped like `value`; a number that is not finite is written as null.

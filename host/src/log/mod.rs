@@ -2,28 +2,33 @@
 //!
 //! Three kinds of signals never mix: what a *sensor* read, what the controller *believes*, and the *true* physics
 //! (known of a simulated board only). What is logged is on disk, complete to a line and to a chunk, at most
-//! [`KEEP_S`] later, so that a killed process loses less than a second.
+//! [`KEEP_S`] later, so that a killed process loses less than a second. Files are always new: an existing recording is never
+//! opened for writing, [`Recorder::create_new`] takes the next free name.
 
 mod csv;
 mod error;
+mod listening;
 mod live;
 mod mcap;
+mod names;
 mod recovery;
+mod whole;
 
 use std::collections::VecDeque;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use protocol::TICK_HZ;
 
 pub use csv::{COLUMNS, CsvLog};
 pub use error::LogError;
-pub use live::{LiveView, Plain, Screen, library_names, live_view, verdict_text};
+pub use listening::{ListenError, Listening, Terms};
+pub use live::{LiveView, Plain, Screen, estimate_text, library_names, live_view, verdict_text};
 pub use mcap::{Channel, McapLog};
 pub use recovery::{Recovered, recover_mcap};
 
 use crate::plant::Truth;
-use crate::session::{Event, Traffic};
+use crate::session::{Event, Gap, Traffic, gap_text};
 
 /// Longest time between something being logged and being on disk, s.
 pub const KEEP_S: f64 = 0.5;
@@ -34,24 +39,69 @@ pub struct Recorder {
     csv: Option<CsvLog>,
     mcap: Option<McapLog>,
     truths: VecDeque<Truth>,
-    /// Board time of the newest record, s.
+    /// Time of the newest record in the recording, s.
     board_s: f64,
-    /// Board time and wall clock of the last time the files were brought to disk.
+    /// What is added to the board's time: it begins again when the board restarts, the recording's does not.
+    offset_s: f64,
+    /// Earliest time of the next record after a restart, s.
+    resumes_s: Option<f64>,
+    /// Time in the recording and wall clock of the last time the files were brought to disk.
     kept_board_s: f64,
     kept: Option<Instant>,
 }
 
 impl Recorder {
-    /// Starts the logs that have a path; existing files are replaced.
+    /// Starts the logs that have a path, in new files: where one of them exists already, all get the next number that is
+    /// free, `rec-2.csv` and `rec-2.mcap`. Folders are made.
     ///
     /// # Errors
     /// [`LogError`] when a file cannot be made.
-    pub fn create(csv: Option<&Path>, mcap: Option<&Path>) -> Result<Self, LogError> {
+    pub fn create_new(csv: Option<&Path>, mcap: Option<&Path>) -> Result<Self, LogError> {
+        if let (Some(csv), Some(mcap)) = (csv, mcap)
+            && csv == mcap
+        {
+            return Err(LogError::SameFile { path: csv.into() });
+        }
+        let wanted: Vec<&Path> = csv.into_iter().chain(mcap).collect();
+        let mut made = names::create_new(&wanted)?.into_iter();
         Ok(Recorder {
-            csv: csv.map(CsvLog::create).transpose()?,
-            mcap: mcap.map(McapLog::create).transpose()?,
+            csv: csv.and_then(|_| made.next()).map(|(path, file)| CsvLog::new(path, file)).transpose()?,
+            mcap: mcap.and_then(|_| made.next()).map(|(path, file)| McapLog::new(path, file)).transpose()?,
             ..Recorder::default()
         })
+    }
+
+    /// Starts both logs in `folder` with the first number for which neither `NAME-NNN.csv` nor `.mcap` exists.
+    ///
+    /// # Errors
+    /// [`LogError`] when folder or files cannot be made.
+    pub fn create_numbered(folder: &Path, name: &str) -> Result<Self, LogError> {
+        std::fs::create_dir_all(folder).map_err(|source| LogError::File { path: folder.into(), source })?;
+        let both = |n| ["csv", "mcap"].map(|kind| folder.join(format!("{name}-{n:03}.{kind}"))).to_vec();
+        let mut made = names::first_free(both)?.into_iter();
+        Ok(Recorder {
+            csv: made.next().map(|(path, file)| CsvLog::new(path, file)).transpose()?,
+            mcap: made.next().map(|(path, file)| McapLog::new(path, file)).transpose()?,
+            ..Recorder::default()
+        })
+    }
+
+    /// The CSV file.
+    #[must_use]
+    pub fn csv_path(&self) -> Option<&Path> {
+        self.csv.as_ref().map(CsvLog::path)
+    }
+
+    /// The MCAP file.
+    #[must_use]
+    pub fn mcap_path(&self) -> Option<&Path> {
+        self.mcap.as_ref().map(McapLog::path)
+    }
+
+    /// All files of the recording.
+    #[must_use]
+    pub fn paths(&self) -> Vec<PathBuf> {
+        [self.csv_path(), self.mcap_path()].into_iter().flatten().map(Path::to_path_buf).collect()
     }
 
     /// Logs true physics. It belongs to the telemetry record of the same tick, which must come later.
@@ -75,13 +125,13 @@ impl Recorder {
     pub fn event(&mut self, event: &Event, traffic: &Traffic) -> Result<(), LogError> {
         match event {
             Event::Telemetry(record) => {
-                self.board_s = f64::from(record.tick) / f64::from(TICK_HZ);
+                self.board_s = self.time_of(record.tick);
                 while self.truths.front().is_some_and(|t| t.tick < record.tick) {
                     self.truths.pop_front();
                 }
                 let truth = self.truths.front().filter(|t| t.tick == record.tick);
                 if let Some(csv) = &mut self.csv {
-                    csv.telemetry(record, truth, traffic)?;
+                    csv.telemetry(self.board_s, record, truth, traffic)?;
                 }
                 if let Some(mcap) = &mut self.mcap {
                     mcap.telemetry(self.board_s, record, traffic)?;
@@ -117,6 +167,46 @@ impl Recorder {
                     mcap.fault(self.board_s, fault)?;
                 }
             }
+            Event::Gap(gap) => self.gap(gap)?,
+        }
+        self.keep_if_due()
+    }
+
+    /// Time of a tick in the recording, s.
+    fn time_of(&mut self, tick: u32) -> f64 {
+        let tick_s = f64::from(tick) / f64::from(TICK_HZ);
+        if let Some(resumes_s) = self.resumes_s.take() {
+            let earliest_s = self.board_s + 1.0 / f64::from(TICK_HZ);
+            // Times of the recording stay whole ticks.
+            self.offset_s = ((resumes_s.max(earliest_s) - tick_s) * f64::from(TICK_HZ)).round() / f64::from(TICK_HZ);
+        }
+        self.offset_s + tick_s
+    }
+
+    fn gap(&mut self, gap: &Gap) -> Result<(), LogError> {
+        let ends_s = self.board_s + gap.silent_s;
+        if gap.restarted.is_some() {
+            self.resumes_s = Some(ends_s);
+        }
+        if let Some(csv) = &mut self.csv {
+            csv.note(gap_text(gap));
+        }
+        match &mut self.mcap {
+            Some(mcap) => mcap.gap(ends_s, gap),
+            None => Ok(()),
+        }
+    }
+
+    /// Logs that nothing is heard any more, and why; [`Event::Gap`] tells how it ends.
+    ///
+    /// # Errors
+    /// [`LogError`] when writing fails.
+    pub fn gap_begins(&mut self, why: &str) -> Result<(), LogError> {
+        if let Some(csv) = &mut self.csv {
+            csv.note(why.to_owned());
+        }
+        if let Some(mcap) = &mut self.mcap {
+            mcap.gap_begins(self.board_s, why)?;
         }
         self.keep_if_due()
     }
@@ -132,29 +222,22 @@ impl Recorder {
             return Ok(());
         }
         self.kept_board_s = self.board_s;
-        if let Some(csv) = &mut self.csv {
-            csv.keep(wall_due)?;
-        }
-        if let Some(mcap) = &mut self.mcap {
-            mcap.keep(wall_due)?;
-        }
         if wall_due {
             self.kept = Some(Instant::now());
         }
-        Ok(())
+        // A file that takes no more must not keep the other from being written.
+        let csv = self.csv.as_mut().map_or(Ok(()), |csv| csv.keep(wall_due));
+        let mcap = self.mcap.as_mut().map_or(Ok(()), |mcap| mcap.keep(wall_due));
+        csv.and(mcap)
     }
 
-    /// Ends the logs properly.
+    /// Ends the logs properly; each of them also where the other one fails.
     ///
     /// # Errors
     /// [`LogError`] when writing fails.
     pub fn finish(mut self) -> Result<(), LogError> {
-        if let Some(csv) = &mut self.csv {
-            csv.keep(true)?;
-        }
-        match self.mcap {
-            Some(mcap) => mcap.finish(),
-            None => Ok(()),
-        }
+        let csv = self.csv.as_mut().map_or(Ok(()), CsvLog::finish);
+        let mcap = self.mcap.map_or(Ok(()), McapLog::finish);
+        csv.and(mcap)
     }
 }

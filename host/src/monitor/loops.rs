@@ -58,12 +58,8 @@ pub fn run(
 ) -> Result<(), MonitorError> {
     check_terminal()?;
     let stop = Arc::clone(&settings.stop);
-    for signal in signal_hook::consts::TERM_SIGNALS {
-        signal_hook::flag::register(*signal, Arc::clone(&stop))?;
-    }
-    // A terminal whose window was closed.
-    #[cfg(unix)]
-    signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::clone(&stop))?;
+    crate::signals::stop_on_signals(&stop)?;
+    crate::signals::outlive_file_limits()?;
     // Gives the terminal back before a panic is printed, too.
     let mut terminal = ratatui::try_init()?;
     let worker = Worker::start(opener, settings);

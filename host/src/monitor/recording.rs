@@ -6,9 +6,6 @@ use crate::log::{LogError, Recorder};
 use crate::plant::Truth;
 use crate::session::{Event, Traffic};
 
-/// Most recordings in a folder.
-const MOST: u32 = 100_000;
-
 /// Logs that are being written.
 #[derive(Debug)]
 pub struct Recording {
@@ -22,14 +19,9 @@ impl Recording {
     /// # Errors
     /// [`LogError`] when folder or files cannot be made.
     pub fn begin(folder: &Path) -> Result<Self, LogError> {
-        let failed = |source| LogError::File { path: folder.into(), source };
-        std::fs::create_dir_all(folder).map_err(failed)?;
-        let (csv, mcap) = (1..MOST)
-            .map(|n| [format!("recording-{n:03}.csv"), format!("recording-{n:03}.mcap")].map(|name| folder.join(name)))
-            .map(|[csv, mcap]| (csv, mcap))
-            .find(|(csv, mcap)| !csv.exists() && !mcap.exists())
-            .ok_or_else(|| failed(std::io::Error::other("it holds all the recordings it can")))?;
-        Ok(Recording { recorder: Recorder::create(Some(&csv), Some(&mcap))?, csv })
+        let recorder = Recorder::create_numbered(folder, "recording")?;
+        let csv = recorder.csv_path().unwrap_or(folder).to_owned();
+        Ok(Recording { recorder, csv })
     }
 
     /// The CSV file; the MCAP file has the same name with its own extension.
@@ -52,6 +44,22 @@ impl Recording {
     /// [`LogError`] when writing fails.
     pub fn event(&mut self, event: &Event, traffic: &Traffic) -> Result<(), LogError> {
         self.recorder.event(event, traffic)
+    }
+
+    /// Logs that nothing is heard any more, and why.
+    ///
+    /// # Errors
+    /// [`LogError`] when writing fails.
+    pub fn gap_begins(&mut self, why: &str) -> Result<(), LogError> {
+        self.recorder.gap_begins(why)
+    }
+
+    /// Brings what was logged to the disk when it is time to.
+    ///
+    /// # Errors
+    /// [`LogError`] when writing fails.
+    pub fn keep_if_due(&mut self) -> Result<(), LogError> {
+        self.recorder.keep_if_due()
     }
 
     /// Ends the logs properly.
@@ -88,6 +96,6 @@ mod tests {
         let file = folder.path().join("file");
         std::fs::write(&file, "").unwrap();
         let error = Recording::begin(&file.join("in")).unwrap_err().to_string();
-        assert!(error.starts_with(&format!("log {}: ", file.join("in").display())), "{error}");
+        assert!(error.starts_with(&format!("recording {}: ", file.join("in").display())), "{error}");
     }
 }

@@ -9,7 +9,7 @@ use protocol::message::{Estimate, Hello, Mode, State, Status, Telemetry, Verdict
 
 use super::{Command, Key, Update};
 use crate::log::verdict_text;
-use crate::session::{Event, Traffic, fault_text};
+use crate::session::{Event, Traffic, fault_text, gap_text};
 
 /// Ticks that the traces show: ten seconds.
 pub const SHOWN_TICKS: usize = 10 * TICK_HZ as usize;
@@ -228,6 +228,11 @@ impl Monitor {
                 self.verdict = Some(verdict);
             }
             Event::Fault(fault) => self.note(Weight::Alarm, fault_text(&fault)),
+            Event::Gap(gap) => {
+                // A board that has restarted stands in idle: nobody has asked it for outputs.
+                self.armed = false;
+                self.note(Weight::Alarm, gap_text(&gap));
+            }
         }
     }
 

@@ -12,6 +12,7 @@ use protocol::message::{Hello, Mode, Status};
 
 use super::Recording;
 use crate::link::{Link, LinkError};
+use crate::log::LogError;
 use crate::session::{Event, Patience, Session, SessionError, Traffic};
 
 /// What a person asks for.
@@ -154,16 +155,26 @@ impl Drop for SafeEnd {
 
 impl Conversation {
     fn run(mut self) {
+        let mut board: Option<SafeEnd> = None;
+        let mut why = String::new();
         loop {
             self.say(Update::Opening("opening".into()));
-            let end =
-                match (self.opener)().map_err(SessionError::from).and_then(|l| Session::open(l, Patience::default())) {
-                    Ok((session, hello)) => {
-                        self.say(Update::Opened(session.link().name().to_owned(), hello));
-                        self.talk(SafeEnd(session))
+            let end = match (self.opener)().map_err(SessionError::from).and_then(|link| take_up(&mut board, link, &why))
+            {
+                Ok(hello) => match &mut board {
+                    Some(board) => {
+                        self.say(Update::Opened(board.0.link().name().to_owned(), hello));
+                        let end = self.talk(board);
+                        if let End::Lost(reason) = &end {
+                            why.clone_from(reason);
+                            self.record_gap(reason);
+                        }
+                        end
                     }
-                    Err(error) => End::Lost(error.to_string()),
-                };
+                    None => End::Stopped,
+                },
+                Err(error) => End::Lost(error.to_string()),
+            };
             match end {
                 End::Stopped => break,
                 End::Lost(reason) => self.say(Update::Lost(reason)),
@@ -173,6 +184,14 @@ impl Conversation {
             }
         }
         self.record(false);
+    }
+
+    fn record_gap(&mut self, reason: &str) {
+        if let Some(recording) = &mut self.recording
+            && let Err(error) = recording.gap_begins(&format!("board lost: {reason}"))
+        {
+            self.give_up_recording(&error);
+        }
     }
 
     /// Nobody may be left to listen; the commands tell.
@@ -188,16 +207,22 @@ impl Conversation {
                 Ok(Command::Stop) | Err(RecvTimeoutError::Disconnected) => return true,
                 Ok(Command::Record(on)) => self.record(on),
                 Ok(_) => self.say(Update::Refused("no link to the board".into())),
-                Err(RecvTimeoutError::Timeout) => return self.is_over(),
+                Err(RecvTimeoutError::Timeout) => break,
             }
         }
+        if let Some(recording) = &mut self.recording
+            && let Err(error) = recording.keep_if_due()
+        {
+            self.give_up_recording(&error);
+        }
+        self.is_over()
     }
 
     fn is_over(&self) -> bool {
         self.settings.stop.load(Ordering::Relaxed)
     }
 
-    fn talk(&mut self, mut board: SafeEnd) -> End {
+    fn talk(&mut self, board: &mut SafeEnd) -> End {
         let session = &mut board.0;
         // Whatever was going on when the link was lost, nobody has watched it since.
         if std::mem::replace(&mut self.opened_before, true)
@@ -321,11 +346,27 @@ impl Conversation {
         };
         let kept = truths.into_iter().try_for_each(|truth| recording.truth(truth));
         if let Err(error) = kept.and_then(|()| recording.event(event, &session.traffic())) {
-            self.recording = None;
-            self.say(Update::Refused(error.to_string()));
-            self.say(Update::Recording(None));
+            self.give_up_recording(&error);
         }
     }
+
+    /// Ends a recording that cannot go on: what is complete in it stays.
+    fn give_up_recording(&mut self, error: &LogError) {
+        // The other of the two files may take its end; the first error is the one to tell.
+        let _ = self.recording.take().map(Recording::finish);
+        self.say(Update::Refused(error.to_string()));
+        self.say(Update::Recording(None));
+    }
+}
+
+/// Greets the board at `link`, or goes on with the conversation that was lost for the reason `why`.
+fn take_up(board: &mut Option<SafeEnd>, link: Box<dyn Link>, why: &str) -> Result<Hello, SessionError> {
+    if let Some(board) = board {
+        return board.0.resume(link, why);
+    }
+    let (session, hello) = Session::open(link, Patience::default())?;
+    *board = Some(SafeEnd(session));
+    Ok(hello)
 }
 
 fn mode_text(mode: &Mode) -> String {

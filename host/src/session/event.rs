@@ -3,6 +3,8 @@
 use protocol::fault::Fault;
 use protocol::message::{Estimate, FaultReport, Telemetry, Verdict};
 
+use super::Gap;
+
 /// Something the board said by itself.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
@@ -14,6 +16,8 @@ pub enum Event {
     Verdict(Verdict),
     /// A fault was latched.
     Fault(FaultReport),
+    /// The board was not heard for a while: it has restarted, or the link was lost. What follows came after it.
+    Gap(Gap),
 }
 
 /// A fault in words: what, when, the value and its limit, and what to do.

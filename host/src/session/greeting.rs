@@ -1,7 +1,7 @@
 //! Who are you? Version and schema are checked before anything else is said.
 
 use protocol::PROTOCOL_VERSION;
-use protocol::frame::{self, LossCounter, MAX_FRAME};
+use protocol::frame::{self, MAX_FRAME};
 use protocol::message::{Hello, HelloRequest, Refusal, Report, Request, SCHEMA_HASH};
 use protocol::rescue;
 
@@ -17,28 +17,32 @@ impl<L: Link> Session<L> {
     /// version answers. [`SessionError::NoAnswer`] when it is silent to both.
     pub fn open(link: L, patience: Patience) -> Result<(Self, Hello), SessionError> {
         let mut session = Session::unopened(link, patience);
+        let hello = session.greet()?;
+        // What was sent before we listened is not lost to us.
+        session.sequence.lost = 0;
+        Ok((session, hello))
+    }
+
+    /// Greets the board, which switches its telemetry on.
+    pub(super) fn greet(&mut self) -> Result<Hello, SessionError> {
         let greeting = Request::Hello(HelloRequest { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH });
         // Bytes of an earlier conversation may lie in front of our first frame; a zero ends them.
-        session.link.send(&[0])?;
-        let answer = session.request(&greeting);
+        self.link.send(&[0])?;
+        let answer = self.request(&greeting);
         match answer {
             Ok(Report::Hello(hello))
                 if hello.protocol_version == PROTOCOL_VERSION && hello.schema_hash == SCHEMA_HASH =>
             {
-                // What was sent before we listened is not lost to us.
-                let received = session.sequence.received;
-                session.sequence.lost = 0;
-                session.sequence.received = received;
-                Ok((session, hello))
+                Ok(hello)
             }
             Ok(_)
             | Err(SessionError::NoAnswer { .. })
             | Err(SessionError::Refused {
                 reason: Refusal::SchemaMismatch | Refusal::Unknown | Refusal::Malformed,
                 ..
-            }) => match session.rescue()? {
-                Some(answer) => Err(SessionError::Version { board: session.link.name().into(), answer }),
-                None => answer.and_then(|_| Err(session.no_sense("Hello"))),
+            }) => match self.rescue()? {
+                Some(answer) => Err(SessionError::Version { board: self.link.name().into(), answer }),
+                None => answer.and_then(|_| Err(self.no_sense("Hello"))),
             },
             Err(other) => Err(other),
         }
@@ -71,8 +75,6 @@ impl<L: Link> Session<L> {
                 self.receive(deadline_s)?;
             }
         }
-        // A silent board's counters mean nothing.
-        self.sequence = LossCounter::default();
         Ok(None)
     }
 }

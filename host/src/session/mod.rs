@@ -2,12 +2,15 @@
 //!
 //! Every request is repeated until it is answered or the attempts are used up; what the board says unasked
 //! (telemetry, verdicts, faults) is kept in order and handed out by [`Session::poll`], also what arrives while
-//! an answer is awaited. Damaged and lost frames are counted, never hidden.
+//! an answer is awaited. Damaged and lost frames are counted, never hidden. A board that restarts while the line stays
+//! open is greeted again by [`Session::poll`], which tells the [`Gap`]; [`Session::resume`] goes on over another link.
 
 mod error;
 mod event;
+mod gap;
 mod greeting;
 mod requests;
+mod resumption;
 mod upload;
 
 use std::collections::VecDeque;
@@ -18,6 +21,7 @@ use protocol::rescue;
 
 pub use error::SessionError;
 pub use event::{Event, fault_text};
+pub use gap::{Gap, cause_text, gap_text};
 pub use upload::Progress;
 
 use crate::link::Link;
@@ -70,6 +74,9 @@ impl Traffic {
     }
 }
 
+/// More frames than any board sends in a second: a larger gap in their numbers is a board that counts anew.
+const MOST_FRAMES_PER_S: f64 = 500.0;
+
 /// An open conversation.
 #[derive(Debug)]
 pub struct Session<L> {
@@ -79,11 +86,24 @@ pub struct Session<L> {
     bytes: Vec<u8>,
     seq: u16,
     last_sent_s: f64,
+    /// When the last frame was counted, s of link time.
+    counted_s: f64,
     sequence: LossCounter,
     traffic: Traffic,
     /// Tick of the last telemetry record and the ticks between two of them.
     last_tick: Option<u32>,
     divider: u32,
+    /// Telemetry as it was asked for last: the greeting switches it on.
+    wanted: u8,
+    /// What the board's clocks said last, and when the last record came, s of link time.
+    clock: gap::BoardClock,
+    record_s: f64,
+    /// What they had said before the board counted from its start again; it has not been greeted since.
+    clock_before: Option<gap::BoardClock>,
+    /// Sequence numbers have jumped farther than any loss explains, and no record has followed.
+    jumped: bool,
+    /// A gap has begun, and the board has not been heard again.
+    gap_open: bool,
     arrived: VecDeque<Incoming>,
     events: VecDeque<Event>,
     latest_status: Option<Status>,
@@ -94,6 +114,8 @@ pub struct Session<L> {
 enum Incoming {
     Report(Report),
     Rescue(rescue::Answer),
+    /// What follows comes from a board that has restarted.
+    Restart,
 }
 
 /// Name of a request in the table of messages.
@@ -107,15 +129,22 @@ impl<L: Link> Session<L> {
     pub fn unopened(link: L, patience: Patience) -> Self {
         Session {
             last_sent_s: link.now_s(),
+            record_s: link.now_s(),
             link,
             patience,
             decoder: Decoder::new(),
             bytes: Vec::new(),
             seq: 0,
+            counted_s: 0.0,
             sequence: LossCounter::default(),
             traffic: Traffic::default(),
             last_tick: None,
             divider: 1,
+            wanted: 1,
+            clock: gap::BoardClock::default(),
+            clock_before: None,
+            jumped: false,
+            gap_open: false,
             arrived: VecDeque::new(),
             events: VecDeque::new(),
             latest_status: None,
@@ -145,10 +174,17 @@ impl<L: Link> Session<L> {
     /// The next thing the board said by itself, waiting for it until `deadline_s` of link time.
     ///
     /// # Errors
-    /// [`SessionError::Link`] when the way to the board fails.
+    /// [`SessionError::Link`] when the way to the board fails; any other when a restarted board does not take up the
+    /// conversation again.
     pub fn poll(&mut self, deadline_s: f64) -> Result<Option<Event>, SessionError> {
         loop {
             self.sort_arrived();
+            if self.records_have_stopped() {
+                self.gap_begins(None);
+            }
+            if self.gap_open {
+                self.hear_again()?;
+            }
             if let Some(event) = self.events.pop_front() {
                 return Ok(Some(event));
             }
@@ -212,8 +248,13 @@ impl<L: Link> Session<L> {
         let ours = |seq: u16| seq.wrapping_sub(first_seq) <= seqs;
         loop {
             while let Some(incoming) = self.arrived.pop_front() {
-                let Incoming::Report(report) = incoming else {
-                    continue;
+                let report = match incoming {
+                    Incoming::Report(report) => report,
+                    Incoming::Restart => {
+                        self.gap_begins(None);
+                        continue;
+                    }
+                    Incoming::Rescue(_) => continue,
                 };
                 let answers = match (&report, request) {
                     (Report::Accepted(a), _) => a.of == of && ours(a.seq),
@@ -271,12 +312,13 @@ impl<L: Link> Session<L> {
                 None => {}
                 Some(Err(_)) => self.traffic.frames_damaged += 1,
                 Some(Ok(frame)) => {
-                    self.sequence.see(frame.seq);
                     let incoming = if frame.kind == rescue::KIND {
                         rescue::Answer::from_bytes(frame.body).map(Incoming::Rescue)
                     } else {
                         Report::decode(frame.kind, frame.body).ok().map(Incoming::Report)
                     };
+                    let seq = frame.seq;
+                    self.count(seq, incoming.as_ref());
                     match incoming {
                         Some(incoming) => self.arrived.push_back(incoming),
                         None => self.traffic.frames_unknown += 1,
@@ -288,10 +330,39 @@ impl<L: Link> Session<L> {
         Ok(received?)
     }
 
+    /// Counts a frame and those missing before it. One that shows that the board counts anew has none before it.
+    fn count(&mut self, seq: u16, incoming: Option<&Incoming>) {
+        let report = match incoming {
+            Some(Incoming::Report(report)) => Some(report),
+            _ => None,
+        };
+        let elapsed_s = (self.link.now_s() - self.counted_s).max(0.0);
+        let too_many = f64::from(self.sequence.gap_before(seq)) > MOST_FRAMES_PER_S * (1.0 + elapsed_s);
+        let begins_again = report.is_some_and(|report| self.clock.begins_again(report));
+        if too_many || begins_again {
+            // Frames of the restarted board that said nothing of the time were counted as if they followed.
+            self.sequence.lost = self.clock.lost;
+            self.sequence.begin_again();
+            self.jumped = true;
+        }
+        if begins_again && self.clock_before.is_none() {
+            self.last_tick = None;
+            self.clock_before = Some(std::mem::take(&mut self.clock));
+            self.arrived.push_back(Incoming::Restart);
+        }
+        self.sequence.see(seq);
+        self.counted_s = self.link.now_s();
+        if report.is_some_and(|report| self.clock.see(report)) {
+            (self.clock.lost, self.clock.heard_s) = (self.sequence.lost, self.counted_s);
+        }
+    }
+
     fn sort_arrived(&mut self) {
         while let Some(incoming) = self.arrived.pop_front() {
-            if let Incoming::Report(report) = incoming {
-                self.keep(report);
+            match incoming {
+                Incoming::Report(report) => self.keep(report),
+                Incoming::Restart => self.gap_begins(None),
+                Incoming::Rescue(_) => {}
             }
         }
     }
@@ -307,6 +378,9 @@ impl<L: Link> Session<L> {
                     self.traffic.telemetry_lost += u64::from((step / self.divider).saturating_sub(1));
                 }
                 self.last_tick = Some(record.tick);
+                self.record_s = self.link.now_s();
+                // While the board is greeted anew, the jump is what tells a restart.
+                self.jumped &= self.gap_open;
                 self.events.push_back(Event::Telemetry(record));
             }
             Report::Estimate(estimate) => self.events.push_back(Event::Estimate(estimate)),

@@ -84,6 +84,7 @@ impl<L: Link> Session<L> {
     pub fn set_telemetry(&mut self, divider: u8) -> Result<(), SessionError> {
         self.request(&Request::SetTelemetry(TelemetryRate { divider }))?;
         self.divider = u32::from(divider).max(1);
+        (self.wanted, self.record_s) = (divider, self.record_s.max(self.link.now_s()));
         self.last_tick = None;
         Ok(())
     }

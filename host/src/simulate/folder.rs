@@ -6,6 +6,18 @@ use crate::experiment::{self, BaseLaw, Experiment, Indenter, Length, Recording, 
 
 use super::effect::Effect;
 use super::spec::{Spec, TrueLaw};
+use crate::ownership::OwnFolder;
+
+/// Name of the description in a simulated folder.
+pub(super) const DESCRIPTION: &str = "experiment.toml";
+
+/// The folder has no description that `simulate` did not write; makes the folder.
+///
+/// # Errors
+/// One that is somebody's is in the way, with its path and the option that helps.
+pub fn check_folder(folder: &Path) -> std::io::Result<()> {
+    OwnFolder::open(folder, "--out", None)?.check(DESCRIPTION)
+}
 
 /// One simulated run.
 #[derive(Debug, Clone, PartialEq)]
@@ -200,21 +212,19 @@ impl SimulatedExperiment {
         text
     }
 
-    /// Writes `experiment.toml` and one CSV a run; the folder is made if need be. Nothing in it tells the truth.
+    /// Writes `experiment.toml`, one CSV a run and a list of them; the folder is made if need be. Nothing in it tells the
+    /// truth.
     ///
     /// # Errors
-    /// The operating system's, with the path.
+    /// The operating system's, with the path, and a file in the way that `simulate` did not write: then nothing is written.
     pub fn write(&self, folder: &Path) -> std::io::Result<()> {
-        let named = |path: &Path, cause: std::io::Error| {
-            std::io::Error::new(cause.kind(), format!("cannot write {}: {cause}", path.display()))
-        };
-        std::fs::create_dir_all(folder).map_err(|cause| named(folder, cause))?;
+        let mut folder = OwnFolder::open(folder, "--out", None)?;
+        folder.check(DESCRIPTION)?;
+        self.runs.iter().try_for_each(|run| folder.check(&run.file))?;
         for run in &self.runs {
-            let path = folder.join(&run.file);
-            std::fs::write(&path, run.csv()).map_err(|cause| named(&path, cause))?;
+            folder.write(&run.file, run.csv().as_bytes())?;
         }
-        let path = folder.join("experiment.toml");
-        std::fs::write(&path, self.description()).map_err(|cause| named(&path, cause))
+        folder.write(DESCRIPTION, self.description().as_bytes()).map(|_| ())
     }
 
     /// What is true and what chance added, as TOML: the effects as a specification writes them, and each specimen's law.

@@ -46,7 +46,7 @@ mod tests;
 pub use description::{EXAMPLE, parse, read};
 pub use effect::{Along, Effect, Kernel, Rest, ShareOf, Variable};
 pub use error::SimulateError;
-pub use folder::{SimulatedExperiment, SimulatedRun};
+pub use folder::{SimulatedExperiment, SimulatedRun, check_folder};
 pub use progress::Progress;
 pub use solver::Solver;
 pub use spec::{FINER, Noise, RunTemplate, SAMPLE_HZ, SecondTerm, Session, Spec, TrueIndenter, TrueLaw, TrueSpecimen};

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
+use crate::ownership::OwnFolder;
 use crate::report::Page;
 
 /// A picture with a name for its file.
@@ -77,6 +78,9 @@ pub struct Findings {
     pub json: Map<String, Value>,
 }
 
+/// Folder of reports where none is asked for.
+pub const DEFAULT_FOLDER: &str = "out/study";
+
 impl Findings {
     /// The report page.
     #[must_use]
@@ -100,12 +104,12 @@ impl Findings {
     /// Writes `NAME.html` and an SVG a picture into a folder; returns the page's path.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Those of the file system, and a file in the way that no study wrote.
     pub fn write(&self, folder: &Path) -> io::Result<PathBuf> {
-        let page = folder.join(format!("{}.html", self.study));
-        self.page().write(&page)?;
+        let mut folder = OwnFolder::open(folder, "--report", Some(DEFAULT_FOLDER))?;
+        let page = folder.write(&format!("{}.html", self.study), self.page().html().as_bytes())?;
         for picture in &self.pictures {
-            std::fs::write(folder.join(format!("{}.svg", picture.file)), &picture.svg)?;
+            folder.write(&format!("{}.svg", picture.file), picture.svg.as_bytes())?;
         }
         Ok(page)
     }

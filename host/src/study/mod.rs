@@ -24,5 +24,5 @@ pub mod terms;
 pub mod trend;
 
 pub use error::StudyError;
-pub use findings::Findings;
+pub use findings::{DEFAULT_FOLDER, Findings};
 pub use subject::{Foam, Subject};

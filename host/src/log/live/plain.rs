@@ -1,7 +1,7 @@
 //! Lines for pipes and log files.
 
 use super::{LiveView, estimate_text, verdict_text};
-use crate::session::{Event, Traffic, fault_text};
+use crate::session::{Event, Traffic, fault_text, gap_text};
 use protocol::TICK_HZ;
 
 /// One line a second of board time, and one for each verdict and fault.
@@ -44,6 +44,10 @@ impl LiveView for Plain {
             Event::Estimate(e) => errln!("{}", estimate_text(e)),
             Event::Verdict(v) => errln!("{}", verdict_text(v, &self.library)),
             Event::Fault(f) => errln!("{}", fault_text(f)),
+            Event::Gap(g) => {
+                self.next_tick = 0;
+                errln!("{}", gap_text(g));
+            }
         }
     }
 

@@ -20,7 +20,7 @@ use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 use ratatui::{Frame, prelude::Alignment};
 
 use super::{LiveView, estimate_text, verdict_text};
-use crate::session::{Event, Traffic, fault_text};
+use crate::session::{Event, Traffic, fault_text, gap_text};
 
 /// Ticks that the charts show: ten seconds.
 const SHOWN: usize = 10 * TICK_HZ as usize;
@@ -123,6 +123,11 @@ impl LiveView for Screen {
             Event::Estimate(e) => self.remember(estimate_text(e).into()),
             Event::Verdict(v) => self.remember(verdict_text(v, &self.library).into()),
             Event::Fault(f) => self.remember(Line::from(fault_text(f)).red()),
+            Event::Gap(g) => {
+                // The curves are over the board's time, which may have begun again.
+                self.records.clear();
+                self.remember(Line::from(gap_text(g)).yellow());
+            }
         }
     }
 

@@ -19,9 +19,11 @@ mod effect;
 mod run;
 mod spec;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use super::folder::DESCRIPTION;
 use crate::experiment::{Experiment, Run, Sensor, Test};
+use crate::ownership::OwnFolder;
 
 pub use command::{DisplayRun, Subject, TICK_S};
 pub use description::{EXAMPLE, is_display, parse};
@@ -82,17 +84,16 @@ impl DisplaySpec {
     /// Writes `experiment.toml` and one CSV a run; nothing in them tells the flaws.
     ///
     /// # Errors
-    /// The operating system's, with the path.
+    /// The operating system's, with the path, and a file in the way that `simulate` did not write: then nothing is written.
     pub fn write(&self, folder: &Path) -> std::io::Result<()> {
-        let named = |path: &Path, cause: std::io::Error| {
-            std::io::Error::new(cause.kind(), format!("cannot write {}: {cause}", path.display()))
-        };
-        std::fs::create_dir_all(folder).map_err(|cause| named(folder, cause))?;
+        let mut own = OwnFolder::open(folder, "--out", None)?;
+        own.check(DESCRIPTION)?;
         let experiment = self.experiment_in(folder);
         let title = toml::Value::String(self.name.clone());
         let mut text = format!("name = {title}\n");
+        experiment.runs.iter().try_for_each(|run| own.check(&run.file))?;
         for run in &experiment.runs {
-            std::fs::write(&run.path, csv(run)).map_err(|cause| named(&run.path, cause))?;
+            own.write(&run.file, csv(run).as_bytes())?;
             text.push_str(&format!("\n[[run]]\nfile = \"{}\"\ntest = \"display\"\n", run.file));
             for (key, value) in
                 [("order", run.order.map(|n| n.to_string())), ("start_s", run.start_s.map(|s| format!("{s:?}")))]
@@ -105,8 +106,7 @@ impl DisplaySpec {
                 text.push_str("hold_out = true\n");
             }
         }
-        let path = PathBuf::from(folder).join("experiment.toml");
-        std::fs::write(&path, text).map_err(|cause| named(&path, cause))
+        own.write(DESCRIPTION, text.as_bytes()).map(|_| ())
     }
 }
 

@@ -42,6 +42,22 @@ fn the_same_seed_gives_the_same_bytes_and_another_one_other_data() {
 }
 
 #[test]
+fn an_experiment_that_simulate_did_not_write_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = made(&noisy());
+    let file = folder.path().join("experiment.toml");
+    std::fs::write(&file, "name = \"a month of work\"\n").unwrap();
+    let told = made.write(folder.path()).unwrap_err().to_string();
+    assert!(told.starts_with(&format!("{} exists", file.display())) && told.contains("--out"), "{told}");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "name = \"a month of work\"\n");
+    // Nothing else was written either.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    std::fs::remove_file(&file).unwrap();
+    made.write(folder.path()).unwrap();
+    made.write(folder.path()).unwrap();
+}
+
+#[test]
 fn a_written_folder_reads_back_to_the_same_experiment() {
     let folder = tempfile::tempdir().unwrap();
     let mut spec = noisy();

@@ -1,0 +1,42 @@
+//! Requests to end that come as signals.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Sets `stop` on SIGTERM, SIGINT and SIGQUIT, and on SIGHUP (a terminal whose window was closed, a lost ssh) unless `nohup`
+/// asked to outlive it. A second signal of the kind ends the process at once, in case the first one waits for a disk.
+///
+/// # Errors
+/// Those of the system.
+pub(crate) fn stop_on_signals(stop: &Arc<AtomicBool>) -> io::Result<()> {
+    let mut signals = signal_hook::consts::TERM_SIGNALS.to_vec();
+    #[cfg(unix)]
+    if !is_ignored(signal_hook::consts::SIGHUP) {
+        signals.push(signal_hook::consts::SIGHUP);
+    }
+    for signal in signals {
+        signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(stop))?;
+        signal_hook::flag::register(signal, Arc::clone(stop))?;
+    }
+    Ok(())
+}
+
+/// Makes a file that outgrows the shell's limit (`ulimit -f`) an error of its writer, which it can tell, instead of the
+/// end of the process.
+///
+/// # Errors
+/// Those of the system.
+pub(crate) fn outlive_file_limits() -> io::Result<()> {
+    #[cfg(unix)]
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
+    Ok(())
+}
+
+/// The process was started with `signal` ignored. Only Linux tells; elsewhere it counts as not ignored.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).map(str::trim);
+    mask.and_then(|mask| u64::from_str_radix(mask, 16).ok()).is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
