@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::error::{ExperimentError, Problem};
 use super::file::{self, Need, Window};
 use super::layout;
+use super::plausible;
 use super::section::{Document, Section};
 use super::sensor;
 use super::{
@@ -41,6 +42,7 @@ pub(super) fn experiment(file: &Path, text: &str) -> Result<Experiment, Experime
         folder: &folder,
         specimens: specimens.iter().enumerate().map(|(i, s)| (s.name.clone(), i)).collect(),
         indenters: indenters.iter().enumerate().map(|(i, s)| (s.name.clone(), i)).collect(),
+        balls: &indenters,
     };
     let sections = root.array("run")?;
     if sections.is_empty() {
@@ -125,6 +127,7 @@ struct Places<'a> {
     folder: &'a Path,
     specimens: Names,
     indenters: Names,
+    balls: &'a [Indenter],
 }
 
 const TESTS: [(&str, Test); 9] = [
@@ -192,6 +195,11 @@ fn run(
         }
         _ => Vec::new(),
     };
+    let ball_mm = indenter.and_then(|at| places.balls[at].radius_mm.known());
+    let soft = specimen.is_some_and(|at| specimens[at].base_law != BaseLaw::Rigid);
+    if let Some(ball_mm) = ball_mm.filter(|_| test == Test::Indentation && soft) {
+        plausible::check(&recording, ball_mm, &columns).map_err(|problem| ExperimentError::of_file(&path, problem))?;
+    }
     if test == Test::Tension {
         recording.turn_to_push();
     } else if let Some(height_mm) = specimen.and_then(|at| specimens.get(at)?.height_mm.known()) {

@@ -185,6 +185,20 @@ pub enum Problem {
     /// Infinite, or beyond the range of a double.
     #[error("\"{0}\" is infinite; expected a finite number")]
     Infinite(String),
+    /// A column in another unit than it is read in.
+    #[error(
+        "the column is in {unit}; write {wanted} = {{ name = \"{header}\", scale = {scale} }} in [columns] (scale = 1 where its name is wrong)"
+    )]
+    OtherUnit {
+        /// Its name in the header.
+        header: String,
+        /// Name in the contract.
+        wanted: String,
+        /// Unit that the file tells.
+        unit: String,
+        /// Factor to the contract's.
+        scale: f64,
+    },
     /// Time falls from one row to the next.
     #[error("time goes backwards: {now} s after {before} s")]
     TimeBackwards {

@@ -19,8 +19,8 @@ pub enum Source {
 pub struct Mapping {
     /// The column.
     pub source: Source,
-    /// Factor from the file's unit to the wanted one.
-    pub scale: f64,
+    /// Factor from the file's unit to the wanted one; nothing where none is stated, which counts as 1.
+    pub scale: Option<f64>,
     /// +1 or -1: compression and force into the specimen are positive.
     pub sign: f64,
 }
@@ -29,13 +29,19 @@ impl Mapping {
     /// The column of this name, as it is.
     #[must_use]
     pub fn named(name: &str) -> Self {
-        Self { source: Source::Name { name: name.to_owned(), nth: None }, scale: 1.0, sign: 1.0 }
+        Self { source: Source::Name { name: name.to_owned(), nth: None }, scale: None, sign: 1.0 }
+    }
+
+    /// Scale and sign together.
+    #[must_use]
+    pub fn factor(&self) -> f64 {
+        self.scale.unwrap_or(1.0) * self.sign
     }
 
     /// The column of this number (from 1), as it is.
     #[must_use]
     pub fn numbered(number: usize) -> Self {
-        Self { source: Source::Number(number), scale: 1.0, sign: 1.0 }
+        Self { source: Source::Number(number), scale: None, sign: 1.0 }
     }
 }
 

@@ -46,9 +46,7 @@ pub(super) fn columns(
 
 fn column(section: &Section<'_>) -> Result<Mapping, ExperimentError> {
     section.only(&["name", "nth", "number", "scale", "sign"])?;
-    let scale = section
-        .number("scale", f64::MIN_POSITIVE..=1e12, "a number above 0 (turn directions with sign)")?
-        .unwrap_or(1.0);
+    let scale = section.number("scale", f64::MIN_POSITIVE..=1e12, "a number above 0 (turn directions with sign)")?;
     let sign = section.number("sign", -1.0..=1.0, "1 or -1")?.unwrap_or(1.0);
     if let Some(value) = section.value("sign")
         && sign.abs() != 1.0

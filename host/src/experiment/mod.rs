@@ -13,11 +13,13 @@ mod keys;
 mod kind;
 mod layout;
 pub mod motion;
+mod plausible;
 mod recording;
 pub mod replicate;
 pub(crate) mod section;
 pub mod sensor;
 mod specimen;
+pub(crate) mod unit;
 
 use std::path::Path;
 

@@ -5,8 +5,8 @@ use std::ops::Range;
 use crate::experiment::file::number::Digits;
 use crate::experiment::file::table::Table;
 
-use super::unit::unit;
 use super::written::{counts, is_value};
+use crate::experiment::unit::unit;
 
 /// Fewest rows that are a recording or a table.
 const ROWS: usize = 5;

@@ -8,7 +8,6 @@ mod channels;
 mod draft;
 mod roles;
 mod sight;
-mod unit;
 mod written;
 
 use std::io::Write as _;

@@ -5,7 +5,7 @@ use crate::experiment::file::table::Table;
 
 use super::block::Block;
 use super::channels::Channel;
-use super::unit::{Quantity, named, parted, unit};
+use crate::experiment::unit::{Quantity, named, parted, unit};
 
 /// A column that may be wanted.
 #[derive(Debug, Clone)]

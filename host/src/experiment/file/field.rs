@@ -18,6 +18,8 @@ pub(crate) struct Field {
     pub wanted: String,
     /// Scale and sign.
     pub factor: f64,
+    /// The description states the scale: what the file says of its unit does not matter.
+    pub scale_is_stated: bool,
     /// Every cell must hold a number.
     pub required: bool,
 }
@@ -41,7 +43,8 @@ pub(crate) fn fields(
             index,
             header: if name.is_empty() { wanted } else { name }.to_owned(),
             wanted: wanted.to_owned(),
-            factor: mapping.scale * mapping.sign,
+            factor: mapping.factor(),
+            scale_is_stated: mapping.scale.is_some(),
             required: why.is_some(),
         });
     }
@@ -51,7 +54,14 @@ pub(crate) fn fields(
             continue;
         }
         let header = name.to_owned();
-        fields.push(Field { index, wanted: free(&header, &fields), header, factor: 1.0, required: false });
+        fields.push(Field {
+            index,
+            wanted: free(&header, &fields),
+            header,
+            factor: 1.0,
+            scale_is_stated: false,
+            required: false,
+        });
     }
     for field in &mut fields {
         field.required |= need.numbers.contains(&field.wanted.as_str());

@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::super::Recording;
 use super::super::error::{ExperimentError, Problem};
 use super::super::format::Pace;
+use super::super::unit::{Quantity, parted, unit};
 use super::clock::Clock;
 use super::field::Field;
 use super::hint;
@@ -37,6 +38,7 @@ pub(super) fn recording(
     window: Window,
 ) -> Result<Recording, ExperimentError> {
     let reader = Reader { plan, table, segment, digits: Digits::of(plan.format) };
+    reader.check_units()?;
     let rows = reader.without_empty_end();
     if rows.is_empty() {
         return Err(ExperimentError::of_file(plan.path, Problem::Empty("rows below its header".into())));
@@ -92,6 +94,27 @@ fn inside(times: &[f64], window: Window) -> Option<Range<usize>> {
 }
 
 impl Reader<'_> {
+    /// Refuses a column whose name, or the row of units, says another unit than the one it is read in.
+    fn check_units(&self) -> Result<(), ExperimentError> {
+        let quantities = [("time_s", Quantity::Time), ("depth_mm", Quantity::Depth), ("force_N", Quantity::Force)];
+        let Some(header) = self.segment.header else { return Ok(()) };
+        let below = self.plan.format.units_row.then(|| self.table.row(header + 1));
+        for field in self.segment.fields.iter().filter(|field| field.required && !field.scale_is_stated) {
+            let Some((_, quantity)) = quantities.iter().find(|(wanted, _)| *wanted == field.wanted) else { continue };
+            let told = below.map(|row| row.cell(field.index).to_owned()).filter(|cell| unit(cell).is_some());
+            let Some(text) = told.or_else(|| parted(&field.header).1) else { continue };
+            let Some((_, scale)) = unit(&text).filter(|(its, scale)| its == quantity && (scale - 1.0).abs() > 1e-9)
+            else {
+                continue;
+            };
+            let problem =
+                Problem::OtherUnit { header: field.header.clone(), wanted: field.wanted.clone(), unit: text, scale };
+            let place = Some((field.index, field.header.as_str()));
+            return Err(ExperimentError::of_row(self.plan.path, self.table.row(header).line, place, problem));
+        }
+        Ok(())
+    }
+
     /// The rows up to the last that has anything in a needed column: specimens side by side are of different lengths.
     fn without_empty_end(&self) -> Range<usize> {
         let required: Vec<usize> = self.segment.fields.iter().filter(|f| f.required).map(|f| f.index).collect();

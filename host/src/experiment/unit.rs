@@ -2,14 +2,14 @@
 
 /// Quantities that a run is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Quantity {
+pub(crate) enum Quantity {
     Time,
     Depth,
     Force,
 }
 
 /// What a unit measures, and its factor to mm, N or s.
-pub(super) fn unit(text: &str) -> Option<(Quantity, f64)> {
+pub(crate) fn unit(text: &str) -> Option<(Quantity, f64)> {
     const GRAVITY: f64 = 9.806_65e-3;
     let plain = text.trim().trim_matches(['(', ')', '[', ']', '<', '>']).trim().replace(['μ', 'µ'], "u");
     let lower = plain.to_lowercase();
@@ -44,7 +44,7 @@ pub(super) fn unit(text: &str) -> Option<(Quantity, f64)> {
 }
 
 /// The name of a column without its unit, and the unit: `Weg [mm]`, "Kraft / N", "Force (mN)", "extension_mm", "Zeit in s".
-pub(super) fn parted(name: &str) -> (String, Option<String>) {
+pub(crate) fn parted(name: &str) -> (String, Option<String>) {
     let name = name.trim();
     for (open, close) in [('(', ')'), ('[', ']'), ('<', '>')] {
         if let Some(at) = name.rfind(open)
@@ -65,7 +65,7 @@ pub(super) fn parted(name: &str) -> (String, Option<String>) {
 }
 
 /// What a column of this bare name measures, and how surely: 0 is the contract's own name, 3 a guess.
-pub(super) fn named(name: &str, bare: &str) -> Option<(Quantity, u8)> {
+pub(crate) fn named(name: &str, bare: &str) -> Option<(Quantity, u8)> {
     match name.trim() {
         "time_s" => return Some((Quantity::Time, 0)),
         "depth_mm" => return Some((Quantity::Depth, 0)),
