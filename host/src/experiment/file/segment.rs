@@ -82,6 +82,16 @@ impl Plan<'_> {
     pub fn below(&self, table: &Table, at: usize) -> Option<Vec<Field>> {
         let row = table.row(at);
         let digits = Digits::of(self.format);
+        // Most rows are data; this is asked of millions.
+        let first = self.need.columns.first().map(|(name, _)| (*name, self.columns.get(*name).map(|m| &m.source)));
+        let maybe = match first? {
+            (_, Some(Source::Number(number))) => !digits.are(row.cell(number.saturating_sub(1))),
+            (_, Some(Source::Name { name, .. })) => row.cells().any(|cell| cell == name),
+            (name, None) => row.cells().any(|cell| cell == name),
+        };
+        if !maybe {
+            return None;
+        }
         let found = fields(Some(row), row.len(), self.need, self.columns).ok()?;
         let named = |field: &&Field| field.required && !row.cell(field.index).is_empty();
         if !found.iter().any(|field| field.required) || found.iter().filter(|f| f.required).any(|f| !named(&f)) {
