@@ -127,24 +127,32 @@ impl OwnFolder {
     }
 }
 
-/// Writes a single file, and makes its folder where there is none. A file that exists is replaced only if it begins as what
-/// palpate writes there: with the same first line of a text, the same eight bytes of anything else.
+/// Writes a single file, and makes its folder where there is none; a file of another kind is not replaced.
 ///
 /// # Errors
-/// One that begins otherwise is in the way; and the operating system's, with the path.
+/// As [`check_file`]; and the operating system's, with the path.
 pub(crate) fn write_file(path: &Path, bytes: &[u8], option: &str) -> io::Result<()> {
+    check_file(path, bytes, option)?;
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(|cause| named(folder, &cause))?;
     }
-    match std::fs::read(path) {
-        Err(cause) if cause.kind() == ErrorKind::NotFound => {}
-        Ok(found) if found.is_empty() || beginning(&found) == beginning(bytes) => {}
-        Ok(_) => return Err(foreign(path, option)),
-        // A device or a pipe takes what it is given.
-        Err(_) if path.exists() && !path.is_file() && !path.is_dir() => {}
-        Err(cause) => return Err(named(path, &cause)),
-    }
     std::fs::write(path, bytes).map_err(|cause| named(path, &cause))
+}
+
+/// A file may be written that begins with `bytes`: none is there, or one that begins as palpate begins it, with the same first
+/// line of a text, the same eight bytes of anything else.
+///
+/// # Errors
+/// One that begins otherwise is in the way.
+pub(crate) fn check_file(path: &Path, bytes: &[u8], option: &str) -> io::Result<()> {
+    match std::fs::read(path) {
+        Err(cause) if cause.kind() == ErrorKind::NotFound => Ok(()),
+        Ok(found) if found.is_empty() || beginning(&found) == beginning(bytes) => Ok(()),
+        Ok(_) => Err(foreign(path, option)),
+        // A device or a pipe takes what it is given.
+        Err(_) if path.exists() && !path.is_file() && !path.is_dir() => Ok(()),
+        Err(cause) => Err(named(path, &cause)),
+    }
 }
 
 /// Length of the mark that tables and sweeps begin with.

@@ -70,8 +70,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     let text = experiment::text_of(file)?;
-    // Before anything is solved for a folder that is not to be written to.
+    // Before anything is solved for a place that is not to be written to.
     simulate::check_folder(folder).into_diagnostic()?;
+    if let Some(truth) = &arguments.truth {
+        crate::ownership::check_file(truth, TRUTH.as_bytes(), "--truth").into_diagnostic()?;
+    }
     if display::is_display(&text) {
         return run_display(arguments, &text, file, folder);
     }
@@ -102,10 +105,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-/// Its first line tells such a file from any other, which is not replaced.
+/// First line of a file that says what is true: it tells such a file from any other, which is not replaced.
+const TRUTH: &str = "# What is true in an experiment of palpate simulate.\n";
+
 fn save_truth(file: &Path, text: &str) -> miette::Result<()> {
-    let text = format!("# What is true in an experiment of palpate simulate.\n{text}");
-    crate::ownership::write_file(file, text.as_bytes(), "--truth").into_diagnostic()
+    crate::ownership::write_file(file, format!("{TRUTH}{text}").as_bytes(), "--truth").into_diagnostic()
 }
 
 /// Writes an experiment with a display.
