@@ -19,6 +19,7 @@ pub mod log;
 pub mod monitor;
 pub mod plant;
 pub mod report;
+pub mod results;
 pub mod session;
 pub mod simulate;
 pub mod simulated_board;
