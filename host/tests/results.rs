@@ -92,10 +92,10 @@ fn a_call_has_a_folder_with_all_that_it_found() {
 
     let csv = fs::read_to_string(kept.join("parameters.csv")).unwrap();
     assert!(csv.starts_with("experiment,material,parameter,unit,value,low95,high95,standing,at_bound\n"), "{csv}");
-    assert!(csv.contains("\"Foam, compressed\",eva,mu_MPa,MPa,0.") && csv.contains(",identified,false"), "{csv}");
+    assert!(csv.contains("\"Foam, compressed\",specimen,mu_MPa,MPa,0.") && csv.contains(",identified,false"), "{csv}");
     let page = fs::read_to_string(kept.join("report.html")).unwrap();
-    assert!(page.contains("eva is a hyperfoam material: mu = ") && page.contains("Where this comes from"));
-    assert!(page.find("eva is a").unwrap() < page.find("<h2>Fit</h2>").unwrap(), "the answer comes first");
+    assert!(page.contains("The specimen is a hyperfoam material: mu = ") && page.contains("Where this comes from"));
+    assert!(page.find("The specimen is a").unwrap() < page.find("<h2>Fit</h2>").unwrap(), "the answer comes first");
     assert!(fs::read_dir(kept.join("figures")).unwrap().count() >= 3);
     assert!(fs::read_to_string(kept.join("material.inp")).unwrap().contains("*HYPERFOAM, N=2"));
     assert!(fs::read_to_string(kept.join("material.feb")).unwrap().contains("Ogden unconstrained"));

@@ -356,7 +356,7 @@ fn print(found: &Identification) {
     }
     outln!("residual         {} N rms, noise {} N", number(fit.rmse_n), number(fit.noise.sigma_n));
     if let Some(check) = found.direct_check {
-        outln!("last solve       within {} % of what was expected of it", number(100.0 * check));
+        outln!("check            force model within {} % of a solve at the end", number(100.0 * check));
     }
     outln!("solves           {} in {:.1} s", found.fe_solves, found.seconds);
 }

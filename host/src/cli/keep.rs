@@ -11,7 +11,7 @@ use crate::identify::Identification;
 use crate::report::{self, number};
 use crate::results::export::{self, Header};
 use crate::results::folder::plain;
-use crate::results::{Folder, FolderError, Place, Provenance, curves, parameters};
+use crate::results::{Folder, FolderError, Place, Provenance, curves, material_name, parameters};
 
 /// Where the results of a call go. People get them without asking, scripts say where they want them.
 pub(super) fn place(report: Option<&PathBuf>, json: bool, usual: &str) -> Option<Place> {
@@ -83,9 +83,9 @@ fn laws(
     let mut notes = Vec::new();
     let own = fit.materials.len() > 1;
     for (specimen, material) in &fit.materials {
-        let specimen = &experiment.specimens[*specimen].name;
-        let name = if own { specimen } else { &found.material };
-        let header = Header { name: name.clone(), lines: lines(experiment, found, provenance) };
+        let specimen = experiment.specimens[*specimen].name.as_str();
+        let name = if own { specimen } else { material_name(experiment, &found.material) };
+        let header = Header { name: name.to_owned(), lines: lines(experiment, found, provenance) };
         let of = if several || own { format!("-{}", plain(name)) } else { String::new() };
         for (ending, block) in [("inp", export::abaqus(material, &header)), ("feb", export::febio(material, &header))] {
             match block {
@@ -101,14 +101,9 @@ fn laws(
 
 /// What a block of another program says of itself.
 fn lines(experiment: &Experiment, found: &Identification, provenance: &Provenance) -> Vec<String> {
+    let name = material_name(experiment, &found.material);
     let mut lines = vec![
-        format!(
-            "{} of \"{}\", identified by {} on {}",
-            found.material,
-            experiment.name,
-            Provenance::version(),
-            provenance.date()
-        ),
+        format!("{name} in \"{}\", identified by {} on {}", experiment.name, Provenance::version(), provenance.date()),
         "Not identified: density. Friction of the ball belongs to the contact.".to_owned(),
     ];
     for p in found.fit.iter().flat_map(|fit| &fit.parameters) {

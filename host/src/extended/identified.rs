@@ -74,7 +74,10 @@ fn saved(source: &Source<'_>, specimen: Option<usize>, material: &Material, rubs
         return Err(refused(source.found, "a model file holds hyperfoam only; --law hyperfoam fits one"));
     };
     let first = law.terms()[0];
-    let name = specimen.map_or(&source.found.material, |at| &source.experiment.specimens[at].name);
+    let name = match specimen {
+        Some(at) => source.experiment.specimens[at].name.as_str(),
+        None => crate::results::material_name(source.experiment, &source.found.material),
+    };
     let mut model = ExtendedModel::base(name, first.mu_mpa, first.alpha);
     let two = law.terms().len() > 1;
     model.intervals = match two {

@@ -14,7 +14,7 @@ pub const MARK: &str = "<meta name=\"generator\" content=\"palpate ";
 /// A figure as a file of its own.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
-    /// What it shows; its title.
+    /// Its title; where it has none, what is drawn.
     pub title: String,
     /// The `<svg>` element.
     pub svg: String,
@@ -74,11 +74,12 @@ impl Page {
 
     /// A table; cells that start like a number are set to the right.
     pub fn table(&mut self, head: &[&str], rows: &[Vec<String>]) {
-        self.body.push_str("<div class=\"wide\"><table><thead><tr>");
-        for cell in head {
-            let _ = write!(self.body, "<th>{}</th>", escaped(cell));
+        self.body.push_str("<div class=\"wide\"><table>");
+        if head.iter().any(|cell| !cell.is_empty()) {
+            let cells: String = head.iter().map(|cell| format!("<th>{}</th>", escaped(cell))).collect();
+            let _ = write!(self.body, "<thead><tr>{cells}</tr></thead>");
         }
-        self.body.push_str("</tr></thead><tbody>\n");
+        self.body.push_str("<tbody>\n");
         for row in rows {
             self.body.push_str("<tr>");
             for cell in row {
@@ -161,10 +162,11 @@ fn elements(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The `<title>` of an element, as it is written there.
+/// The `<title>` of an element up to where it becomes a description.
 fn title_of(svg: &str) -> &str {
     let inner = svg.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
-    inner.map_or("", |(title, _)| title)
+    let title = inner.map_or("", |(title, _)| title);
+    title.split([':', ';']).next().unwrap_or(title)
 }
 
 #[cfg(test)]

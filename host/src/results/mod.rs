@@ -17,5 +17,20 @@ pub mod parameters;
 pub mod provenance;
 pub mod table;
 
+use crate::experiment::Experiment;
+
+/// What a material is called outside of its experiment: where none is named, its only specimen has the better name.
+#[must_use]
+pub fn material_name<'a>(experiment: &'a Experiment, material: &'a str) -> &'a str {
+    let mut own = experiment.specimens.iter().filter(|specimen| specimen.material == material);
+    match (own.next(), own.next()) {
+        (Some(only), None) if material == UNNAMED => &only.name,
+        _ => material,
+    }
+}
+
+/// Name of a material in experiments that name none.
+const UNNAMED: &str = "specimen";
+
 pub use folder::{Folder, FolderError, Place};
 pub use provenance::Provenance;

@@ -98,9 +98,10 @@ fn together(page: &mut Page, experiment: &Experiment, found: &Identification, ru
     let mut residuals = Figure::new("Measured minus fitted", Axis::new(across), Axis::new(left));
     residuals.size.1 = 280.0;
     if let Some(fit) = found.fit.as_ref().filter(|_| !stretched) {
-        let reach = runs.iter().flat_map(|run| measured(found, run, &Units::PLAIN)).map(|p| p.0).fold(0.0, f64::max);
+        let depths = || runs.iter().flat_map(|run| measured(found, run, &Units::PLAIN)).map(|p| p.0);
+        let (from, to) = (depths().fold(0.0, f64::min), depths().fold(0.0, f64::max));
         for noise in [-Z95 * fit.noise.sigma_n, Z95 * fit.noise.sigma_n] {
-            residuals = residuals.with(Series::new("", vec![(0.0, noise), (reach, noise)], Stroke::Faint, GREY));
+            residuals = residuals.with(Series::new("", vec![(from, noise), (to, noise)], Stroke::Faint, GREY));
         }
     }
     for (at, run) in runs.iter().enumerate() {
@@ -118,7 +119,7 @@ fn together(page: &mut Page, experiment: &Experiment, found: &Identification, ru
     page.figure(&forces.svg(), "Every run begins at its own fitted contact point.");
     page.figure(
         &residuals.svg(),
-        "What the fit leaves; between the thin lines lie 95 % of the noise of single samples. A wave is misfit, not noise.",
+        "Between the thin lines lie 95 % of the noise of single samples. A residual that waves is misfit, not noise.",
     );
 }
 

@@ -63,11 +63,14 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Identification) {
          Under a ball its force is that of finite elements; where all of a specimen deforms alike it is a closed form.",
     );
     if let Some(fit) = &found.fit {
-        page.table(&["figure", "value"], &figures_of_fit(found, fit));
+        page.table(&["", "value"], &figures_of_fit(found, fit));
     }
     page.heading("Assumptions");
     page.list(&found.assumptions);
-    let plain: Vec<String> = found.messages.iter().filter(|m| !grave(m)).cloned().collect();
+    // the table has the sentences about parameters
+    let verdicts = || found.fit.iter().flat_map(|fit| &fit.parameters).filter_map(|p| p.verdict.as_ref());
+    let told = |message: &String| verdicts().any(|verdict| verdict.sentence == *message);
+    let plain: Vec<String> = found.messages.iter().filter(|m| !grave(m) && !told(m)).cloned().collect();
     if !plain.is_empty() {
         page.heading("Notes");
         page.list(&plain);
@@ -155,12 +158,12 @@ fn figures_of_fit(found: &Identification, fit: &Fit) -> Vec<Vec<String>> {
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     let mut rows = vec![
         row("residual, rms (N)", number(fit.rmse_n)),
-        row("noise of a sample behind the intervals (N)", number(fit.noise.sigma_n)),
+        row("noise of a sample, as the intervals take it (N)", number(fit.noise.sigma_n)),
         row("neighbouring samples that count as one", number(fit.noise.correlated_samples)),
         row("error bound of the model, of the largest force (%)", number(100.0 * fit.model_error)),
     ];
     if let Some(check) = found.direct_check {
-        rows.push(row("last solve differs from what was expected of it by (%)", number(100.0 * check)));
+        rows.push(row("force model against a solve at the end (%)", number(100.0 * check)));
     }
     rows.push(row("finite element solves", found.fe_solves.to_string()));
     rows.push(row("time (s)", number(found.seconds)));
