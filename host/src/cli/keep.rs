@@ -6,7 +6,7 @@ use miette::IntoDiagnostic;
 use serde_json::Value;
 
 use crate::experiment::Experiment;
-use crate::extended::{DeclaredSpecimen, ExtendedModel};
+use crate::extended::ExtendedModel;
 use crate::identify::Identification;
 use crate::report::{self, number};
 use crate::results::export::{self, Header};
@@ -141,7 +141,7 @@ pub(super) fn models(
             return Err(miette::miette!("--save: {} exists and is kept; --force replaces it", path.display()));
         }
         super::file::save(&path, saved.model.to_toml().as_bytes())?;
-        if saved.model.specimens.iter().all(|specimen: &DeclaredSpecimen| specimen.height_mm <= 0.0) {
+        if saved.model.specimens.is_empty() {
             notes.push(format!("{}: no height is known; `palpate lut` asks for --height-mm", saved.model.material));
         }
         notes.extend(saved.notes.iter().cloned());

@@ -1,13 +1,13 @@
 //! `palpate identify A B C...`: a table of many experiments.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use jiff::Timestamp;
-use miette::IntoDiagnostic;
 use serde_json::{Value, json};
 
 use crate::results::table::{Row, Table};
-use crate::results::{Folder, Place, Provenance};
+use crate::results::{Folder, FolderError, Place, Provenance};
 
 use super::identify::{Arguments, Fitted};
 use super::keep;
@@ -17,6 +17,7 @@ use super::keep;
 /// # Errors
 /// What failed, after the table was told: experiments, or a folder that cannot be written.
 pub(super) fn run(arguments: &Arguments, experiments: &[PathBuf]) -> miette::Result<()> {
+    let start = Instant::now();
     let folder = arguments.place().map(|place| Folder::open(&place, "table", Timestamp::now()));
     let (folder, mut failed) = match folder.transpose() {
         Ok(folder) => (folder, Vec::new()),
@@ -30,10 +31,10 @@ pub(super) fn run(arguments: &Arguments, experiments: &[PathBuf]) -> miette::Res
                 let mut answer = fitted.json(None);
                 answer["experiment"] = json!(named);
                 answer["name"] = json!(fitted.experiment.name);
-                if let Some(folder) = &folder
-                    && let Err(why) = kept(folder.path(), &fitted)
-                {
-                    failed.push(format!("{named}: {why}"));
+                match folder.as_ref().map(|folder| kept(folder.path(), &fitted)).transpose() {
+                    Ok(None) => {}
+                    Ok(Some(results)) => answer["results"] = json!(results.display().to_string()),
+                    Err(why) => failed.push(format!("{named}: {why}")),
                 }
                 answers.push(answer);
                 table.rows.push(Row {
@@ -55,7 +56,7 @@ pub(super) fn run(arguments: &Arguments, experiments: &[PathBuf]) -> miette::Res
         crate::print::out(format_args!("{}", table.text()));
     }
     if let Some(folder) = &folder {
-        let written = all(folder, &table, answers).into_diagnostic()?;
+        let written = all(folder, &table, answers, start)?;
         if !arguments.json {
             outln!("table            {}", written.display());
         }
@@ -70,19 +71,24 @@ fn told(why: &miette::Report) -> String {
 }
 
 /// A folder for one experiment, below that of the table.
-fn kept(below: &Path, fitted: &Fitted) -> Result<(), crate::results::FolderError> {
-    let place = Place::Below(below.to_owned());
+fn kept(below: &Path, fitted: &Fitted) -> Result<PathBuf, FolderError> {
+    let place = Place::Inside(below.to_owned());
     let folder = keep::identified(&place, &fitted.experiment, &fitted.found, &fitted.provenance, fitted.seconds)?;
     let notes = keep::rest(&folder, &fitted.experiment, &fitted.found, &fitted.provenance)?;
     notes.iter().for_each(|note| errln!("{note}"));
-    Ok(())
+    Ok(folder.path().to_owned())
 }
 
-fn all(folder: &Folder, table: &Table, answers: Vec<Value>) -> Result<PathBuf, crate::results::FolderError> {
-    let provenance = Provenance::of([]).json(0.0);
+/// The table as CSV and JSON and as a page.
+fn all(folder: &Folder, table: &Table, answers: Vec<Value>, start: Instant) -> Result<PathBuf, FolderError> {
+    let of_call = Provenance::of([]);
+    let provenance = of_call.json(start.elapsed().as_secs_f64());
     folder.sign(&provenance)?;
     let written = folder.write("table.csv", table.csv().as_bytes())?;
     let answer = json!({ "experiments": answers, "provenance": provenance });
     folder.write("result.json", format!("{answer}\n").as_bytes())?;
+    let mut page = table.page();
+    of_call.section(&mut page);
+    folder.page("report.html", &page)?;
     Ok(written)
 }

@@ -10,7 +10,7 @@ use crate::report::{MARK, Page};
 
 /// File by which a folder is known as one of ours.
 const PROVENANCE: &str = "provenance.json";
-/// Most folders of one name in one second.
+/// Most folders of one name.
 const MOST_ALIKE: usize = 1000;
 /// Longest part of a folder's name that comes from the experiment, characters.
 const LONGEST_NAME: usize = 60;
@@ -20,6 +20,8 @@ const LONGEST_NAME: usize = 60;
 pub enum Place {
     /// A new folder below this one, named after experiment and date.
     Below(PathBuf),
+    /// A new folder below that of a table, named after the experiment alone.
+    Inside(PathBuf),
     /// This folder; what an earlier call wrote there is replaced.
     Named(PathBuf),
 }
@@ -74,6 +76,11 @@ impl Folder {
                     clear_figures(&path.join("figures")).map_err(FolderError::refused(path))?;
                 }
                 Ok(Self { path: path.clone(), newest: None, ours })
+            }
+            Place::Inside(root) => {
+                let name = plain(experiment);
+                let path = fresh(root, &name).map_err(FolderError::refused(&root.join(&name)))?;
+                Ok(Self { path, newest: None, ours: false })
             }
             Place::Below(root) => {
                 let name = format!("{}-{}", plain(experiment), at.strftime("%Y%m%dT%H%M%SZ"));

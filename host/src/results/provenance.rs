@@ -93,6 +93,9 @@ impl Provenance {
         let row = |name: &str, value: String| vec![name.to_owned(), value];
         let rows = [row("program", Self::version()), row("command", self.command.join(" ")), row("date", self.date())];
         page.table(&["", ""], &rows);
+        if self.inputs.is_empty() {
+            return;
+        }
         page.fold("Files that were read, with their SHA-256");
         let told = |input: &Input| {
             vec![input.path.display().to_string(), input.sha256.clone().unwrap_or_else(|| "not readable".to_owned())]

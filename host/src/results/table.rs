@@ -2,7 +2,7 @@
 
 use crate::identify::Identification;
 use crate::identify::fit::Parameter;
-use crate::report::number;
+use crate::report::{Page, number};
 
 /// What became of one experiment.
 #[derive(Debug)]
@@ -75,6 +75,29 @@ impl Table {
     /// The table for a terminal: columns under their heads, two blanks apart.
     #[must_use]
     pub fn text(&self) -> String {
+        aligned(&self.cells())
+    }
+
+    /// The table as a page.
+    #[must_use]
+    pub fn page(&self) -> Page {
+        let fitted = self.rows.len() - self.failed().len();
+        let mut page = Page::new("Identification of many experiments", "");
+        page.verdict(&format!("{fitted} of {} experiments were read and fitted.", self.rows.len()));
+        for row in self.failed() {
+            let why = row.found.as_ref().err().map_or("", String::as_str);
+            page.warning(&format!("{}: {why}", row.experiment));
+        }
+        let cells = self.cells();
+        if let Some((head, rows)) = cells.split_first() {
+            page.table(&head.iter().map(String::as_str).collect::<Vec<_>>(), rows);
+        }
+        page.paragraph("Each experiment has a folder of its own beside this page. 95 % intervals are in brackets.");
+        page
+    }
+
+    /// Head and lines.
+    fn cells(&self) -> Vec<Vec<String>> {
         let names = self.names();
         let mut cells = vec![vec!["experiment".to_owned(), "material".to_owned(), "outcome".to_owned()]];
         cells[0].extend(names.iter().cloned());
@@ -91,7 +114,7 @@ impl Table {
             row.push(fit.map_or_else(|| "-".to_owned(), |fit| number(fit.rmse_n)));
             cells.push(row);
         }
-        aligned(&cells)
+        cells
     }
 
     /// The table as CSV, one line an experiment and material, with a value and two ends of an interval a parameter.

@@ -117,10 +117,8 @@ fn together(page: &mut Page, experiment: &Experiment, found: &Identification, ru
         residuals = residuals.with(Series::new(&name, residual(found, run, &units), line, at));
     }
     page.figure(&forces.svg(), "Every run begins at its own fitted contact point.");
-    page.figure(
-        &residuals.svg(),
-        "Between the thin lines lie 95 % of the noise of single samples. A residual that waves is misfit, not noise.",
-    );
+    let noise = if stretched { "" } else { "Between the thin lines lie 95 % of the noise of single samples. " };
+    page.figure(&residuals.svg(), &format!("{noise}A residual that waves is misfit, not noise."));
 }
 
 pub(super) fn one_run(page: &mut Page, experiment: &Experiment, found: &Identification, run: &RunFit) {
@@ -140,7 +138,7 @@ pub(super) fn one_run(page: &mut Page, experiment: &Experiment, found: &Identifi
         .with(Series::new("fit", readings(&run.model_n), Stroke::Solid, 0));
     forces.size.1 = 260.0;
     let difference: Vec<f64> = data.force_n.iter().zip(&run.model_n).map(|(force, model)| force - model).collect();
-    let mut left = Figure::new("", depth(), Axis::new("measured minus fitted (N)")).with(Series::new(
+    let mut left = Figure::new("", depth(), Axis::new("residual (N)")).with(Series::new(
         "residual",
         readings(&difference),
         Stroke::Solid,
