@@ -417,7 +417,7 @@ impl Fit {
         let mut messages = Vec::new();
         for parameter in self.parameters.iter().filter(|parameter| parameter.at_bound) {
             messages.push(format!(
-                "{} = {:.4} lies on a bound of its search ({:.4} to {:.4}): do not use it; --terms 2 or `palpate diagnose` may help",
+                "{} = {:.4} lies on a bound of its search ({:.4} to {:.4}): these data do not fix it; `palpate diagnose` looks for what the law lacks",
                 parameter.name, parameter.value, parameter.bounds.0, parameter.bounds.1
             ));
         }
