@@ -21,6 +21,7 @@ pub mod monitor;
 mod ownership;
 pub mod plant;
 pub mod report;
+pub mod results;
 pub mod session;
 mod signals;
 pub mod simulate;

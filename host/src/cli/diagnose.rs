@@ -1,16 +1,20 @@
 //! `palpate diagnose`.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
-use miette::{IntoDiagnostic, WrapErr};
+use miette::IntoDiagnostic;
+use serde_json::{Value, json};
 
 use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models};
-use crate::experiment::{self, Experiment};
+use crate::experiment::{self, Experiment, Test};
 use crate::extended::ExtendedModel;
 use crate::extended::display::DisplayModel;
-use crate::report::{self, Page, number};
+use crate::report::{self, number};
+use crate::results::{Folder, FolderError, Place, Provenance, curves, parameters};
 
+use super::keep;
 use super::progress::Progress;
 
 /// What to diagnose, and how to tell it.
@@ -21,218 +25,231 @@ pub struct Arguments {
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
-    /// Folder of the HTML report with figures [default: out/diagnose; with --json none]
+    /// Folder of the results [default: a new one below out/diagnose; with --json none]
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// File for the extended model, if anything is named [default: model.toml beside the report]
+    /// File for the model, if anything is named or nothing is wrong [default: model.toml beside the report]
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
 }
 
-impl Arguments {
-    /// Folder of the report: people get the figures without asking, scripts say where they want them.
-    fn folder(&self) -> Option<PathBuf> {
-        self.report.clone().or_else(|| (!self.json).then(|| PathBuf::from("out/diagnose")))
-    }
-
-    /// Writes a page where there is a folder for it, and says where it is.
-    fn written(&self, file: &str, page: impl FnOnce() -> Page) -> miette::Result<Option<String>> {
-        let Some(file) = self.folder().map(|folder| folder.join(file)) else { return Ok(None) };
-        let cannot = || format!("cannot write the report to {}", file.display());
-        page().write(&file).into_diagnostic().wrap_err_with(cannot)?;
-        Ok(Some(file.display().to_string()))
-    }
+/// What was found, by what the runs were made on.
+#[derive(Default)]
+struct Found {
+    table: Option<diagnose::table::Diagnosis>,
+    display: Option<diagnose::display::Diagnosis>,
+    compressed: Vec<diagnose::compression::Diagnosis>,
+    /// None where no finite elements were asked: no run indents, and others were diagnosed.
+    indented: Option<Vec<Diagnosis>>,
 }
 
-/// Reads, diagnoses, tells.
+/// Files that were written, by what is told of them.
+#[derive(Default)]
+struct Written {
+    report: Option<String>,
+    /// One a material, none where nothing is to be kept of it.
+    models: Vec<Option<String>>,
+    display_model: Option<String>,
+}
+
+/// Reads, diagnoses, tells, and then keeps what was found.
 ///
 /// # Errors
-/// Bad input, a force model that fails, or a report that cannot be written.
+/// Bad input, a force model that fails, or results that cannot be kept: what was found is told before.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let start = Instant::now();
     let experiment = experiment::read(&arguments.experiment)?;
-    let tables = diagnose::table::diagnose(&experiment).map_err(|cause| miette::miette!("{cause}"))?;
-    if let Some(table) = &tables {
-        let others = experiment.runs.iter().any(|run| run.test != experiment::Test::Table);
-        report_table(arguments, &experiment, table, others)?;
-        if !others {
-            return Ok(());
-        }
+    let provenance = Provenance::of_experiment(&arguments.experiment, &experiment, &[]);
+    let mut found = Found::default();
+    let failed = found.find(&experiment, arguments.json).err();
+    let seconds = start.elapsed().as_secs_f64();
+    let place = keep::place(arguments.report.as_ref(), arguments.json, "out/diagnose");
+    if let (Some(failed), true) = (&failed, found.is_empty()) {
+        return Err(miette::miette!("{failed}"));
     }
-    let progress = Progress::new();
-    // The display is asked first: it costs no finite elements.
-    let display = diagnose::display::diagnose(&experiment, &|what: &str, done, total| progress.set(what, done, total));
-    if let Some(display) = &display {
-        let others =
-            experiment.runs.iter().any(|run| ![experiment::Test::Display, experiment::Test::Table].contains(&run.test));
-        progress.end();
-        report_display(arguments, &experiment, display, others)?;
-        if !others {
-            return Ok(());
-        }
-    }
-    let compressed = diagnose::compression::diagnose(&experiment);
-    let indented = experiment.runs.iter().any(|run| run.test == experiment::Test::Indentation);
-    if !compressed.is_empty() {
-        report_compressed(arguments, &experiment, &compressed, indented)?;
-        if !indented {
-            return Ok(());
-        }
-    }
-    let progress = Progress::new();
-    let models = Models::kept();
-    let tell = |what: &str, done: usize, total: usize| progress.set(what, done, total);
-    let found = diagnose::diagnose(&experiment, &models, &tell);
-    progress.end();
-    let found = found.map_err(|cause| miette::miette!("{cause}"))?;
-    let folder = arguments.folder();
-    let written = arguments.written("report.html", || report::diagnosis::page(&experiment, &found))?;
-    let beside = folder.as_ref().map(|folder| folder.join("model.toml"));
-    let models = match arguments.model.as_ref().or(beside.as_ref()) {
-        Some(file) => save(&experiment, &found, file)?,
-        None => vec![None; found.len()],
-    };
-    let told = |(one, model): (&Diagnosis, &Option<String>)| {
-        let mut answer = diagnose::answer::json(one, written.as_deref());
-        answer["model"] = serde_json::json!(model);
-        answer
-    };
-    if let (true, Some(display)) = (arguments.json, &display) {
-        let told: Vec<_> = found.iter().zip(&models).map(told).collect();
-        outln!(
-            "{}",
-            serde_json::json!({ "materials": told, "display": diagnose::display::answer::json(display, None) })
-        );
-        return Ok(());
-    }
+    let call = Call { arguments, experiment: &experiment, provenance: &provenance, found: &found };
+    let mut written = Written::default();
+    let folder = place.map(|place| call.answer(&place, seconds, &mut written)).transpose();
+    let saved = call.models(folder.as_ref().ok().and_then(Option::as_ref), &mut written);
     if arguments.json {
-        let found: Vec<(&Diagnosis, &Option<String>)> = found.iter().zip(&models).collect();
-        match found.as_slice() {
-            [only] if compressed.is_empty() => outln!("{}", told(*only)),
-            all => {
-                let mut each: Vec<serde_json::Value> = all.iter().copied().map(told).collect();
-                each.extend(compressed.iter().map(|one| diagnose::compression::answer::json(one, written.as_deref())));
-                outln!("{}", serde_json::json!({ "materials": each }));
+        outln!("{}", found.json(&written));
+    } else {
+        written
+            .models
+            .iter()
+            .flatten()
+            .chain(&written.display_model)
+            .for_each(|file| outln!("model            {file}"));
+    }
+    if let Some(folder) = folder? {
+        call.pages(&folder)?;
+        if !arguments.json {
+            outln!("results          {}", folder.path().display());
+            outln!("report           {}", written.report.unwrap_or_default());
+        }
+    }
+    saved?;
+    failed.map_or(Ok(()), |failed| Err(miette::miette!("{failed}")))
+}
+
+impl Found {
+    /// Diagnoses what is cheap first, and tells each part as soon as it is there.
+    fn find(&mut self, experiment: &Experiment, quiet: bool) -> Result<(), String> {
+        let tell = |text: String| {
+            if !quiet {
+                crate::print::out(format_args!("{text}"));
+            }
+        };
+        let others = |than: &[Test]| experiment.runs.iter().any(|run| !than.contains(&run.test));
+        self.table = diagnose::table::diagnose(experiment).map_err(|cause| cause.to_string())?;
+        if let Some(table) = &self.table {
+            tell(report::readings::summary(table));
+            if !others(&[Test::Table]) {
+                return Ok(());
             }
         }
-        return Ok(());
-    }
-    if found.is_empty() {
-        outln!("verdict          nothing to diagnose: the experiment holds no run that indents a soft specimen");
-    }
-    for (one, model) in found.iter().zip(&models) {
-        print(one);
-        if let Some(file) = model {
-            outln!("model            {file}");
+        let progress = Progress::new();
+        let ahead = |what: &str, done: usize, total: usize| progress.set(what, done, total);
+        self.display = diagnose::display::diagnose(experiment, &ahead);
+        if let Some(display) = &self.display {
+            progress.end();
+            tell(report::display::summary(display));
+            if !others(&[Test::Display, Test::Table]) {
+                return Ok(());
+            }
         }
+        self.compressed = diagnose::compression::diagnose(experiment);
+        self.compressed.iter().for_each(|one| tell(report::compression::summary(one)));
+        let indents = experiment.runs.iter().any(|run| run.test == Test::Indentation);
+        if !self.compressed.is_empty() && !indents {
+            return Ok(());
+        }
+        let found = diagnose::diagnose(experiment, &Models::kept(), &ahead);
+        progress.end();
+        let found = found.map_err(|cause| cause.to_string())?;
+        if !quiet {
+            if found.is_empty() {
+                outln!("verdict          nothing to diagnose: no run indents a soft specimen");
+            }
+            found.iter().for_each(print);
+        }
+        self.indented = Some(found);
+        Ok(())
     }
-    if let Some(file) = written {
-        outln!("report           {file}");
-    }
-    Ok(())
-}
 
-/// Writes the extended model of every material that something was named for, and says where each is. Of several materials each has a
-/// file of its own, with its name in the file's.
-fn save(experiment: &Experiment, found: &[Diagnosis], file: &Path) -> miette::Result<Vec<Option<String>>> {
-    let mut written = Vec::new();
-    for one in found {
-        let Some(model) = ExtendedModel::of(experiment, one) else {
-            written.push(None);
-            continue;
+    fn is_empty(&self) -> bool {
+        self.table.is_none() && self.display.is_none() && self.compressed.is_empty() && self.indented.is_none()
+    }
+
+    fn indented(&self) -> &[Diagnosis] {
+        self.indented.as_deref().unwrap_or_default()
+    }
+
+    /// The answer: an object of its own where one thing was diagnosed, else one with all of them.
+    fn json(&self, written: &Written) -> Value {
+        let report = written.report.as_deref();
+        let mut materials: Vec<Value> = Vec::new();
+        for (at, one) in self.indented().iter().enumerate() {
+            let mut answer = diagnose::answer::json(one, report);
+            answer["model"] = json!(written.models.get(at).cloned().flatten());
+            materials.push(answer);
+        }
+        materials.extend(self.compressed.iter().map(|one| diagnose::compression::answer::json(one, report)));
+        let display = self.display.as_ref().map(|display| {
+            let mut answer = diagnose::display::answer::json(display, report);
+            answer["model"] = json!(written.display_model);
+            answer
+        });
+        let table = self.table.as_ref().map(|table| diagnose::table::answer::json(table, report));
+        let alone = materials.is_empty() && self.indented.is_none();
+        let mut answer = match (display, table.as_ref()) {
+            (Some(display), _) if alone => display,
+            (Some(display), _) => json!({ "materials": materials, "display": display }),
+            (None, Some(table)) if alone => return table.clone(),
+            (None, _) if materials.len() == 1 => materials.swap_remove(0),
+            (None, _) => json!({ "materials": materials }),
         };
-        let mut path = file.to_owned();
-        if found.len() > 1 {
-            let stem = file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-            let plain: String = one.material.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
-            path.set_file_name(format!("{stem}-{plain}.toml"));
+        if let Some(table) = table {
+            answer["table"] = table;
         }
-        super::file::save(&path, model.to_toml().as_bytes())?;
-        written.push(Some(path.display().to_string()));
+        answer
     }
-    Ok(written)
 }
 
-/// Writes and tells what was found about materials that are compressed only; with indentations beside them, JSON
-/// comes later, in one object.
-fn report_compressed(
-    arguments: &Arguments,
-    experiment: &Experiment,
-    found: &[diagnose::compression::Diagnosis],
-    indented: bool,
-) -> miette::Result<()> {
-    let file = if indented { "compression.html" } else { "report.html" };
-    let written = arguments.written(file, || report::compression::page(experiment, found))?;
-    if !arguments.json {
-        for one in found {
-            crate::print::out(format_args!("{}", report::compression::summary(one)));
-        }
-        if let Some(file) = written {
-            outln!("report           {file}");
-        }
-    } else if !indented {
-        let each: Vec<_> =
-            found.iter().map(|one| diagnose::compression::answer::json(one, written.as_deref())).collect();
-        match each.as_slice() {
-            [only] => outln!("{only}"),
-            all => outln!("{}", serde_json::json!({ "materials": all })),
-        }
-    }
-    Ok(())
+/// A call with what it found.
+struct Call<'a> {
+    arguments: &'a Arguments,
+    experiment: &'a Experiment,
+    provenance: &'a Provenance,
+    found: &'a Found,
 }
 
-/// Writes and tells what was found about a table; with other runs beside it, JSON comes later, in one
-/// object.
-fn report_table(
-    arguments: &Arguments,
-    experiment: &Experiment,
-    found: &diagnose::table::Diagnosis,
-    others: bool,
-) -> miette::Result<()> {
-    let file = if others { "table.html" } else { "report.html" };
-    let written = arguments.written(file, || report::readings::page(experiment, found))?;
-    if !arguments.json {
-        crate::print::out(format_args!("{}", report::readings::summary(found)));
-        if let Some(file) = written {
-            outln!("report           {file}");
-        }
-    } else if !others {
-        outln!("{}", diagnose::table::answer::json(found, written.as_deref()));
+impl Call<'_> {
+    /// Answer, curves and parameters.
+    fn answer(&self, place: &Place, seconds: f64, written: &mut Written) -> Result<Folder, FolderError> {
+        let (experiment, indented) = (self.experiment, self.found.indented());
+        let told = self.found.json(&Written::default());
+        let kept = (&told, curves::diagnosed(experiment, indented), parameters::diagnosed(experiment, indented));
+        let folder = keep::answer(place, experiment, self.provenance, kept, seconds)?;
+        written.report = Some(folder.path().join("report.html").display().to_string());
+        Ok(folder)
     }
-    Ok(())
+
+    /// Models of materials and of a display, where there is a place for them.
+    fn models(&self, folder: Option<&Folder>, written: &mut Written) -> miette::Result<()> {
+        let found = self.found.indented();
+        written.models = vec![None; found.len()];
+        let named = self.arguments.model.as_deref();
+        for (at, one) in found.iter().enumerate() {
+            let Some(model) = ExtendedModel::kept(self.experiment, one) else { continue };
+            let file = |file: &Path| if found.len() > 1 { keep::named(file, &one.material) } else { file.to_owned() };
+            written.models[at] = save(named.map(file), folder, &file(Path::new("model.toml")), &model.to_toml())?;
+        }
+        let alone = self.found.compressed.is_empty() && self.found.indented.is_none();
+        if let Some(model) = self.found.display.as_ref().and_then(DisplayModel::of) {
+            let usual = if alone { "model.toml" } else { "display-model.toml" };
+            let named = named.filter(|_| alone).map(Path::to_owned);
+            written.display_model = save(named, folder, Path::new(usual), &model.to_toml())?;
+        }
+        Ok(())
+    }
+
+    /// One page for each kind of run; the page of the only one, or of the indentations, is `report.html`.
+    fn pages(&self, folder: &Folder) -> Result<(), FolderError> {
+        let (experiment, found) = (self.experiment, self.found);
+        let mut pages = Vec::new();
+        if let Some(table) = &found.table {
+            pages.push(("table.html", report::readings::page(experiment, table)));
+        }
+        if let Some(display) = &found.display {
+            pages.push(("display.html", report::display::page(experiment, display)));
+        }
+        if !found.compressed.is_empty() {
+            pages.push(("compression.html", report::compression::page(experiment, &found.compressed)));
+        }
+        if let Some(indented) = &found.indented {
+            pages.push(("report.html", report::diagnosis::page(experiment, indented)));
+        }
+        let last = pages.len().saturating_sub(1);
+        for (at, (name, mut page)) in pages.into_iter().enumerate() {
+            self.provenance.section(&mut page);
+            folder.page(if at == last { "report.html" } else { name }, &page)?;
+        }
+        Ok(())
+    }
 }
 
-/// Writes and tells what was found about a display; with other runs beside it, JSON comes later, in one object.
-fn report_display(
-    arguments: &Arguments,
-    experiment: &experiment::Experiment,
-    found: &diagnose::display::Diagnosis,
-    others: bool,
-) -> miette::Result<()> {
-    let folder = arguments.folder();
-    let stem = if others { "display-model.toml" } else { "model.toml" };
-    let beside = folder.as_ref().map(|folder| folder.join(stem));
-    let named = arguments.model.as_ref().filter(|_| !others).or(beside.as_ref());
-    let mut model = None;
-    if let (Some(file), Some(found)) = (named, DisplayModel::of(found)) {
-        super::file::save(file, found.to_toml().as_bytes())?;
-        model = Some(file.display().to_string());
-    }
-    let file = if others { "display.html" } else { "report.html" };
-    let written = arguments.written(file, || report::display::page(experiment, found))?;
-    if !arguments.json {
-        crate::print::out(format_args!("{}", report::display::summary(found)));
-        if let Some(file) = model {
-            outln!("model            {file}");
+/// Writes a model where it was asked for, else into the folder of the results; nowhere without either.
+fn save(named: Option<PathBuf>, folder: Option<&Folder>, usual: &Path, text: &str) -> miette::Result<Option<String>> {
+    let file = match (named, folder) {
+        (Some(file), _) => {
+            super::file::save(&file, text.as_bytes())?;
+            file
         }
-        if let Some(file) = written {
-            outln!("report           {file}");
-        }
-    } else if !others {
-        let mut answer = diagnose::display::answer::json(found, written.as_deref());
-        answer["model"] = serde_json::json!(model);
-        outln!("{answer}");
-    }
-    Ok(())
+        (None, Some(folder)) => folder.write(&usual.to_string_lossy(), text.as_bytes()).into_diagnostic()?,
+        (None, None) => return Ok(None),
+    };
+    Ok(Some(file.display().to_string()))
 }
 
 fn print(found: &Diagnosis) {

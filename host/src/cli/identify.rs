@@ -1,32 +1,42 @@
 //! `palpate identify`.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use miette::{IntoDiagnostic, WrapErr};
+use miette::IntoDiagnostic;
 
 use crate::diagnose::Models;
-use crate::experiment;
+use crate::experiment::{self, Experiment};
 use crate::extended::{self, ExtendedModel};
 use crate::identify::newton::verdict::Standing;
 use crate::identify::spec::{Extra, FitSpec, FittedLaw, Loss, Method, Own};
 use crate::identify::{self, Identification};
-use crate::report::{self, number};
+use crate::report::number;
+use crate::results::{Place, Provenance};
 use crate::{infer, unseen};
 
 use super::progress::Progress;
+use super::{keep, many};
 
 /// What to identify, and how to tell it.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Folder with experiment.toml
-    experiment: PathBuf,
+    /// Folder with experiment.toml; several make a table
+    #[arg(required = true, value_name = "EXPERIMENT")]
+    experiments: Vec<PathBuf>,
     /// Print one JSON object on standard output
     #[arg(long)]
-    json: bool,
-    /// Folder of the HTML report with figures [default: out/identify; with --json none]
+    pub(super) json: bool,
+    /// Folder of the results [default: a new one below out/identify; with --json none]
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// Save what was identified as a model file, for --model and for `palpate lut --material`
+    #[arg(long, value_name = "FILE", conflicts_with = "model")]
+    save: Option<PathBuf>,
+    /// Let --save replace a file
+    #[arg(long, requires = "save")]
+    force: bool,
     /// Fit mu and alpha with the effects of this model file (`palpate diagnose --model`) in the chain
     #[arg(long, value_name = "FILE", conflicts_with_all = ["report", "law", "terms", "relax", "free", "nu", "friction",
         "platen_friction", "own", "loss", "method"])]
@@ -34,17 +44,17 @@ pub struct Arguments {
     /// Fit the parameters of the model's effects as well
     #[arg(long, requires = "model")]
     free_effects: bool,
-    /// Intervals of noise alone: no force models of the effects that these runs may not show are made
+    /// Intervals of noise alone: effects that these runs cannot show do not widen them
     #[arg(long, conflicts_with = "model")]
     noise_only: bool,
     #[command(flatten)]
-    fit: Fitted,
+    fit: Fit,
 }
 
 /// What is fitted, and how.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "What is fitted")]
-struct Fitted {
+struct Fit {
     /// Law [default: what the specimens declare]
     #[arg(long, value_name = "LAW")]
     law: Option<LawWord>,
@@ -179,64 +189,103 @@ impl Arguments {
     }
 }
 
-/// Reads, fits, reports.
+/// An experiment that was identified.
+pub(super) struct Fitted {
+    pub experiment: Experiment,
+    pub found: Vec<Identification>,
+    pub provenance: Provenance,
+    /// Wall time with reading, s.
+    pub seconds: f64,
+}
+
+impl Fitted {
+    /// The answer; `report` is where its page is.
+    pub fn json(&self, report: Option<&str>) -> serde_json::Value {
+        identify::json(&self.experiment, &self.found, report)
+    }
+}
+
+impl Arguments {
+    /// Where the results go, if anywhere.
+    pub(super) fn place(&self) -> Option<Place> {
+        keep::place(self.report.as_ref(), self.json, "out/identify")
+    }
+
+    /// Reads and fits one experiment; what the reader should know goes to standard error.
+    pub(super) fn fitted(&self, path: &Path) -> miette::Result<Fitted> {
+        let start = Instant::now();
+        let experiment = experiment::read(path)?;
+        let provenance = Provenance::of_experiment(path, &experiment, &[]);
+        let progress = Progress::new();
+        let tell = |what: &str, done, total| progress.set(what, done, total);
+        let mut found = identify::identify(&experiment, &self.spec(), &tell)?;
+        if !self.noise_only {
+            let models = Models::kept();
+            for one in &mut found {
+                let told = |done, total| progress.set("effects that these runs may not show", done, total);
+                unseen::widen(&experiment, one, &models, &told).map_err(|cause| miette::miette!("{cause}"))?;
+            }
+        }
+        progress.end();
+        for message in found.iter().flat_map(|one| &one.messages) {
+            errln!("{message}");
+        }
+        Ok(Fitted { experiment, found, provenance, seconds: start.elapsed().as_secs_f64() })
+    }
+}
+
+/// Reads, fits, tells, and then keeps what was found.
 ///
 /// # Errors
-/// Bad input, a failing solve, or a report that cannot be written.
+/// Bad input, a failing solve, or results that cannot be kept: these were told before.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    if let Some(file) = &arguments.model {
-        return with_model(arguments, file);
+    match (&arguments.model, arguments.experiments.as_slice()) {
+        (Some(file), [path]) => with_model(arguments, path, file),
+        (None, [path]) => one(arguments, path),
+        (Some(_), _) => Err(miette::miette!("--model takes one experiment at a time")),
+        (None, _) if arguments.save.is_some() => Err(miette::miette!("--save takes one experiment at a time")),
+        (None, several) => many::run(arguments, several),
     }
-    let experiment = experiment::read(&arguments.experiment)?;
-    let spec = arguments.spec();
-    let progress = Progress::new();
-    let found = identify::identify(&experiment, &spec, &|what: &str, done, total| {
-        progress.set(what, done, total);
-    });
-    let mut found = found?;
-    if !arguments.noise_only {
-        let models = Models::kept();
-        for one in &mut found {
-            let told = |done, total| progress.set("effects that these runs may not show", done, total);
-            unseen::widen(&experiment, one, &models, &told).map_err(|cause| miette::miette!("{cause}"))?;
+}
+
+fn one(arguments: &Arguments, path: &Path) -> miette::Result<()> {
+    let fitted = arguments.fitted(path)?;
+    let Fitted { experiment, found, provenance, seconds } = &fitted;
+    if !arguments.json {
+        if found.is_empty() {
+            outln!("outcome          nothing to identify: no run indents, compresses or pulls a soft specimen");
         }
+        found.iter().for_each(print);
     }
-    progress.end();
-    for message in found.iter().flat_map(|one| &one.messages) {
-        errln!("{message}");
-    }
-    let mut written = None;
-    // People get the figures without asking; scripts say where they want them.
-    let folder = arguments.report.clone().or_else(|| (!arguments.json).then(|| PathBuf::from("out/identify")));
-    if found.is_empty() && !arguments.json {
-        outln!(
-            "outcome          nothing to identify: the experiment holds no run that indents, compresses or pulls a soft specimen"
-        );
-    }
-    if let Some(folder) = &folder {
-        let file = folder.join("report.html");
-        report::identification::page(&experiment, &found)
-            .write(&file)
-            .into_diagnostic()
-            .wrap_err_with(|| format!("cannot write the report to {}", file.display()))?;
-        written = Some(file.display().to_string());
-    }
+    let folder = arguments.place().map(|place| keep::identified(&place, experiment, found, provenance, *seconds));
+    let report = folder.as_ref().and_then(|made| made.as_ref().ok()).map(|made| made.path().join("report.html"));
+    let report = report.map(|file| file.display().to_string());
     if arguments.json {
-        outln!("{}", identify::json(&experiment, &found, written.as_deref()));
-    } else {
-        for one in &found {
-            print(one);
+        outln!("{}", fitted.json(report.as_deref()));
+    }
+    let saved = arguments
+        .save
+        .as_ref()
+        .map(|file| keep::models(experiment, found, (file, arguments.force), arguments.fit.friction));
+    let folder = folder.transpose()?;
+    if let Some(folder) = &folder {
+        keep::rest(folder, experiment, found, provenance)?.iter().for_each(|note| errln!("{note}"));
+        if !arguments.json {
+            outln!("results          {}", folder.path().display());
+            outln!("report           {}", report.unwrap_or_default());
         }
-        if let Some(file) = written {
-            outln!("report           {file}");
-        }
+    }
+    let (files, notes) = saved.transpose()?.unwrap_or_default();
+    notes.iter().for_each(|note| errln!("{note}"));
+    if !arguments.json {
+        files.iter().for_each(|file| outln!("model            {}", file.display()));
     }
     Ok(())
 }
 
 /// Fits with an extended model, and tells.
-fn with_model(arguments: &Arguments, file: &Path) -> miette::Result<()> {
-    let experiment = experiment::read(&arguments.experiment)?;
+fn with_model(arguments: &Arguments, path: &Path, file: &Path) -> miette::Result<()> {
+    let experiment = experiment::read(path)?;
     let model = ExtendedModel::read(file)?;
     let progress = Progress::new();
     let tell = |what: &str, done, total| progress.set(what, done, total);
@@ -307,7 +356,7 @@ fn print(found: &Identification) {
     }
     outln!("residual         {} N rms, noise {} N", number(fit.rmse_n), number(fit.noise.sigma_n));
     if let Some(check) = found.direct_check {
-        outln!("last solve       within {} % of what was expected of it", number(100.0 * check));
+        outln!("check            force model within {} % of a solve at the end", number(100.0 * check));
     }
     outln!("solves           {} in {:.1} s", found.fe_solves, found.seconds);
 }

@@ -1,12 +1,13 @@
 //! The extended model: the base of a material with the effects that a diagnosis named, usable wherever the base is.
 //!
-//! It is a file, `model.toml`, that any experiment, specification or table may be given. What each use takes from it:
+//! It is a file, `model.toml`, that a diagnosis or an identification leaves and any experiment, specification or table may be given. What each use takes from it:
 //!
 //! | use | takes |
 //! |---|---|
 //! | simulation ([`truth`]) | material and every effect, by finite elements of the whole path |
 //! | identification ([`identify`]) | every effect, by the chain that named it; mu and alpha are fitted again |
 //! | table of a board ([`board`]) | what a board meets as well: specimen, material and contact, by finite elements |
+//! | table of many materials ([`own`]) | an entry of the library for each |
 //! | gain ([`gain`]) | the table, and recordings freed from what only their own rig did to them ([`rig`]) |
 //!
 //! A display has a file of its own ([`display`]).
@@ -16,7 +17,9 @@ pub mod display;
 mod file;
 mod fitting;
 pub mod gain;
+mod identified;
 pub mod identify;
+pub mod own;
 pub mod rig;
 #[cfg(test)]
 mod tests;
@@ -30,6 +33,8 @@ use lut_gen::effect::{Effect, Owner};
 
 use crate::diagnose::{Diagnosis, Verdict};
 use crate::experiment::{Base, Experiment, ExperimentError};
+
+pub use identified::Saved;
 
 /// An effect with its values.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,6 +174,19 @@ impl ExtendedModel {
             });
         }
         model.effects.sort_by_key(|added| added.effect.stage);
+        Some(model)
+    }
+
+    /// What a diagnosis leaves to be used: the base with what it named, or the base alone where nothing is wrong with it.
+    #[must_use]
+    pub fn kept(experiment: &Experiment, diagnosis: &Diagnosis) -> Option<Self> {
+        if diagnosis.verdict != Verdict::Clean {
+            return Self::of(experiment, diagnosis);
+        }
+        let [mu, alpha] = diagnosis.evidence.as_ref()?.before.parameters;
+        let mut model = Self::base(&diagnosis.material, mu.0, alpha.0);
+        model.intervals = [Some(mu.1), Some(alpha.1)];
+        model.declare(experiment);
         Some(model)
     }
 

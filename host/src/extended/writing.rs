@@ -44,7 +44,7 @@ impl ExtendedModel {
     #[must_use]
     pub fn to_toml(&self) -> String {
         let mut out =
-            String::from("# The base of a material and the effects that a diagnosis found. Units: mm, N, MPa, s.\n");
+            String::from("# A material, and the effects that were found beside its law. Units: mm, N, MPa, s.\n");
         let _ = writeln!(out, "material = {}", text(&self.material));
         let _ = writeln!(out, "law = \"hyperfoam\"\nmu_MPa = {:?}\nalpha = {:?}", self.mu_mpa, self.alpha);
         let names = ["mu_MPa", "alpha"].into_iter().zip(self.intervals);

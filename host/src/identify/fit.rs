@@ -4,6 +4,7 @@ use crate::experiment::Experiment;
 use crate::experiment::motion::noise_of;
 use crate::infer::covariance::{Z95, covariance};
 use crate::infer::descent::{Ending, Minimum};
+use lut_gen::law::Material;
 use lut_gen::model::{Resolution, Simulation};
 
 use super::data::{LoadingCurve, Selection};
@@ -107,6 +108,8 @@ pub struct Fit {
     pub linear: Option<Linear>,
     /// The run that went deepest, simulated with what was found.
     pub deepest: Option<Simulation>,
+    /// The law that was found: one, or one a specimen (an index into the experiment's) where they have their own.
+    pub materials: Vec<(usize, Material)>,
 }
 
 /// What MultiStart found, as a fit; the problem is left with Eq. 14 as its objective. `None` without a start.
@@ -141,6 +144,7 @@ pub fn by_multistart(
         noise,
         model_error,
         deepest: deepest_at(problem, &point, &curves),
+        materials: materials_at(problem, &point),
         runs: curves,
         search: Some(search),
         newton: None,
@@ -260,6 +264,18 @@ fn deepest_at(problem: &Problem<'_>, point: &[f64], runs: &[RunFit]) -> Option<S
     Some(simulation)
 }
 
+/// The laws at a point that differ, each with the first specimen that has it.
+fn materials_at(problem: &Problem<'_>, point: &[f64]) -> Vec<(usize, Material)> {
+    let mut found: Vec<(usize, Material)> = Vec::new();
+    for (at, condition) in problem.conditions.iter().enumerate() {
+        let Ok(material) = problem.values(at, point).material() else { continue };
+        if found.iter().all(|(_, other)| *other != material) {
+            found.push((condition.specimen, material));
+        }
+    }
+    found
+}
+
 /// What Gauss-Newton found, as a fit.
 pub fn by_newton(problem: &Problem<'_>, newton: Newton) -> Fit {
     let point = &newton.minimum.x;
@@ -274,6 +290,7 @@ pub fn by_newton(problem: &Problem<'_>, newton: Newton) -> Fit {
         noise,
         model_error: newton.model_error,
         deepest: deepest_at(problem, point, &runs),
+        materials: materials_at(problem, point),
         runs,
         search: None,
         linear: problem.linear(point),
@@ -427,13 +444,13 @@ impl Fit {
         let mut messages = Vec::new();
         for parameter in self.parameters.iter().filter(|parameter| parameter.at_bound) {
             messages.push(format!(
-                "{} = {:.4} lies on a bound of its search ({:.4} to {:.4}): the data ask for more than the model covers",
+                "{} = {:.4} lies on a bound of its search ({:.4} to {:.4}): these data do not fix it; `palpate diagnose` looks for what the law lacks",
                 parameter.name, parameter.value, parameter.bounds.0, parameter.bounds.1
             ));
         }
         for parameter in self.parameters.iter().filter(|parameter| parameter.fills_its_bounds() && !parameter.derived) {
             messages.push(format!(
-                "{} is not determined by these data: its interval fills the range searched, {:.4} to {:.4}",
+                "{} is not determined by these data: its interval is all of the range searched, {:.4} to {:.4}",
                 parameter.name, parameter.bounds.0, parameter.bounds.1
             ));
         }
@@ -454,7 +471,7 @@ impl Fit {
                 _ => "the scatter between neighbouring samples",
             };
             messages.push(format!(
-                "the model is systematically wrong: {} lies {:+.4} N off it around {:.2} mm past contact, {:.0} times {unit}; the intervals say how well the fit is determined, not how near it is to the truth",
+                "the model is systematically wrong: {} differs by {:+.4} N near {:.2} mm past contact, {:.0} times {unit}; the intervals do not cover that, and `palpate diagnose` looks for the cause",
                 experiment.runs[selection.curves[run.curve].run].file, run.worst.1, run.worst.0, units
             ));
         }

@@ -57,7 +57,7 @@ pub fn remainder(judged: &Codes, of: &str) -> Option<String> {
 
 /// Every effect with its probability, the likeliest sets, the remainder, and what wider priors would say.
 pub fn tables<T>(page: &mut Page, judged: &Codes, sets: &[Weighed<T>], of: &str) {
-    page.heading("What is believed of each effect");
+    page.fold("Every effect that was tried");
     let (told, others): (Vec<_>, Vec<_>) = judged.beliefs.iter().partition(|b| b.probability > OF_NOTE);
     let explains = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), percent);
     let mut rows: Vec<Vec<String>> =
@@ -82,4 +82,5 @@ pub fn tables<T>(page: &mut Page, judged: &Codes, sets: &[Weighed<T>], of: &str)
         page.paragraph(&format!("Remainder: {told}."));
     }
     page.paragraph(&judged.sensitivity_told());
+    page.unfold();
 }

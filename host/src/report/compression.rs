@@ -81,10 +81,7 @@ pub fn summary(found: &Diagnosis) -> String {
 /// Builds the page of all materials.
 #[must_use]
 pub fn page(experiment: &Experiment, all: &[Diagnosis]) -> Page {
-    let mut page = Page::new(
-        &format!("Diagnosis: {}", experiment.name),
-        "What the simulation of compressed pieces gets wrong, against what repeats of one compression differ by. Units: mm, N, MPa, s.",
-    );
+    let mut page = Page::new(&format!("Diagnosis: {}", experiment.name), "");
     page.section("Verdict");
     page.verdict(&all.iter().map(sentence).collect::<Vec<_>>().join(" "));
     for found in all {
@@ -110,8 +107,12 @@ fn drawn(page: &mut Page, curve: &Curve) {
     let mut whole = Figure::new(&curve.name, Axis::new("shortening (mm)"), Axis::new("force (N)"))
         .with(Series::new("measured", over(&curve.measured_n), Stroke::Circles, 5))
         .with(Series::new("base", over(&curve.base_n), Stroke::Solid, 0));
-    let mut rest = Figure::new("measured less simulated", Axis::new("shortening (mm)"), Axis::new("(N)"))
-        .with(Series::new("base", left(&curve.base_n), Stroke::Solid, 0));
+    let mut rest = Figure::new(
+        "Measured minus simulated",
+        Axis::new("shortening (mm)"),
+        Axis::new("measured minus simulated (N)"),
+    )
+    .with(Series::new("base", left(&curve.base_n), Stroke::Solid, 0));
     if let Some(extended_n) = &curve.extended_n {
         whole = whole.with(Series::new("extended", over(extended_n), Stroke::Dashed, 1));
         rest = rest.with(Series::new("extended", left(extended_n), Stroke::Dashed, 1));

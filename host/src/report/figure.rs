@@ -22,6 +22,8 @@ pub enum Stroke {
     DashDotted,
     /// Small open circles, for measured samples.
     Circles,
+    /// Small open marks whose shape follows the colour, for measured samples of several runs.
+    Marks,
     /// Filled dots, for few and important points.
     Dots,
     /// A thin light line, for many or unimportant curves.
@@ -37,7 +39,7 @@ impl Stroke {
             Stroke::Dashed => " stroke-dasharray=\"7 4\"",
             Stroke::Dotted => " stroke-dasharray=\"1.5 3.5\"",
             Stroke::DashDotted => " stroke-dasharray=\"8 3.5 1.5 3.5\"",
-            Stroke::Solid | Stroke::Circles | Stroke::Dots | Stroke::Faint => "",
+            Stroke::Solid | Stroke::Circles | Stroke::Marks | Stroke::Dots | Stroke::Faint => "",
         }
     }
 }
@@ -105,7 +107,7 @@ impl Figure {
         let (width, height) = self.size;
         let x = Scale::fitting(&self.x, points().map(|p| p.0), (MARGIN.0, width - right));
         let y = Scale::fitting(&self.y, points().map(|p| p.1), (height - MARGIN.3, MARGIN.1));
-        let mut svg = open(width, height, &self.title);
+        let mut svg = opened(width, height, &self.title, &self.alternative());
         frame(&mut svg, &x, &y, &self.x.label, &self.y.label);
         let _ = write!(
             svg,
@@ -122,6 +124,14 @@ impl Figure {
         self.labels(&mut svg, &x, &y);
         svg.push_str("</svg>\n");
         svg
+    }
+
+    /// What the figure shows, in words: title, axes, and the names of its curves.
+    fn alternative(&self) -> String {
+        let title = if self.title.is_empty() { String::new() } else { format!("{}: ", self.title) };
+        let names: Vec<&str> = self.series.iter().map(|s| s.label.as_str()).filter(|name| !name.is_empty()).collect();
+        let curves = if names.is_empty() { String::new() } else { format!("; curves: {}", names.join(", ")) };
+        format!("{title}{} over {}{curves}", self.y.label, self.x.label)
     }
 
     /// Labels beside the ends of the curves, moved apart where they would overlap.
@@ -157,10 +167,16 @@ impl Figure {
     }
 }
 
-/// Opens an `<svg>` element with a title line.
+/// Opens an `<svg>` element with a title line, which is also its text for those who do not see it.
 pub(super) fn open(width: f64, height: f64, title: &str) -> String {
+    opened(width, height, title, title)
+}
+
+/// Opens an `<svg>` element with a title line and a text of its own for those who do not see it.
+fn opened(width: f64, height: f64, title: &str, alternative: &str) -> String {
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{0}\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\"><title>{0}</title>",
+        escaped(alternative)
     );
     let _ = write!(
         svg,
@@ -223,6 +239,13 @@ pub(super) fn draw(svg: &mut String, series: &Series, x: &Scale, y: &Scale) {
         }
         return;
     }
+    if series.stroke == Stroke::Marks {
+        for (px, py) in series.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()) {
+            let shape = mark(series.colour, x.px(*px), y.px(*py));
+            let _ = write!(svg, "<path d=\"{shape}\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\"0.6\"/>");
+        }
+        return;
+    }
     let mut path = String::new();
     let mut pen_down = false;
     for (px, py) in &series.points {
@@ -242,6 +265,18 @@ pub(super) fn draw(svg: &mut String, series: &Series, x: &Scale, y: &Scale) {
     );
 }
 
+/// Outline of an open mark: circle, square, triangle, diamond, cross, triangle on its tip.
+fn mark(colour: usize, x: f64, y: f64) -> String {
+    match colour % 6 {
+        0 => format!("M{:.1} {y:.1}a2.4 2.4 0 1 0 4.8 0a2.4 2.4 0 1 0 -4.8 0", x - 2.4),
+        1 => format!("M{:.1} {:.1}h4.6v4.6h-4.6z", x - 2.3, y - 2.3),
+        2 => format!("M{x:.1} {:.1}l2.8 5h-5.6z", y - 3.2),
+        3 => format!("M{x:.1} {:.1}l3.1 3.1l-3.1 3.1l-3.1 -3.1z", y - 3.1),
+        4 => format!("M{:.1} {:.1}l5 5m0 -5l-5 5", x - 2.5, y - 2.5),
+        _ => format!("M{x:.1} {:.1}l2.8 -5h-5.6z", y + 3.2),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -254,7 +289,9 @@ mod tests {
             .with(Series::new("one", vec![(0.0, 1.0)], Stroke::Solid, 0))
             .with(Series::new("gap", vec![(0.0, f64::NAN), (1.0, 2.0)], Stroke::Dotted, 7))
             .with(Series::new("", vec![], Stroke::Circles, 2))
+            .with(Series::new("", (0..7).map(|i| (f64::from(i), 1.0)).collect(), Stroke::Marks, 3))
             .svg();
+        assert!(odd.contains("role=\"img\"") && odd.contains("curves: one, gap"), "{odd}");
         assert_eq!(odd.matches("<svg").count(), odd.matches("</svg>").count());
         assert!(!odd.contains("NaN") && !odd.contains("inf"), "{odd}");
     }

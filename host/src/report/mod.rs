@@ -1,5 +1,5 @@
 //! Reports and figures: self-contained HTML with inline SVG, readable without scripts, network
-//! or colour.
+//! or colour. Every figure has a text that says what it shows.
 
 mod axis;
 mod believed;
@@ -19,7 +19,7 @@ pub mod strip;
 pub mod table;
 pub mod valley;
 
-pub use page::Page;
+pub use page::{MARK, Page, Picture};
 pub use scale::number;
 
 /// Text with the characters that mean something in HTML and SVG replaced.

@@ -5,26 +5,37 @@ use std::path::Path;
 
 use super::escaped;
 
-const STYLE: &str = "body{font:15px/1.5 Helvetica,Arial,sans-serif;color:#222;background:#fff;max-width:980px;margin:2em auto;padding:0 1.2em}\
-h1{font-size:1.6em;margin-bottom:.1em}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid #ccc}h3{font-size:1em;margin:1.4em 0 .3em}\
-table{border-collapse:collapse;margin:.8em 0}th,td{padding:.25em .9em .25em 0;text-align:left;vertical-align:top;border-bottom:1px solid #e4e4e4}\
-th{font-weight:600}td.n{text-align:right;font-variant-numeric:tabular-nums}\
-.verdict{border:2px solid #15364f;padding:.6em 1em;font-size:1.15em}\
-.warn{border-left:4px solid #b4481e;padding:.3em .8em;background:#fbf3ef}\
-figure{margin:1em 0}svg{max-width:100%;height:auto}li{margin:.2em 0}@media print{body{margin:0;max-width:none}figure{break-inside:avoid}}";
+/// Readable on a phone, on paper, and on a dark screen; figures keep white paper there.
+const STYLE: &str = include_str!("page.css");
+
+/// By this a page is known as one of ours, which a later call may replace.
+pub const MARK: &str = "<meta name=\"generator\" content=\"palpate ";
+
+/// A figure as a file of its own.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Picture {
+    /// Its title; where it has none, what is drawn.
+    pub title: String,
+    /// The `<svg>` element.
+    pub svg: String,
+}
 
 /// A page under construction.
 #[derive(Debug, Clone, Default)]
 pub struct Page {
     title: String,
     body: String,
+    pictures: Vec<Picture>,
 }
 
 impl Page {
-    /// A page with a title and a line under it.
+    /// A page with a title and a line under it; none where the line is empty.
     pub fn new(title: &str, subtitle: &str) -> Self {
-        let body = format!("<h1>{}</h1>\n<p>{}</p>\n", escaped(title), escaped(subtitle));
-        Self { title: title.to_owned(), body }
+        let mut body = format!("<h1>{}</h1>\n", escaped(title));
+        if !subtitle.is_empty() {
+            let _ = writeln!(body, "<p>{}</p>", escaped(subtitle));
+        }
+        Self { title: title.to_owned(), body, pictures: Vec::new() }
     }
 
     /// Starts a section.
@@ -63,11 +74,12 @@ impl Page {
 
     /// A table; cells that start like a number are set to the right.
     pub fn table(&mut self, head: &[&str], rows: &[Vec<String>]) {
-        self.body.push_str("<table><thead><tr>");
-        for cell in head {
-            let _ = write!(self.body, "<th>{}</th>", escaped(cell));
+        self.body.push_str("<div class=\"wide\"><table>");
+        if head.iter().any(|cell| !cell.is_empty()) {
+            let cells: String = head.iter().map(|cell| format!("<th>{}</th>", escaped(cell))).collect();
+            let _ = write!(self.body, "<thead><tr>{cells}</tr></thead>");
         }
-        self.body.push_str("</tr></thead><tbody>\n");
+        self.body.push_str("<tbody>\n");
         for row in rows {
             self.body.push_str("<tr>");
             for cell in row {
@@ -77,11 +89,28 @@ impl Page {
             }
             self.body.push_str("</tr>\n");
         }
-        self.body.push_str("</tbody></table>\n");
+        self.body.push_str("</tbody></table></div>\n");
     }
 
-    /// A figure, an `<svg>` element as the figure functions return it, with a caption.
+    /// What follows is folded away under a line of text, until [`Page::unfold`].
+    pub fn fold(&mut self, summary: &str) {
+        let _ = writeln!(self.body, "<details><summary>{}</summary>", escaped(summary));
+    }
+
+    /// Ends what is folded away.
+    pub fn unfold(&mut self) {
+        self.body.push_str("</details>\n");
+    }
+
+    /// Figures of the page in their order, each an `<svg>` element of its own.
+    #[must_use]
+    pub fn pictures(&self) -> &[Picture] {
+        &self.pictures
+    }
+
+    /// A figure, one or more `<svg>` elements as the figure functions return them, with a caption.
     pub fn figure(&mut self, svg: &str, caption: &str) {
+        self.pictures.extend(elements(svg).map(|svg| Picture { title: title_of(svg).to_owned(), svg: svg.to_owned() }));
         let caption = escaped(caption);
         let _ = writeln!(self.body, "<figure>{svg}<figcaption>{caption}</figcaption></figure>");
     }
@@ -89,7 +118,8 @@ impl Page {
     /// The whole document.
     pub fn html(&self) -> String {
         format!(
-            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>{}</title><style>{STYLE}</style></head>\n<body>\n{}</body></html>\n",
+            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">{MARK}{}\"><title>{}</title><style>{STYLE}</style></head>\n<body>\n{}</body></html>\n",
+            env!("CARGO_PKG_VERSION"),
             escaped(&self.title),
             self.body
         )
@@ -104,5 +134,56 @@ impl Page {
             std::fs::create_dir_all(folder)?;
         }
         std::fs::write(file, self.html())
+    }
+}
+
+/// The outermost `<svg>` elements of a text, one after the other.
+fn elements(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = text;
+    std::iter::from_fn(move || {
+        let start = rest.find("<svg")?;
+        let (mut depth, mut at) = (0_usize, start);
+        loop {
+            let next = rest.get(at..)?.find("svg").map(|step| at + step)?;
+            depth = match (rest.get(..next)?.ends_with('<'), rest.get(..next)?.ends_with("</")) {
+                (true, _) => depth + 1,
+                (_, true) => depth.checked_sub(1)?,
+                _ => depth,
+            };
+            at = next + 3;
+            if depth == 0 {
+                break;
+            }
+        }
+        let end = rest.get(at..)?.find('>').map(|step| at + step + 1)?;
+        let (element, left) = (rest.get(start..end)?, rest.get(end..)?);
+        rest = left;
+        Some(element)
+    })
+}
+
+/// The `<title>` of an element up to where it becomes a description.
+fn title_of(svg: &str) -> &str {
+    let inner = svg.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
+    let title = inner.map_or("", |(title, _)| title);
+    title.split([':', ';']).next().unwrap_or(title)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_taken_apart_into_files() {
+        let mut page = Page::new("a", "");
+        page.figure("<svg a><title>one svg</title><svg b></svg></svg>\n<svg c><title>two</title></svg>\n", "both");
+        let told: Vec<(&str, &str)> = page.pictures().iter().map(|p| (p.title.as_str(), p.svg.as_str())).collect();
+        let first = ("one svg", "<svg a><title>one svg</title><svg b></svg></svg>");
+        assert_eq!(told, [first, ("two", "<svg c><title>two</title></svg>")]);
+        page.fold("more");
+        page.unfold();
+        let html = page.html();
+        assert!(html.contains(MARK) && html.contains("initial-scale=1") && html.contains("prefers-color-scheme"));
+        assert_eq!(html.matches("<details>").count(), html.matches("</details>").count());
     }
 }

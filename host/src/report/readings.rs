@@ -111,10 +111,7 @@ pub fn summary(found: &Diagnosis) -> String {
 /// Builds the page.
 #[must_use]
 pub fn page(experiment: &Experiment, found: &Diagnosis) -> Page {
-    let mut page = Page::new(
-        &format!("Diagnosis: {}", experiment.name),
-        "What a table of readings differs from its law by, against what repeats of one reading differ by. Units are those of the table.",
-    );
+    let mut page = Page::new(&format!("Diagnosis: {}", experiment.name), "");
     page.section("Verdict");
     page.verdict(&sentence(found));
     curves(&mut page, found);
@@ -166,7 +163,7 @@ fn curves(page: &mut Page, found: &Diagnosis) {
         |law: &Law| -> Vec<(f64, f64)> { table.readings.iter().map(|r| (r.x, r.y - law.predict(table, r))).collect() };
     let measured: Vec<(f64, f64)> = table.readings.iter().map(|r| (r.x, r.y)).collect();
     let mut whole = Figure::new("Readings", Axis::new("x"), Axis::new("y"));
-    let mut rest = Figure::new("Measured less predicted", Axis::new("x"), Axis::new("y"));
+    let mut rest = Figure::new("Measured minus predicted", Axis::new("x"), Axis::new("measured minus predicted, y"));
     let base = found.evidence.as_ref().map(|e| &e.base.fit.law);
     if let Some(base) = base {
         whole = whole.with(Series::new("base", over(base), Stroke::Solid, 0));

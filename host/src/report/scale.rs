@@ -2,6 +2,9 @@
 
 use super::axis::Axis;
 
+/// With fewer ticks nobody reads a value off an axis.
+const LEAST_TICKS: f64 = 3.0;
+
 /// A linear or logarithmic mapping of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
@@ -56,8 +59,11 @@ impl Scale {
         }
         let rough = (self.high - self.low) / most;
         let power = 10_f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= rough);
-        let step = step.unwrap_or(10.0 * power);
+        // the widest steps that leave as many ticks as a scale needs
+        let inside = |step: f64| (self.high / step + 1e-9).floor() - (self.low / step - 1e-9).ceil() + 1.0;
+        let steps = [10.0, 5.0, 2.0, 1.0, 0.5].map(|m| m * power);
+        let wide = steps.iter().rev().find(|s| **s >= rough).copied().unwrap_or(10.0 * power);
+        let step = steps.into_iter().find(|s| *s <= wide && inside(*s) >= LEAST_TICKS).unwrap_or(wide);
         let first = (self.low / step - 1e-9).ceil();
         (0..40)
             .map(|i| (first + f64::from(i)) * step)
@@ -119,6 +125,9 @@ mod tests {
         let scale = Scale::fitting(&axis, std::iter::empty(), (0.0, 500.0));
         let names: Vec<String> = scale.ticks().into_iter().map(number).collect();
         assert_eq!(names, ["-0.01", "0", "0.01", "0.02", "0.03", "0.04"]);
+        let narrow = Scale::fitting(&Axis::new("x").over(-0.0093, 0.0095), std::iter::empty(), (200.0, 0.0));
+        let names: Vec<String> = narrow.ticks().into_iter().map(number).collect();
+        assert_eq!(names, ["-0.005", "0", "0.005"]);
         let log = Axis::new("x").over(0.012, 0.7).logarithmic();
         let scale = Scale::fitting(&log, std::iter::empty(), (0.0, 500.0));
         let names: Vec<String> = scale.ticks().into_iter().map(number).collect();

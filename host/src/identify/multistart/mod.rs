@@ -127,7 +127,7 @@ impl Search {
         }
         if !self.converged() {
             messages.push(
-                "the best simplex did not come to rest: restarted at its end it goes on, or its solves were spent"
+                "the best simplex did not come to rest: it would go on from its end, or its solves were spent"
                     .to_owned(),
             );
         }

@@ -110,13 +110,13 @@ impl Newton {
         let mut messages: Vec<String> = self.verdicts.iter().map(|v| v.sentence.clone()).collect();
         if !self.converged && self.spent {
             messages.push(format!(
-                "the budget ended the search after {} points: this is the best so far, not shown to be the minimum",
+                "the budget ended the search after {} points: this is the best so far; --budget-s gives it more time",
                 self.path.len()
             ));
         } else if !self.converged {
             let (back, tried) = self.came_back;
             messages.push(format!(
-                "the end of the search is not shown to be a minimum: a further step promises {:.2} of {:.1} in chi-squared, and {back} of {tried} searches from around it came back",
+                "the search may not have reached the minimum: a further step promises {:.2} of {:.1} in chi-squared, and {back} of {tried} searches from around came back",
                 self.minimum.promised, self.minimum.at.value
             ));
         }
@@ -211,7 +211,7 @@ pub fn fit(problem: &mut Problem<'_>, demand: &Demand<'_>) -> Result<Newton, Sol
     for (name, sum) in [("g", shear), ("k", bulk)] {
         if sum > MOST_RELAXING - 0.005 {
             walls.push(format!(
-                "the parts {name} add up to {sum:.3}, which lies on a bound of their search ({MOST_RELAXING}): the data ask for a material that flows"
+                "the parts {name} add up to {sum:.3}, which lies on a bound of their search ({MOST_RELAXING}): the material flows more than the law can"
             ));
         }
     }

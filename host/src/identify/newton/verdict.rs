@@ -90,11 +90,11 @@ fn one(hessian: &DMatrix<f64>, covariance: Option<&DMatrix<f64>>, parameters: &[
             if tied_to.is_empty() { String::new() } else { format!("; its error moves with {}", names.join(" and ")) };
         (Standing::Identified, format!("{} is identified{together}", own.name))
     } else if alone_wide || tied_to.is_empty() {
-        let sentence = format!("{} is not identifiable from these runs: they hardly change with it", own.name);
+        let sentence = format!("{} is not identifiable from these runs: their forces hardly change with it", own.name);
         (Standing::NotIdentifiable, sentence)
     } else {
         let sentence = format!(
-            "{} is known only in combination with {}: one makes up for the other",
+            "{} is known only in combination with {}: a change of one can be undone by the other",
             own.name,
             names.join(" and ")
         );
@@ -162,7 +162,10 @@ mod tests {
         let all = [judged("a", 0.04), judged("b", 0.9), judged("c", 0.9), judged("d", 1.0)];
         let verdicts = judge(&h, &all);
         assert_eq!(verdicts[0].sentence, "a is identified");
-        assert_eq!(verdicts[1].sentence, "b is known only in combination with c: one makes up for the other");
+        assert_eq!(
+            verdicts[1].sentence,
+            "b is known only in combination with c: a change of one can be undone by the other"
+        );
         assert_eq!(verdicts[1].tied_to, [2]);
         assert_eq!(verdicts[2].standing, Standing::InCombination);
         // A bound that ends a narrow interval identifies nothing.
@@ -171,6 +174,6 @@ mod tests {
             let verdict = judge(&DMatrix::from_element(1, 1, 1e4), &[one]).remove(0);
             assert_eq!(verdict.standing, Standing::NotIdentifiable, "{verdict:?}");
         }
-        assert_eq!(verdicts[3].sentence, "d is not identifiable from these runs: they hardly change with it");
+        assert_eq!(verdicts[3].sentence, "d is not identifiable from these runs: their forces hardly change with it");
     }
 }

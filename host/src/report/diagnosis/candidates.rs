@@ -18,9 +18,9 @@ const OF_NOTE: f64 = 0.01;
 pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evidence) {
     page.section("Every effect");
     page.paragraph(
-        "Sets of up to three effects were compared by how likely they make these data (their evidence), each with a smooth discrepancy of unknown size beside it, \
-         which stands for whatever has no name. The probability of an effect is the sum over all sets that hold it. \
-         'Explains' is the share of the misfit, squared newtons that the base alone leaves of the likeliest set's forces, that goes without the effect.",
+        "Sets of up to three effects were compared by their evidence: how likely they make these data. Beside each set stands a smooth discrepancy \
+         of unknown size, for whatever has no name. The probability of an effect is the sum over all sets with it. \
+         'Explains' is the share of the squared misfit that this effect takes away.",
     );
     effects(page, &evidence.judged);
     kinds(page, &evidence.judged);
@@ -108,7 +108,7 @@ fn beside(set: &Weighed, judged: &Judged) -> String {
 pub fn remainder(found: &Diagnosis) -> Option<String> {
     let judged = &found.evidence.as_deref().filter(|_| found.verdict != Verdict::Clean)?.judged;
     Some(match judged.remainder {
-        None => "Beside that nothing stays beyond the noise.".to_owned(),
+        None => "Nothing else is left beyond the noise.".to_owned(),
         Some(share) => format!(
             "About {} % of the force stays without a name, over {}.",
             number(tenth(100.0 * share)),

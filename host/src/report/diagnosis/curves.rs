@@ -75,19 +75,19 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
     page.section("Measured against simulated");
     let after = drawn.map(|drawn| drawn.name.as_str());
     page.paragraph(&format!(
-        "One run of each condition, of presses on one spot the first and the last ({} conditions, {} runs used). Above: force. Below: what the simulation leaves, on the noise band of these data: \
-         inside the dark band 95 % of the sensor's noise, inside the light one 95 % of everything that repeats of one condition differ by \
-         (sensor, contact point, gain and zero of a spot). A curve that leaves the light band is a discrepancy that the noise does not explain.{}",
+        "One run of each condition ({} conditions, {} runs used). Above: force. Below: measured minus simulated. \
+         The dark band holds 95 % of the sensor's noise, the light band 95 % of what repeats differ by. \
+         Noise does not explain a curve outside the light band.{}",
         evidence.design.conditions,
         evidence.design.series.len(),
         match drawn {
             Some(drawn) if drawn.named => " Dashed: the extended simulation, fitted to the same data.",
-            Some(_) => " Dashed: the likeliest set of effects; it is not a name for what is wrong.",
+            Some(_) => " Dashed: the likeliest set of effects, which is not certain enough for a name.",
             None => "",
         }
     ));
     // said once, under the first figure
-    let mut caption = "Loading runs to the right, a hold is the upright piece at its end, unloading runs back. Depth is as recorded; the predictions are plain best fits, each at the contact point of its spot.";
+    let mut caption = "Loading runs to the right, a hold is upright, unloading runs back. Depth is as recorded.";
     for place in places(evidence) {
         let runs = runs(evidence, place);
         for part in runs.chunks(COLUMNS) {

@@ -27,7 +27,7 @@ pub(super) fn section(
         None => page.paragraph("Nothing was added to the base."),
     }
     if best.is_some() && evidence.held.len() > 1 {
-        page.paragraph("The intervals above hold those of every explanation that these data leave open, with each of which the base's parameters are:");
+        page.paragraph("The intervals above cover every explanation that is still open. By explanation:");
         let rows: Vec<Vec<String>> = evidence
             .held
             .iter()
@@ -42,7 +42,7 @@ pub(super) fn section(
 
 fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
     let Some(held_out) = &evidence.held_out else {
-        page.paragraph("There is no extension to be measured, or nothing that could be left out.");
+        page.paragraph("No effect is named, or no condition could be left out.");
         return;
     };
     let change = |before: f64, after: f64| format!("{:+.0} %", 100.0 * (after / before - 1.0));
@@ -61,16 +61,18 @@ fn held_out(page: &mut Page, found: &Diagnosis, evidence: &Evidence) {
         ],
     );
     page.paragraph(&format!(
-        "Each of these was left out in turn; base and what is named were fitted to the others, the likeliest rival there was taken, and the left-out one predicted: {}. \
-         The errors are those of plain best fits: least squares of mu, alpha and a contact point for every spot to all samples of the others; runs that were left out whole have their contact points at their best. \
-         The log score is of the verdict's own fits; it knows how spots scatter and how well the others told the parameters, and decides.",
+        "Each of these was left out in turn and predicted from the others: {}. \
+         Errors are those of least-squares fits of mu, alpha and the contact points. \
+         The log score also knows how spots scatter and how well the parameters are known; it decides.",
         held_out.conditions.join(", ")
     ));
     if found.verdict != Verdict::Unknown && error_n.1 >= error_n.0 {
-        page.warning("The error in newton did not fall: what the extension gains lies below the scatter between spots, or another contact point, modulus and exponent do as well.");
+        page.warning("The error in newton did not fall: the gain is smaller than the scatter between spots.");
     }
     if found.verdict == Verdict::Unknown && !held_out.gains() {
-        page.warning("What is likeliest predicted what was left out no better than the base: its name was withdrawn.");
+        page.warning(
+            "The likeliest effects predict left-out runs no better than the base does, so they are not named.",
+        );
     }
 }
 

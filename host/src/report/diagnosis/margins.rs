@@ -44,12 +44,12 @@ pub(super) fn section(page: &mut Page, experiment: &Experiment, evidence: &Evide
         }
     };
     page.paragraph(&format!(
-        "Each bar is the mean of the whitened residual over one part of the data, after the base's own parameters have taken what they can, \
-         in units of its scatter in clean twins of this experiment. The largest of all bars stays below {} in 995 of 1000 clean twins. {told}",
+        "Each bar is the mean residual over one part of the data, divided by its scatter in simulated experiments without any error. \
+         In 995 of 1000 of these no bar exceeds {}. {told}",
         number((100.0 * adequacy.threshold).round() / 100.0)
     ));
     if evidence.margins.is_empty() {
-        page.warning("Nothing varies in this experiment that a residual could be followed along.");
+        page.warning("No depth, rate, ball or cycle varies here, so the residual cannot be located.");
     } else {
         page.figure(&bars(experiment, evidence, drawn).svg(), caption(drawn.is_some()));
     }

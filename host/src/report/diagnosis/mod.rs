@@ -24,12 +24,9 @@ pub use words::{meaning, name, sentence};
 /// Builds the page for all materials of an experiment.
 #[must_use]
 pub fn page(experiment: &Experiment, found: &[Diagnosis]) -> Page {
-    let mut page = Page::new(
-        &format!("Diagnosis: {}", experiment.name),
-        "What the simulation of these indentations gets wrong, against the noise of these data; why; what mending it gains; and what these data cannot tell. Units: mm, N, MPa, s.",
-    );
+    let mut page = Page::new(&format!("Diagnosis: {}", experiment.name), "");
     if found.is_empty() {
-        page.warning("The experiment holds no run that indents a soft specimen.");
+        page.warning("Nothing to diagnose: no run indents a soft specimen. `test` in [[run]] says what was done.");
     }
     for one in found {
         if found.len() > 1 {
@@ -46,16 +43,21 @@ fn material(page: &mut Page, experiment: &Experiment, found: &Diagnosis) {
     if let Some(evidence) = evidence {
         let drawn = drawn(experiment, found);
         curves::section(page, experiment, evidence, drawn.as_ref());
+        gain::section(page, experiment, (found, evidence), named(found));
+        names::confounded(page, found);
+        names::next(page, found);
+        names::blind(page, found);
+        page.fold("Every effect that was tried, and where the residual is");
         margins::section(page, experiment, evidence, drawn.as_ref());
         candidates::section(page, experiment, evidence);
-        names::confounded(page, found);
-        names::blind(page, found);
-        names::next(page, found);
-        gain::section(page, experiment, (found, evidence), named(found));
+        page.unfold();
     }
     doubts::section(page, found, evidence);
     if let Some(evidence) = evidence {
-        page.paragraph(&format!("{} finite element solves; {:.1} s.", evidence.solves, found.seconds));
+        page.paragraph(&format!(
+            "{} finite-element solves, {:.1} s. Units: mm, N, MPa, s.",
+            evidence.solves, found.seconds
+        ));
     }
 }
 
@@ -89,7 +91,9 @@ fn verdict(page: &mut Page, found: &Diagnosis) {
 fn advice(found: &Diagnosis) -> Option<&'static str> {
     match found.refusal.as_ref()? {
         Refusal::NoNoise => Some(
-            "Repeat at least one condition (same ball, rate, depth and cycle) on another spot, better three times; each repeat tells how far two runs differ that should not. If nothing can be repeated, state the sensor's noise in experiment.toml: [sensor] noise_N = ... (standard deviation of one sample with the ball at rest). The report then says that it was stated.",
+            "Repeat at least one condition (same ball, rate, depth and cycle) on another spot, better three times. \
+             If nothing can be repeated, state the sensor's noise in experiment.toml: [sensor] noise_N = ... \
+             It is the standard deviation of one sample with the ball at rest.",
         ),
         Refusal::NothingToFit(_) => Some(
             "Record presses of a ball of known radius that start above the surface and go at least a tenth of the ball's radius deep, with at least a dozen samples on the way down.",

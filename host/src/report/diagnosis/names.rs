@@ -26,10 +26,7 @@ pub(super) fn confounded(page: &mut Page, found: &Diagnosis) {
             } else {
                 format!(" It could hide {}, which these data would not show.", words::listed(&others, "or"))
             };
-            page.paragraph(&format!(
-                "{}: without it these data are a hundred times less likely, whatever else is there.{blind}",
-                finding.code
-            ));
+            page.paragraph(&format!("{}: without it these data are a hundred times less likely.{blind}", finding.code));
             continue;
         }
         page.paragraph(&format!(
@@ -57,8 +54,8 @@ pub(super) fn blind(page: &mut Page, found: &Diagnosis) {
         return;
     }
     page.paragraph(
-        "An amount of these that laboratories meet would have stayed below the noise, or been taken up by the base's own parameters. \
-         That they are not named says nothing about them.",
+        "Amounts of these effects that laboratories meet would not have shown in these runs: the noise hides them, or mu and alpha take them up. \
+         They may be there.",
     );
     let rows: Vec<Vec<String>> = found
         .blind_to
@@ -80,7 +77,7 @@ pub(super) fn blind(page: &mut Page, found: &Diagnosis) {
 /// What no run of this kind can exclude, and the runs that would tell more.
 pub(super) fn next(page: &mut Page, found: &Diagnosis) {
     if !found.cancelling.is_empty() {
-        page.paragraph("Whatever the verdict, this design cannot exclude that two effects hide each other:");
+        page.paragraph("These runs cannot exclude that two effects hide each other:");
         page.list(&found.cancelling.iter().map(|told| (*told).to_owned()).collect::<Vec<_>>());
     }
     if found.proposals.is_empty() {
@@ -88,8 +85,8 @@ pub(super) fn next(page: &mut Page, found: &Diagnosis) {
     }
     page.section("What to measure next");
     page.paragraph(
-        "Runs that a laboratory can make with what it has, the most telling first. The distance is that between the explanations which the run would leave \
-         closest, or the reading that a plausible amount of an unseen effect would make, in standard deviations of everything that is not known.",
+        "The most telling run comes first. Its distance says how many standard deviations it puts between the explanations that are left, \
+         or how far an effect that is not seen yet would show.",
     );
     let rows: Vec<Vec<String>> = found
         .proposals

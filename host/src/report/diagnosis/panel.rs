@@ -113,7 +113,9 @@ impl Grid {
             let text = match key {
                 Key::Curve(text, stroke, colour) => {
                     let ends = match stroke {
-                        Stroke::Circles | Stroke::Dots => vec![(x + 6.0, y), (x + 15.0, y), (x + 24.0, y)],
+                        Stroke::Circles | Stroke::Marks | Stroke::Dots => {
+                            vec![(x + 6.0, y), (x + 15.0, y), (x + 24.0, y)]
+                        }
                         _ => vec![(x, y), (x + 30.0, y)],
                     };
                     sample(svg, &Series::new("", ends, *stroke, *colour));

@@ -290,12 +290,12 @@ fn the_page_of_a_named_effect_has_every_section_in_order() {
     let heads = [
         "Verdict",
         "Measured against simulated",
-        "Where the residual is",
-        "Every effect",
-        "What this could be confused with",
-        "What this design cannot see",
         "Before and after, on what no fit has seen",
         "Parameters",
+        "What this could be confused with",
+        "What this design cannot see",
+        "Where the residual is",
+        "Every effect",
         "What this could be wrong about",
     ];
     let places: Vec<usize> = heads.iter().map(|head| html.find(&format!("<h2>{head}</h2>")).expect(head)).collect();

@@ -52,21 +52,19 @@ pub fn sentence(found: &Diagnosis) -> String {
 pub fn meaning(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Clean => {
-            "clean: no effect is likelier there than not, and no discrepancy is a hundred times likelier than none. It does not mean that the simulation is right: the blind spots below would not have been seen."
+            "clean: every effect is less likely than not, and no discrepancy is a hundred times likelier than none. The simulation can still be wrong in what these runs cannot show: see the list below."
         }
         Verdict::Named => {
-            "named: each effect is there with a probability above 99 % (99.9 % for each further one), whatever has no name allowed for. Together they explain more than half of the misfit and more than all else, and they predict what was left out of the fit better than the base does."
+            "named: the probability of each effect is above 99 % (99.9 % for each further one). Together they explain more than half of the misfit. They also predict runs that were left out better than the base does."
         }
         Verdict::Ambiguous => {
-            "ambiguous: one of these effects is there with a probability above 99 %, but none for certain. Each of them would mend the simulation here; only another run can tell which is at work."
+            "ambiguous: one of these effects is there with a probability above 99 %. Each of them would mend the simulation, and only another run can tell which it is."
         }
         Verdict::Unknown => {
-            "unknown: the simulation is wrong beyond noise, and no effect is both certain and important enough for a name. A cause outside the catalogue is as possible as several at once."
+            "unknown: the simulation is wrong beyond noise, and no effect of the catalogue is both certain and large enough to be named. The cause may be outside the catalogue, or several effects at once."
         }
         Verdict::TooFewData => "too-few-data: no run of this material can be compared with a simulation.",
-        Verdict::Refused => {
-            "refused: something that every further answer would rest on is missing or broken, so that no answer is given at all."
-        }
+        Verdict::Refused => "refused: something that every answer needs is missing or broken.",
     }
 }
 

@@ -89,10 +89,7 @@ fn lines(out: &mut String, channel: &ChannelDiagnosis) {
 /// Builds the page.
 #[must_use]
 pub fn page(experiment: &Experiment, found: &Diagnosis) -> Page {
-    let mut page = Page::new(
-        &format!("Diagnosis: {}", experiment.name),
-        "What the simulation of this display gets wrong, channel by channel, against what repeats of one command differ by. Units: mm, N, A, T, s.",
-    );
+    let mut page = Page::new(&format!("Diagnosis: {}", experiment.name), "");
     page.section("Verdict");
     page.verdict(&found.channels.iter().map(sentence).collect::<Vec<_>>().join(" "));
     for channel in &found.channels {
@@ -100,7 +97,7 @@ pub fn page(experiment: &Experiment, found: &Diagnosis) -> Page {
     }
     page.section("What this could be wrong about");
     page.list(&DOUBTS.map(str::to_owned));
-    page.paragraph(&format!("{:.1} s.", found.seconds));
+    page.paragraph(&format!("{:.1} s. Units: mm, N, A, T, s.", found.seconds));
     page
 }
 
@@ -167,8 +164,9 @@ fn curves(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) {
         let mut whole = Figure::new(&series.file, axis(), Axis::new(&format!("{} ({unit})", channel.channel.word())))
             .with(Series::new("measured", over(series, &series.output), Stroke::Circles, 5))
             .with(Series::new("base", over(series, &base), Stroke::Solid, 0));
-        let mut rest = Figure::new("measured less simulated", axis(), Axis::new(&format!("({unit})")))
-            .with(Series::new("base", over(series, &less(&series.output, &base)), Stroke::Solid, 0));
+        let mut rest =
+            Figure::new("Measured minus simulated", axis(), Axis::new(&format!("measured minus simulated ({unit})")))
+                .with(Series::new("base", over(series, &less(&series.output, &base)), Stroke::Solid, 0));
         if let Some(after) = &after {
             whole = whole.with(Series::new("extended", over(series, after), Stroke::Dashed, 1));
             rest = rest.with(Series::new("extended", over(series, &less(&series.output, after)), Stroke::Dashed, 1));

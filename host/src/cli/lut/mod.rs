@@ -1,18 +1,20 @@
 //! `palpate lut`.
 
+mod own;
+mod told;
+
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use firmware::recognition::Intervals;
 use lut_gen::contact::Ball;
 use lut_gen::law::PronyTerm;
 use lut_gen::model::Specimen;
 use lut_gen::solve::Base;
 use lut_gen::table::{self, ForceGrid, Form, GridSpec};
 use miette::{IntoDiagnostic, WrapErr, miette};
-use protocol::lut::{Material, Table};
-use serde_json::{Value, json};
+use protocol::lut::{MaterialSpec, Table};
+use serde_json::json;
 
 use crate::extended::{self, ExtendedModel};
 use crate::report::number;
@@ -21,6 +23,8 @@ use crate::report::table::{middle_field, sample_curves};
 use super::file::save;
 use super::progress::Progress;
 use super::sweep;
+use own::Own;
+use told::{described, print};
 
 /// What table to make, or which one to explain.
 #[derive(Debug, Args)]
@@ -31,8 +35,8 @@ pub struct Arguments {
     /// Radius of the ball, mm
     #[arg(long, value_name = "MM", default_value_t = 4.0)]
     ball_mm: f64,
-    /// Heights of the specimens, mm; one table section each
-    #[arg(long, value_name = "MM,..", value_delimiter = ',', default_values_t = [12.7, 19.05, 25.4])]
+    /// Heights of the specimens, mm; one table section each [default: 12.7,19.05,25.4; with --material those of its files]
+    #[arg(long, value_name = "MM,..", value_delimiter = ',')]
     height_mm: Vec<f64>,
     /// How the specimens rest on their table
     #[arg(long, value_enum, default_value_t = BaseArgument::Bonded)]
@@ -49,8 +53,12 @@ pub struct Arguments {
     /// Model file of `palpate diagnose --model`: the table is regenerated from the extended model
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Number of the press on its spot, for a model that softens: from 2 on the table is of a used spot
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "model", value_parser = clap::value_parser!(u8).range(1..))]
+    /// Own materials for the board to recognise and display, any number: model files of `palpate identify --save` or of
+    /// `palpate diagnose`. They stand in the place of the thesis' foams
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "model")]
+    material: Vec<PathBuf>,
+    /// Number of the press on its spot, for materials that soften: from 2 on the table is of a used spot
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
     cycle: u8,
     /// rows: one row an exponent, mu continuous; columns: all pairs, as in the thesis
     #[arg(long, value_enum, default_value_t = FormArgument::Rows)]
@@ -92,15 +100,20 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 
 fn make(arguments: &Arguments) -> miette::Result<()> {
     let start = Instant::now();
-    let mut heights = arguments.height_mm.clone();
     check("--ball-mm", arguments.ball_mm)?;
-    for height in &heights {
+    for height in &arguments.height_mm {
         check("--height-mm", *height)?;
     }
-    heights.sort_by(f64::total_cmp);
-    heights.dedup();
     let model = arguments.model.as_deref().map(ExtendedModel::read).transpose()?;
-    let specs = specs(arguments, model.as_ref(), &heights)?;
+    let own = Own::read(arguments)?;
+    let heights = match &own {
+        Some(own) => own.heights_mm(),
+        None => sorted(if arguments.height_mm.is_empty() { &USUAL_MM } else { &arguments.height_mm }),
+    };
+    let mut specs = specs(arguments, model.as_ref(), &heights)?;
+    if let Some(own) = &own {
+        specs.iter_mut().for_each(|spec| own.cover(spec));
+    }
     let heights: Vec<f64> = specs.iter().map(|spec| spec.specimen.height_mm).collect();
     let rates = rates(arguments, specs.iter().any(|spec| !spec.relaxation.is_empty()))?;
     let progress = Progress::new();
@@ -121,21 +134,10 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
         FormArgument::Rows => Form::Factored,
         FormArgument::Columns => Form::Expanded,
     };
-    // Only foams the table has a section for can be recognised with it.
-    let mut foams = table::foams();
-    foams.retain(|foam| heights.iter().any(|height| (height - foam.height_mm).abs() < 1e-6));
-    let mut library = Vec::new();
-    for grid in grids.iter().step_by(heights.len()) {
-        library.extend(table::library(&foams, &grid.spec).into_diagnostic()?);
-    }
-    if let Some(model) = &model {
-        let own = extended::board::library(model, &grids).into_diagnostic()?;
-        if own.is_empty() {
-            errln!("the library has no entry of {}: none of its specimens' heights is asked for", model.material);
-        }
-        library.retain(|one| own.iter().all(|other| one.name != other.name));
-        library.extend(own);
-    }
+    let library = match &own {
+        Some(own) => own.library(&grids, &rates)?,
+        None => library(&grids, &heights, model.as_ref())?,
+    };
     let bytes = table::write(&grids, form, library).into_diagnostic()?;
     save(&arguments.out, &bytes)?;
     let picture = arguments.out.with_extension("svg");
@@ -161,19 +163,56 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-/// One grid a height, rising, with the effects of a model: heights are those declared, and become the model's. Says on standard error what of
-/// the model is in the table and what is not.
-fn specs(arguments: &Arguments, model: Option<&ExtendedModel>, heights: &[f64]) -> miette::Result<Vec<GridSpec>> {
+/// Heights of the thesis' foams, mm.
+const USUAL_MM: [f64; 3] = [12.7, 19.05, 25.4];
+
+/// Rising, and each once.
+fn sorted(values: &[f64]) -> Vec<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    sorted
+}
+
+/// The thesis' foams, and the material of a model beside them.
+fn library(grids: &[ForceGrid], heights: &[f64], model: Option<&ExtendedModel>) -> miette::Result<Vec<MaterialSpec>> {
+    // Only foams the table has a section for can be recognised with it.
+    let mut foams = table::foams();
+    foams.retain(|foam| heights.iter().any(|height| (height - foam.height_mm).abs() < 1e-6));
+    let mut library = Vec::new();
+    for grid in grids.iter().step_by(heights.len()) {
+        library.extend(table::library(&foams, &grid.spec).into_diagnostic()?);
+    }
+    if let Some(model) = model {
+        let own = extended::board::library(model, grids).into_diagnostic()?;
+        if own.is_empty() {
+            let name = &model.material;
+            errln!("{name} is not in the library: the table has none of its heights; --height-mm adds them");
+        }
+        library.retain(|one| own.iter().all(|other| one.name != other.name));
+        library.extend(own);
+    }
+    Ok(library)
+}
+
+/// A grid as it is asked for, without a model.
+fn declared(arguments: &Arguments, height_mm: f64) -> GridSpec {
     let base = match arguments.base {
         BaseArgument::Bonded => Base::Bonded,
         BaseArgument::Sliding => Base::Sliding,
     };
     let ball = Ball { radius_mm: arguments.ball_mm };
-    let declared = heights.iter().map(|height_mm| GridSpec {
+    GridSpec {
         friction: arguments.friction,
         relaxation: arguments.relax.clone(),
-        ..GridSpec::thesis(Specimen { base, ..Specimen::of_height(*height_mm) }, ball)
-    });
+        ..GridSpec::thesis(Specimen { base, ..Specimen::of_height(height_mm) }, ball)
+    }
+}
+
+/// One grid a height, rising, with the effects of a model: heights are those declared, and become the model's. Says
+/// on standard error what of the model is in the table and what is not.
+fn specs(arguments: &Arguments, model: Option<&ExtendedModel>, heights: &[f64]) -> miette::Result<Vec<GridSpec>> {
+    let declared = heights.iter().map(|height_mm| declared(arguments, *height_mm));
     let Some(model) = model else { return Ok(declared.collect()) };
     let (mut specs, mut told) = (Vec::new(), Vec::new());
     for declared in declared {
@@ -244,80 +283,6 @@ fn explain(file: &Path, as_json: bool) -> miette::Result<()> {
         print(&table, bytes.len());
     }
     Ok(())
-}
-
-fn hash(table: &Table<'_>) -> String {
-    table.hash().iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-fn described(table: &Table<'_>, length: usize) -> Value {
-    let axes: Vec<Value> = table
-        .axes()
-        .map(|axis| {
-            json!({
-                "name": axis.name, "unit": axis.unit, "role": format!("{:?}", axis.role).to_lowercase(),
-                "scale": format!("{:?}", axis.scale).to_lowercase(), "values": axis.values().collect::<Vec<f32>>(),
-            })
-        })
-        .collect();
-    let error = table.error_bound();
-    json!({
-        "bytes": length, "hash": hash(table), "version": protocol::lut::VERSION, "axes": axes,
-        "rows": table.rows(), "columns": table.columns(), "provenance": table.provenance(),
-        "error_bound": {"discretisation": error.discretisation, "interpolation": error.interpolation,
-                        "quantisation": error.quantisation, "total": error.total()},
-        "materials": table.materials().map(|m| material(table, &m)).collect::<Vec<Value>>(),
-    })
-}
-
-/// A library material, and the parameters that presses it stands for may have.
-fn material(table: &Table<'_>, m: &Material<'_>) -> Value {
-    let intervals = Intervals::of(table, m);
-    json!({
-        "name": m.name, "mu_MPa": m.mu_mpa, "alpha": m.alpha, "height_mm": m.height_mm, "rate_mm_s": m.rate_mm_s,
-        "acceptance": m.acceptance, "mu_interval_MPa": intervals.map(|i| i.mu_mpa), "alpha_interval": intervals.map(|i| i.alpha),
-    })
-}
-
-fn print(table: &Table<'_>, length: usize) {
-    outln!("form        {} rows x {} stored columns, {length} bytes", table.rows(), table.columns());
-    outln!("hash        {}", hash(table));
-    for axis in table.axes() {
-        let values: Vec<f32> = axis.values().collect();
-        let ends = match (values.first(), values.last()) {
-            (Some(low), Some(high)) => format!("{} to {}", number(f64::from(*low)), number(f64::from(*high))),
-            _ => "empty".to_owned(),
-        };
-        let (role, scale) = (format!("{:?}", axis.role).to_lowercase(), format!("{:?}", axis.scale).to_lowercase());
-        outln!("axis        {:8} {ends} {} in {} values, {scale}, {role}", axis.name, axis.unit, values.len());
-    }
-    let error = table.error_bound();
-    outln!(
-        "error       {} % of a curve's peak: finite elements {} %, between depths {} %, rounding {} %",
-        percent(error.total()),
-        percent(error.discretisation),
-        percent(error.interpolation),
-        percent(error.quantisation)
-    );
-    for material in table.materials() {
-        outln!(
-            "material    {:10} mu {} MPa, alpha {}, height {} mm; accepted within {} % of its force{}",
-            material.name,
-            number(f64::from(material.mu_mpa)),
-            number(f64::from(material.alpha)),
-            number(f64::from(material.height_mm)),
-            percent(material.acceptance),
-            Intervals::of(table, &material).map_or(String::new(), |i| format!(
-                ": mu {:.4} to {:.4}, or alpha {:.2} to {:.2}",
-                i.mu_mpa.0, i.mu_mpa.1, i.alpha.0, i.alpha.1
-            ))
-        );
-    }
-    outln!("provenance  {}", table.provenance());
-}
-
-fn percent(share: f32) -> String {
-    number(100.0 * f64::from(share))
 }
 
 #[cfg(test)]
