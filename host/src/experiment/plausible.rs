@@ -9,8 +9,10 @@ use super::{Mapping, Recording};
 
 /// A ball that travels less than this share of its radius was recorded in metres.
 const LEAST_TRAVEL: f64 = 2e-3;
-/// Shear modulus that nothing soft has, MPa: twice that of the stiffest rubber, a third of that of the softest plastic.
-const STIFFEST_MPA: f64 = 100.0;
+/// Shear modulus that nothing soft has, MPa: rubber of Shore A 95 has about 25, the softest plastics some hundred.
+const STIFFEST_MPA: f64 = 30.0;
+/// The ball touches where the force has risen by this share.
+const TOUCH: f64 = 0.01;
 /// And one below which no specimen keeps its shape, MPa.
 const SOFTEST_MPA: f64 = 1e-8;
 
@@ -27,8 +29,9 @@ pub(super) fn check(recording: &Recording, ball_mm: f64, columns: &BTreeMap<Stri
              for it in [columns]; scale = 1 says that it is in mm"
         )));
     }
-    // Hertz for an incompressible specimen, F = 16/3 mu sqrt(R) d^1.5; the way through the air makes it too soft.
-    let mu_mpa = 3.0 * rise_n / (16.0 * ball_mm.sqrt() * travel_mm.powf(1.5));
+    // Hertz for an incompressible specimen, F = 16/3 mu sqrt(R) d^1.5.
+    let pressed_mm = pressed_mm(recording, rise_n).unwrap_or(travel_mm);
+    let mu_mpa = 3.0 * rise_n / (16.0 * ball_mm.sqrt() * pressed_mm.powf(1.5));
     if stated("force_N") || (SOFTEST_MPA..=STIFFEST_MPA).contains(&mu_mpa) {
         return Ok(());
     }
@@ -38,7 +41,7 @@ pub(super) fn check(recording: &Recording, ball_mm: f64, columns: &BTreeMap<Stri
         ("softer", "kN? Then write scale = 1000")
     };
     Err(Problem::Contradiction(format!(
-        "a force of {rise_n} N at {travel_mm} mm under a ball of {ball_mm} mm is a shear modulus of about {mu_mpa:.1e} MPa, {than} than \
+        "a force of {rise_n} N at {pressed_mm:.3} mm under a ball of {ball_mm} mm is a shear modulus of about {mu_mpa:.1e} MPa, {than} than \
          anything that is pressed by a ball: is `force_N` in {unit} for it in [columns]; scale = 1 says that it is in N"
     )))
 }
@@ -50,6 +53,15 @@ fn is_stated(mapping: &Mapping, contract: &str) -> bool {
         _ => None,
     };
     mapping.scale.is_some() || named.is_some_and(|text| unit(&text).is_some())
+}
+
+/// Way of the ball from where the force has begun to rise to where it is largest, mm.
+fn pressed_mm(recording: &Recording, rise_n: f64) -> Option<f64> {
+    let (force, depth) = (&recording.force_n, &recording.depth_mm);
+    let peak = (0..force.len()).max_by(|a, b| force[*a].total_cmp(&force[*b]))?;
+    let begun = force[..peak].iter().rposition(|f| force[peak] - f > (1.0 - TOUCH) * rise_n)?;
+    let way = depth.get(peak)? - depth.get(begun)?;
+    (way > 0.0).then_some(way)
 }
 
 fn range(values: &[f64]) -> f64 {

@@ -6,5 +6,7 @@
 mod case;
 mod files;
 mod parser;
+mod sensor;
+mod sensor_otherwise;
 mod workbooks;
 mod written_otherwise;

@@ -159,7 +159,8 @@ fn other_signs_between_and_in_numbers() {
         "",
         "\"1.234,5\" is not a number; are these thousands? Write thousands = \".\" in [format]",
     );
-    let read = recording(&folder("a.csv", thousands.as_bytes(), &format!("{keys}thousands = \".\"\n"), ""));
+    let read =
+        recording(&folder("a.csv", thousands.as_bytes(), &format!("{keys}thousands = \".\"\n"), "test = \"air\""));
     assert_eq!(read.force_n, [0.5, 1234.5]);
     says(thousands.as_bytes(), "[format]\ndecimal = \",\"\n", "", "two different characters");
 }

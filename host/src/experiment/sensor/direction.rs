@@ -27,9 +27,11 @@ pub(super) fn turns(recording: &Recording) -> Result<bool, Problem> {
         return Ok(false);
     }
     let together = moves_together(depth, force);
+    // A way back alone falls as well, from a push to nothing.
+    let pulls = -least(force) > CLEAR * greatest(force).max(0.0);
     match (down, push) {
-        (Way::Falls, Way::Falls) if together > 0.0 => Ok(true),
-        (Way::Rises, Way::Falls) if together < 0.0 => {
+        (Way::Falls, Way::Falls) if together > 0.0 && pulls => Ok(true),
+        (Way::Rises, Way::Falls) if together < 0.0 && pulls => {
             let (lowest, peak) = (least(force), greatest(depth));
             Err(Problem::Contradiction(format!(
                 "the force falls to {lowest:.3} N while the ball goes in, to {peak:.3} mm: pushing must be positive; \

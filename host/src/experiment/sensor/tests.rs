@@ -99,6 +99,11 @@ fn columns_that_count_the_other_way_are_turned_or_refused() {
     depth.depth_mm.iter_mut().for_each(|d| *d = -*d);
     let problem = cleaned(&mut depth).unwrap_err().to_string();
     assert!(problem.starts_with("the depth falls to -4.000 mm while the force rises to 2.5"), "{problem}");
+    // a way back alone
+    let mut back = sound.clone();
+    back.depth_mm.reverse();
+    back.force_n.reverse();
+    assert_eq!(cleaned(&mut back).unwrap(), Vec::new());
     // a soft, sticky gel holds the ball back harder than it was pressed
     let mut sticky = sound.clone();
     let way_back: Vec<f64> = (0..100).map(|i| 4.0 - 0.05 * f64::from(i)).collect();
