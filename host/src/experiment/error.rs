@@ -217,6 +217,16 @@ pub enum Problem {
     },
 }
 
+impl Problem {
+    /// The mistake with its likely cause, where one can be seen.
+    pub(super) fn with(self, hint: Option<String>) -> Self {
+        match hint {
+            Some(hint) => Problem::Hinted { problem: Box::new(self), hint },
+            None => self,
+        }
+    }
+}
+
 fn quoted(names: &[String]) -> String {
     names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }

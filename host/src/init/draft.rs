@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use crate::experiment::Test;
 
-use super::Options;
 use super::channels::Stated;
+use super::options::Options;
 
 /// What stands where a number is to be filled in; reading it is an error that names the key.
 pub(super) const FILL_IN: &str = "\"FILL IN\"";

@@ -6,6 +6,7 @@
 mod block;
 mod channels;
 mod draft;
+mod options;
 mod roles;
 mod sight;
 mod written;
@@ -16,19 +17,7 @@ use std::path::{Path, PathBuf};
 use crate::experiment::{self, Experiment, Test, motion};
 
 pub use draft::RunDraft;
-
-/// What is known beside the files.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Options {
-    /// Radius of the ball, mm.
-    pub ball_mm: Option<f64>,
-    /// Height of the specimen, mm.
-    pub height_mm: Option<f64>,
-    /// Radius of the specimen, mm.
-    pub radius_mm: Option<f64>,
-    /// What was done.
-    pub test: Option<Test>,
-}
+pub use options::Options;
 
 /// What the files hold.
 #[derive(Debug, Clone, Default)]

@@ -57,11 +57,13 @@ pub fn gaps_are_told(rows: &[Row]) -> Result<Vec<String>, String> {
     Ok(rows.iter().filter(|row| row.note.contains("gap of ")).map(|row| row.note.clone()).collect())
 }
 
+/// Topic, time (s) and content of a message.
+pub type Message = (String, f64, Value);
+
 /// Messages of an MCAP that is complete to its last chunk, whether it was ended properly, and how many gaps it tells.
-pub fn messages(path: &Path) -> Result<(Vec<(String, f64, Value)>, bool, usize), String> {
+pub fn messages(path: &Path) -> Result<(Vec<Message>, bool, usize), String> {
     let found = recover_mcap(path).map_err(|e| e.to_string())?;
-    let telemetry: Vec<&(String, f64, Value)> =
-        found.messages.iter().filter(|(topic, ..)| topic == "telemetry").collect();
+    let telemetry: Vec<&Message> = found.messages.iter().filter(|(topic, ..)| topic == "telemetry").collect();
     if let Some(pair) = telemetry.windows(2).find(|pair| pair[1].1 < pair[0].1) {
         return Err(format!("time {} after {} in {}", pair[1].1, pair[0].1, path.display()));
     }

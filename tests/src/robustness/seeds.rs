@@ -111,7 +111,7 @@ const EXPERIMENTS: [(&str, &str); 5] = [
     (
         "[format]\nunits_row = true\nfooter_lines = 1\nsegment = \"approach\"\nthousands = \"'\"\n\
          [specimen.a]\nheight_mm = 20\nradius_mm = 30\n[indenter.b]\nradius_mm = 4\n\
-         [[run]]\nfile = \"a.csv\"\nspecimen = \"a\"\nindenter = \"b\"\nfrom_s = 0\nto_s = 2\nrepeats = \"A\"\n",
+         [[run]]\nfile = \"a.csv\"\nspecimen = \"a\"\nindenter = \"b\"\nfrom_s = 0.5\nto_s = 2\nrepeats = \"A\"\n",
         "Machine,7\nSegment,approach\ntime_s,depth_mm,force_N\n(s),(mm),(N)\n12:00:00.5,0,NaN\n12:00:01.0,0.5,1'000.5\n\
          Segment,hold\ntime_s,depth_mm,force_N\n(s),(mm),(N)\n12:00:02.0,0.5,900\nMean,,950\n",
     ),

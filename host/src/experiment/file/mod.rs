@@ -4,13 +4,15 @@
 pub(crate) mod clock;
 pub(crate) mod content;
 mod field;
-mod hint;
+mod header_hint;
 mod need;
 pub(crate) mod number;
+mod row_hint;
 mod rows;
 mod segment;
 pub(crate) mod table;
 pub(crate) mod text;
+mod unit;
 pub(crate) mod workbook;
 
 use std::collections::BTreeMap;

@@ -8,8 +8,8 @@ use super::super::format::Pace;
 use super::super::unit::{Quantity, parted, unit};
 use super::clock::Clock;
 use super::field::Field;
-use super::hint;
 use super::number::{Digits, NotNumber};
+use super::row_hint;
 use super::segment::{Plan, Segment};
 use super::table::{Row, Table};
 
@@ -209,7 +209,7 @@ impl Reader<'_> {
     fn bad(&self, at: usize, field: &Field, why: NotNumber) -> ExperimentError {
         let row = self.table.row(at);
         let place = Some((field.index, field.header.as_str()));
-        let problem = hint::of_row(self, at, field, why.problem(row.cell(field.index)));
+        let problem = row_hint::of_row(self, at, field, why.problem(row.cell(field.index)));
         ExperimentError::of_row(self.plan.path, row.line, place, problem)
     }
 
@@ -222,7 +222,7 @@ impl Reader<'_> {
         if !(cut || longer) {
             return Ok(());
         }
-        let problem = hint::of_cells(self, at, Problem::Ragged { found: row.len(), expected: header });
+        let problem = row_hint::of_cells(self, at, Problem::Ragged { found: row.len(), expected: header });
         Err(ExperimentError::of_row(self.plan.path, row.line, None, problem))
     }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::super::error::{ExperimentError, Problem};
 use super::super::format::{Format, Mapping, Part, Source};
 use super::field::{Field, fields};
-use super::hint;
+use super::header_hint;
 use super::need::Need;
 use super::number::Digits;
 use super::table::{Row, Table};
@@ -62,7 +62,7 @@ impl Plan<'_> {
         let header = (!(self.format.by_number && is_data(first))).then_some(0);
         let width = if self.format.by_number { widest(table) } else { first.len() };
         let fields = fields(header.map(|at| table.row(at)), width, self.need, self.columns).map_err(|problem| {
-            let problem = hint::of_header(self, table, problem);
+            let problem = header_hint::of_header(self, table, problem);
             ExperimentError::of_row(self.path, first.line, None, problem)
         })?;
         let start = header.map_or(0, |at| at + 1) + usize::from(self.format.units_row);
@@ -118,7 +118,12 @@ impl Plan<'_> {
             let first = table.row(0);
             let problem = fields(Some(first), first.len(), self.need, self.columns).err();
             let problem = problem.unwrap_or_else(|| Problem::Empty("segment with a header above its rows".to_owned()));
-            return Err(ExperimentError::of_row(self.path, first.line, None, hint::of_header(self, table, problem)));
+            return Err(ExperimentError::of_row(
+                self.path,
+                first.line,
+                None,
+                header_hint::of_header(self, table, problem),
+            ));
         }
         let digits = Digits::of(self.format);
         let mut segments: Vec<(String, Segment)> = Vec::new();

@@ -1,31 +1,18 @@
-//! What may be the cause of a mistake in a data file, and the key that would help.
+//! What may be the cause of a mistake in a row, and the key that would help.
 
 use super::super::error::Problem;
-use super::super::format::{Pace, Source};
+use super::super::format::Pace;
 use super::clock;
 use super::field::Field;
 use super::number::Digits;
 use super::rows::Reader;
-use super::segment::{Plan, is_data};
-use super::table::{Row, Table};
+use super::segment::is_data;
+use super::unit::is_unit;
 
 /// Rows below a bad one in which a repeated header is looked for.
 const TITLE: usize = 6;
-/// Rows in which the header is looked for.
-const PREAMBLE: usize = 200;
 /// Most rows under the data that are called a footer.
 const FOOTER: usize = 50;
-
-/// A header that does not have what is wanted.
-pub(super) fn of_header(plan: &Plan<'_>, table: &Table, problem: Problem) -> Problem {
-    let first = table.row(0);
-    let hint = one_column(first)
-        .or_else(|| header_below(plan, table))
-        .or_else(|| nameless(plan, first))
-        .or_else(|| twice(plan, first, &problem))
-        .or_else(|| no_time(plan, &problem));
-    with(problem, hint)
-}
 
 /// A row that ends too early or too late.
 pub(super) fn of_cells(reader: &Reader<'_>, at: usize, problem: Problem) -> Problem {
@@ -36,7 +23,7 @@ pub(super) fn of_cells(reader: &Reader<'_>, at: usize, problem: Problem) -> Prob
          decimal = \",\" in [format]"
             .to_owned()
     });
-    with(problem, commas.or_else(|| of_place(reader, at)))
+    problem.with(commas.or_else(|| of_place(reader, at)))
 }
 
 /// A needed cell that holds no number.
@@ -50,66 +37,7 @@ pub(super) fn of_row(reader: &Reader<'_>, at: usize, field: &Field, problem: Pro
             (field.wanted == "time_s" && cell.contains(':'))
                 .then(|| "a time of day is written as 14:03:22.5, or 2024-05-01 14:03:22.5".to_owned())
         });
-    with(problem, hint)
-}
-
-fn with(problem: Problem, hint: Option<String>) -> Problem {
-    match hint {
-        Some(hint) => Problem::Hinted { problem: Box::new(problem), hint },
-        None => problem,
-    }
-}
-
-/// The whole header is one cell with another character inside.
-fn one_column(first: Row<'_>) -> Option<String> {
-    let cell = first.cell(0);
-    let marks = [(';', ";"), ('\t', "\\t"), ('|', "|"), (',', ",")];
-    let (_, key) = marks.iter().find(|(mark, _)| cell.contains(*mark)).filter(|_| first.len() == 1)?;
-    Some(format!("the header has one column `{}`: write delimiter = \"{key}\" in [format]", cell.replace('\t', "\\t")))
-}
-
-/// The names stand in a row further down.
-fn header_below(plan: &Plan<'_>, table: &Table) -> Option<String> {
-    let at = (1..table.len().min(PREAMBLE)).find(|at| plan.below(table, *at).is_some())?;
-    let lines = table.row(at).line - 1;
-    Some(format!("line {} has it: write skip_lines = {lines} in [format]", lines + 1))
-}
-
-/// The first row holds numbers.
-fn nameless(plan: &Plan<'_>, first: Row<'_>) -> Option<String> {
-    let digits = Digits::of(plan.format);
-    let numbers = first.cells().filter(|cell| digits.are(cell)).count();
-    (numbers >= 2 && 2 * numbers > first.len()).then(|| {
-        "the first row holds numbers and no names: write columns = \"by-number\" in [format], and in [columns] numbers such \
-         as depth_mm = 2"
-            .to_owned()
-    })
-}
-
-/// The same name twice: specimens side by side, or a row of units that is taken for the header.
-fn twice(plan: &Plan<'_>, first: Row<'_>, problem: &Problem) -> Option<String> {
-    let Problem::DuplicateColumn(name) = problem else { return None };
-    if is_unit(name) && first.cells().filter(|cell| is_unit(cell)).count() * 2 > first.len() {
-        let lines = plan.format.skip_lines.saturating_sub(1);
-        return Some(format!("this is a row of units: write skip_lines = {lines} and units_row = true in [format]"));
-    }
-    Some(format!("choose with {{ name = \"{name}\", nth = 2 }} or by number ({{ number = 3 }}) in [columns]"))
-}
-
-/// The file has no time.
-fn no_time(plan: &Plan<'_>, problem: &Problem) -> Option<String> {
-    let missing = match problem {
-        Problem::MissingColumn { .. } => {
-            plan.columns.get("time_s").is_none_or(|mapping| matches!(&mapping.source, Source::Name { .. }))
-                && matches!(problem, Problem::MissingColumn { why, .. } if why.contains("time"))
-        }
-        Problem::NoNumber { wanted, .. } => wanted == "time_s",
-        _ => false,
-    };
-    missing.then(|| {
-        "if the file has no time, state interval_s (from row to row) or rate_mm_per_s (the indenter's speed) in [[run]]"
-            .to_owned()
-    })
+    problem.with(hint)
 }
 
 /// A row of units under the header.
@@ -119,16 +47,6 @@ fn units(reader: &Reader<'_>, at: usize) -> Option<String> {
     let units = row.cells().filter(|cell| is_unit(cell)).count();
     (at == reader.segment.rows.start && reader.segment.header.is_some() && units > 0 && 2 * units >= filled)
         .then(|| format!("line {} is a row of units: write units_row = true in [format]", row.line))
-}
-
-/// A unit, in brackets or one that laboratories use.
-pub(crate) fn is_unit(cell: &str) -> bool {
-    const UNITS: [&str; 24] = [
-        "s", "sec", "ms", "min", "h", "mm", "um", "µm", "μm", "cm", "m", "in", "n", "mn", "kn", "gf", "g", "kgf",
-        "lbf", "%", "mpa", "kpa", "-", "v",
-    ];
-    let bare = cell.strip_prefix(['(', '[']).and_then(|inner| inner.strip_suffix([')', ']']));
-    bare.is_some_and(|inner| inner.len() <= 12 && !inner.is_empty()) || UNITS.contains(&cell.to_lowercase().as_str())
 }
 
 /// A repeated header, or lines under the data.
