@@ -4,8 +4,9 @@ use crate::experiment::motion::Motion;
 use crate::experiment::{Experiment, Length};
 
 use super::contact;
-use super::data::{FACE_EXPONENT, LEAST_SAMPLES, LeftOut, LoadingCurve, Selection};
+use super::data::{LEAST_SAMPLES, LeftOut, LoadingCurve, Selection};
 use super::grip::Grip;
+use super::samples::FACE_EXPONENT;
 use super::spec::{Extra, FitSpec};
 use super::zero::Unsure;
 

@@ -5,8 +5,9 @@ use crate::experiment::{Experiment, Length, Run, Test};
 
 use super::contact::{self, ContactGuess};
 use super::grip::Grip;
-use super::relaxation;
-use super::zero::{self, Approach, Unsure};
+use super::samples::{BALL_EXPONENT, Samples};
+use super::unused::later_loadings;
+use super::zero::{self, Unsure};
 
 /// Deepest share of a specimen's height the model is trusted at.
 pub const DEEPEST_OF_HEIGHT: f64 = 0.8;
@@ -142,53 +143,6 @@ pub fn select(experiment: &Experiment, motions: &[Option<Motion>], material: &st
     selection
 }
 
-/// Exponent with which force begins over depth under a ball, and under a face.
-const BALL_EXPONENT: f64 = 1.5;
-pub(super) const FACE_EXPONENT: f64 = 1.0;
-
-/// What the sensor of a run reads without a contact.
-pub(super) struct Zero {
-    approach: Option<Approach>,
-    is_off: bool,
-}
-
-impl Zero {
-    /// Forces of samples without it, N.
-    pub(super) fn taken_off(&self, run: &Run, samples: std::ops::Range<usize>) -> Vec<f64> {
-        let (depth, force) = (&run.recording.depth_mm[samples.clone()], &run.recording.force_n[samples]);
-        match self.approach.filter(|_| self.is_off) {
-            Some(approach) => force.iter().zip(depth).map(|(force, depth)| force - approach.at(*depth)).collect(),
-            None => force.to_vec(),
-        }
-    }
-}
-
-/// Loadings after the first, which alone is fitted.
-fn later_loadings(run: &Run, motion: &Motion) -> Option<String> {
-    let depth = |range: &std::ops::Range<usize>| run.recording.depth_mm[range.end - 1];
-    let deepest = motion.loadings.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
-    let (first_mm, deepest_mm) = (depth(&motion.loading), depth(deepest));
-    if motion.loadings.len() < 2 {
-        return None;
-    }
-    let used = format!(
-        "{}: {} loadings are recorded and the first is used, to {first_mm:.2} mm",
-        run.file,
-        motion.loadings.len()
-    );
-    let travel_mm = first_mm - run.recording.depth_mm[motion.loading.start];
-    if deepest_mm - first_mm < DEEPER * travel_mm {
-        return Some(format!("{used}; from_s and to_s in its [[run]] choose another"));
-    }
-    Some(format!(
-        "{used}; a later one goes to {deepest_mm:.2} mm and is not used: write from_s = {:.1} in its [[run]] to choose it",
-        run.recording.time_s[deepest.start]
-    ))
-}
-
-/// A later loading is deeper when it goes this share of the first one's travel beyond it.
-const DEEPER: f64 = 0.05;
-
 impl Selection {
     fn add(
         &mut self,
@@ -201,38 +155,35 @@ impl Selection {
         let run = &experiment.runs[at];
         let motion = motions.get(at).and_then(Option::as_ref).ok_or(LeftOut::TooFewPoints)?;
         self.tell(run, motion);
-        let mut depth_mm = run.recording.depth_mm[motion.loading.clone()].to_vec();
-        if depth_mm.len() < LEAST_SAMPLES {
+        if motion.loading.len() < LEAST_SAMPLES {
             return Err(LeftOut::TooFewPoints);
         }
         let zero = self.zero_of(run, motion, BALL_EXPONENT);
-        let mut force_n = zero.taken_off(run, motion.loading.clone());
+        let mut samples = Samples::of(run, &zero, motion.loading.clone());
+        if samples.together > 1 {
+            self.messages.push(format!("{}: {} samples each are averaged", run.file, samples.together));
+        }
         let ball_mm = experiment.indenters[indenter].radius_mm.known().ok_or(LeftOut::NoContact)?;
-        let contact = contact::guess(&depth_mm, &force_n, ball_mm).ok_or(LeftOut::NoContact)?;
+        let contact = contact::guess(&samples.depth_mm, &samples.force_n, ball_mm).ok_or(LeftOut::NoContact)?;
         let height = experiment.specimens[specimen].height_mm;
         let deepest = deepest(ball_mm, height);
         // Past the guessed contact, not past the reading's zero, so that the cut does not depend on
         // the fit.
-        let kept = depth_mm.iter().filter(|d| **d - contact.contact_mm <= deepest).count();
-        if kept < depth_mm.len() {
+        let (all, goes_mm) = (samples.len(), samples.depth_mm[samples.len() - 1] - contact.contact_mm);
+        samples.cut(contact.contact_mm + deepest);
+        let kept = samples.len();
+        if kept < all {
             let reason = if deepest < ball_mm { "0.8 of the specimen's height" } else { "the ball's equator" };
             self.messages.push(format!(
-                "{}: goes {:.2} mm past contact, deeper than {reason} ({deepest:.2} mm); cut there, {kept} of {} samples are used",
+                "{}: goes {goes_mm:.2} mm past contact, deeper than {reason} ({deepest:.2} mm); cut there, {kept} of {all} samples are used",
                 run.file,
-                depth_mm[depth_mm.len() - 1] - contact.contact_mm,
-                depth_mm.len(),
             ));
-            let keep: Vec<bool> = depth_mm.iter().map(|d| d - contact.contact_mm <= deepest).collect();
-            let mut flags = keep.iter();
-            depth_mm.retain(|_| flags.next().copied().unwrap_or(false));
-            let mut flags = keep.iter();
-            force_n.retain(|_| flags.next().copied().unwrap_or(false));
         }
-        let touching = depth_mm.iter().filter(|d| **d > contact.contact_mm).count();
+        let touching = samples.depth_mm.iter().filter(|d| **d > contact.contact_mm).count();
         if touching < LEAST_SAMPLES {
             return Err(if kept < LEAST_SAMPLES { LeftOut::TooDeep } else { LeftOut::TooFewPoints });
         }
-        let reach = depth_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max) - contact.low_mm;
+        let reach = samples.depth_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max) - contact.low_mm;
         // The model also has to reach where an earlier contact puts the last sample, but not the
         // specimen's base.
         let reach = height.known().map_or(reach, |mm| reach.min(MODEL_OF_HEIGHT * mm));
@@ -243,26 +194,16 @@ impl Selection {
             let low_mm = &mut self.heights[free].low_mm;
             *low_mm = low_mm.max(deepest - contact.contact_mm);
         }
-        let end_s = run.recording.time_s[motion.loading.end - 1];
-        let since_end = |at: &usize| run.recording.time_s[*at] - end_s;
-        let mut time_s: Vec<f64> = motion.loading.clone().map(|at| since_end(&at)).collect();
-        let hold_from = force_n.len();
         if self.holds {
             // A ramp that was cut does not reach the depth at which the ball stood.
-            match motion.hold.clone().filter(|_| kept == motion.loading.len() && motion.loading_is_whole()) {
-                Some(hold) => {
-                    time_s.extend(hold.clone().map(|at| since_end(&at)));
-                    depth_mm.extend_from_slice(&run.recording.depth_mm[hold.clone()]);
-                    force_n.extend(zero.taken_off(run, hold));
-                }
+            match motion.hold.clone().filter(|_| kept == all && motion.loading_is_whole()) {
+                Some(hold) => samples.append(Samples::of(run, &zero, hold)),
                 None => self.messages.push(format!("{}: no hold is fitted, only its loading", run.file)),
             }
         }
-        if time_s.len() != force_n.len() {
-            // The cut keeps the samples above a depth; times follow them.
-            let mut keep = run.recording.depth_mm[motion.loading.clone()].iter();
-            time_s.retain(|_| keep.next().is_some_and(|d| d - contact.contact_mm <= deepest));
-        }
+        let end_s = run.recording.time_s[motion.loading.end - 1];
+        let Samples { depth_mm, force_n, time_s, .. } = samples;
+        let time_s = time_s.iter().map(|time| time - end_s).collect();
         let (rate_mm_per_s, hold_out) = (motion.rate_mm_per_s, run.hold_out);
         let zero_is_free = zero.approach.is_none() && !experiment.sensor.zero_is_known;
         let unsure = match zero.approach {
@@ -278,7 +219,7 @@ impl Selection {
             depth_mm,
             force_n,
             time_s,
-            hold_from,
+            hold_from: kept,
             contact,
             rate_mm_per_s,
             hold_out,
@@ -290,19 +231,6 @@ impl Selection {
     pub(super) fn tell(&mut self, run: &Run, motion: &Motion) {
         let told = motion.events.iter().map(|event| format!("{}: {event}", run.file));
         self.messages.extend(told.chain(later_loadings(run, motion)));
-    }
-
-    /// The zero that the approach of a run shows; told where it is none.
-    pub(super) fn zero_of(&mut self, run: &Run, motion: &Motion, exponent: f64) -> Zero {
-        let (depth, force) = (&run.recording.depth_mm, &run.recording.force_n);
-        let end = motion.loading.end;
-        let approach = Approach::of(&depth[..end], &force[..end], exponent);
-        let largest = force[motion.loading.clone()].iter().copied().fold(0.0, f64::max);
-        let is_off = approach.is_some_and(|approach| approach.is_off(largest));
-        if let Some(approach) = approach.filter(|_| is_off) {
-            self.messages.push(format!("{}: {approach}", run.file));
-        }
-        Zero { approach, is_off }
     }
 
     pub(super) fn pairing(&mut self, specimen: usize, grip: Grip, height: Length, depth_mm: f64) -> usize {
@@ -342,28 +270,6 @@ impl Selection {
                 height.high_mm = height.high_mm.max(2.0 * height.low_mm);
             }
         }
-    }
-
-    /// Holds that are not fitted although the force falls in them: what relaxes there has relaxed on the way down as well.
-    fn tell_holds(&mut self, experiment: &Experiment, motions: &[Option<Motion>]) {
-        if self.holds {
-            return;
-        }
-        let fall = |curve: &LoadingCurve| {
-            let run = &experiment.runs[curve.run];
-            let hold = motions.get(curve.run)?.as_ref()?.hold.clone()?;
-            Some((&run.file, relaxation::fall(&run.recording, hold)?))
-        };
-        let falls: Vec<_> = self.curves.iter().filter_map(fall).collect();
-        let Some((file, most)) = falls.iter().max_by(|a, b| a.1.share.total_cmp(&b.1.share)) else { return };
-        self.messages.push(format!(
-            "the force falls by {:.0} % in the hold of {:.1} s of {file} ({} run(s) show a fall): the material relaxes, or the machine \
-             gives way. Without --relax, mu and alpha are those of this speed and are no material constants: use --relax 1, or \
-             `palpate diagnose` for the cause",
-            100.0 * most.share,
-            most.lasts_s,
-            falls.len(),
-        ));
     }
 
     /// Eq. 14 adds up samples, so a long run weighs more than a short one.

@@ -18,9 +18,10 @@ pub mod model;
 pub mod multistart;
 pub mod newton;
 pub mod noise;
-mod relaxation;
+mod samples;
 pub mod simplex;
 pub mod spec;
+mod unused;
 pub mod zero;
 
 use std::time::{Duration, Instant};

@@ -61,15 +61,19 @@ impl Approach {
         if readings < LEAST {
             return None;
         }
-        let (x, y) = (&depth_mm[..readings], &force_n[..readings]);
-        let count = readings as f64;
+        let together = readings.div_ceil(SEARCHED);
+        let averaged = |values: &[f64]| -> Vec<f64> {
+            values[..readings].chunks(together).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect()
+        };
+        let (x, y) = (averaged(depth_mm), averaged(force_n));
+        let count = x.len() as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
-        let (middle_mm, offset) = (mean(x), mean(y));
+        let (middle_mm, offset) = (mean(&x), mean(&y));
         let sxx: f64 = x.iter().map(|x| (x - middle_mm).powi(2)).sum();
-        let sxy: f64 = x.iter().zip(y).map(|(x, y)| (x - middle_mm) * (y - offset)).sum();
+        let sxy: f64 = x.iter().zip(&y).map(|(x, y)| (x - middle_mm) * (y - offset)).sum();
         let slope = if sxx > 0.0 { sxy / sxx } else { 0.0 };
         let error = |slope: f64| {
-            let left: Vec<f64> = x.iter().zip(y).map(|(x, y)| y - offset - slope * (x - middle_mm)).collect();
+            let left: Vec<f64> = x.iter().zip(&y).map(|(x, y)| y - offset - slope * (x - middle_mm)).collect();
             let variance = left.iter().map(|r| r * r).sum::<f64>() / (count - 2.0);
             (variance * correlated_samples(&[left], 1.0)).sqrt()
         };

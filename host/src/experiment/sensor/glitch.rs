@@ -57,11 +57,14 @@ fn stands_off(values: &[f64], at: usize, length: usize, range: f64) -> bool {
     let first = off(at);
     let all = (at..at + length).map(|i| off(i) * first.signum());
     let least = all.fold(f64::INFINITY, f64::min);
+    if least <= SHARE * range {
+        return false;
+    }
     let left = &values[at.saturating_sub(AROUND)..at];
     let right = &values[at + length..(at + length + AROUND).min(values.len())];
     // Neighbours rise as they do elsewhere.
     let rise = (length + 1) as f64 * usual_step(left).midpoint(usual_step(right));
-    if least <= SHARE * range || (after - before - rise).abs() > AGREE * least {
+    if (after - before - rise).abs() > AGREE * least {
         return false;
     }
     // Noise that grows with the force counts where it is; a bend from one slope to another is no glitch.
