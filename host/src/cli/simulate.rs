@@ -71,15 +71,21 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let text = experiment::text_of(file)?;
     // Before anything is solved for a place that is not to be written to.
-    simulate::check_folder(folder).into_diagnostic()?;
-    if let Some(truth) = &arguments.truth {
-        crate::ownership::check_file(truth, TRUTH.as_bytes(), "--truth").into_diagnostic()?;
-    }
+    let check_places = || -> miette::Result<()> {
+        simulate::check_folder(folder).into_diagnostic()?;
+        match &arguments.truth {
+            Some(truth) => crate::ownership::check_file(truth, TRUTH.as_bytes(), "--truth").into_diagnostic(),
+            None => Ok(()),
+        }
+    };
     if display::is_display(&text) {
-        return run_display(arguments, &text, file, folder);
+        let spec = display::parse(file, &text)?;
+        check_places()?;
+        return run_display(arguments, spec, &text, folder);
     }
     let started = Instant::now();
     let mut spec = simulate::parse(file, &text)?;
+    check_places()?;
     if let Some(file) = &arguments.model {
         let model = ExtendedModel::read(file)?;
         for sentence in truth::apply(&model, &mut spec).into_diagnostic()? {
@@ -113,8 +119,7 @@ fn save_truth(file: &Path, text: &str) -> miette::Result<()> {
 }
 
 /// Writes an experiment with a display.
-fn run_display(arguments: &Arguments, text: &str, file: &Path, folder: &Path) -> miette::Result<()> {
-    let mut spec = display::parse(file, text)?;
+fn run_display(arguments: &Arguments, mut spec: display::DisplaySpec, text: &str, folder: &Path) -> miette::Result<()> {
     spec.seed = arguments.seed.unwrap_or(spec.seed);
     spec.write(folder).into_diagnostic()?;
     if let Some(truth) = &arguments.truth {

@@ -189,22 +189,28 @@ fn run(
     if test == Test::Display {
         recording.check_pairs(&path)?;
     }
-    let troubles = match test {
+    let at_file = |problem| ExperimentError::of_file(&path, problem);
+    let height_mm = specimen.and_then(|at| specimens.get(at)?.height_mm.known()).filter(|_| test != Test::Tension);
+    let check_depth = |recording: &Recording| match height_mm {
+        Some(height_mm) => recording.check_depth(&path, height_mm),
+        None => Ok(()),
+    };
+    check_depth(&recording)?;
+    let mut troubles = match test {
         Test::Indentation | Test::Uniaxial | Test::Confined | Test::Shear => {
-            sensor::cleaned(&mut recording).map_err(|problem| ExperimentError::of_file(&path, problem))?
+            sensor::cleaned(&mut recording).map_err(at_file)?
         }
         _ => Vec::new(),
     };
     let ball_mm = indenter.and_then(|at| places.balls[at].radius_mm.known());
     let soft = specimen.is_some_and(|at| specimens[at].base_law != BaseLaw::Rigid);
     if let Some(ball_mm) = ball_mm.filter(|_| test == Test::Indentation && soft) {
-        plausible::check(&recording, ball_mm, &columns).map_err(|problem| ExperimentError::of_file(&path, problem))?;
+        troubles.extend(plausible::check(&recording, ball_mm, &columns).map_err(at_file)?);
     }
     if test == Test::Tension {
         recording.turn_to_push();
-    } else if let Some(height_mm) = specimen.and_then(|at| specimens.get(at)?.height_mm.known()) {
-        recording.check_depth(&path, height_mm)?;
     }
+    check_depth(&recording)?;
     Ok(Run {
         file: file.to_owned(),
         specimen,

@@ -1,27 +1,32 @@
-//! Numbers that can only be of another unit than the contract's: asked before anything is solved.
+//! Numbers that are likely of another unit than the contract's: asked before anything is solved.
 
 use std::collections::BTreeMap;
 
 use super::error::Problem;
 use super::format::Source;
+use super::sensor::Trouble;
 use super::unit::{parted, unit};
 use super::{Mapping, Recording};
 
 /// A ball that travels less than this share of its radius was recorded in metres.
 const LEAST_TRAVEL: f64 = 2e-3;
-/// Shear modulus that nothing soft has, MPa: rubber of Shore A 95 has about 25, the softest plastics some hundred.
-const STIFFEST_MPA: f64 = 30.0;
+/// Shear modulus that nothing soft has, MPa: rubber of Shore A 90 has about 7, the softest plastics some hundred.
+const STIFFEST_MPA: f64 = 15.0;
 /// The ball touches where the force has risen by this share.
 const TOUCH: f64 = 0.01;
 /// And one below which no specimen keeps its shape, MPa.
 const SOFTEST_MPA: f64 = 1e-8;
 
-/// Refuses what no soft specimen under a ball of this radius gives, unless the scale of the column is stated.
-pub(super) fn check(recording: &Recording, ball_mm: f64, columns: &BTreeMap<String, Mapping>) -> Result<(), Problem> {
+/// Refuses a way, and asks about a force, that no soft specimen under a ball of this radius gives, unless the scale of the column is stated.
+pub(super) fn check(
+    recording: &Recording,
+    ball_mm: f64,
+    columns: &BTreeMap<String, Mapping>,
+) -> Result<Option<Trouble>, Problem> {
     let stated = |name: &str| columns.get(name).is_some_and(|mapping| is_stated(mapping, name));
     let (travel_mm, rise_n) = (range(&recording.depth_mm), range(&recording.force_n));
     if travel_mm <= 0.0 || rise_n <= 0.0 {
-        return Ok(());
+        return Ok(None);
     }
     if travel_mm < LEAST_TRAVEL * ball_mm && !stated("depth_mm") {
         return Err(Problem::Contradiction(format!(
@@ -33,17 +38,13 @@ pub(super) fn check(recording: &Recording, ball_mm: f64, columns: &BTreeMap<Stri
     let pressed_mm = pressed_mm(recording, rise_n).unwrap_or(travel_mm);
     let mu_mpa = 3.0 * rise_n / (16.0 * ball_mm.sqrt() * pressed_mm.powf(1.5));
     if stated("force_N") || (SOFTEST_MPA..=STIFFEST_MPA).contains(&mu_mpa) {
-        return Ok(());
+        return Ok(None);
     }
-    let (than, unit) = if mu_mpa > STIFFEST_MPA {
-        ("stiffer", "mN? Then write scale = 0.001")
-    } else {
-        ("softer", "kN? Then write scale = 1000")
-    };
-    Err(Problem::Contradiction(format!(
-        "a force of {rise_n} N at {pressed_mm:.3} mm under a ball of {ball_mm} mm is a shear modulus of about {mu_mpa:.1e} MPa, {than} than \
-         anything that is pressed by a ball: is `force_N` in {unit} for it in [columns]; scale = 1 says that it is in N"
-    )))
+    let (than, unit, scale) = if mu_mpa > STIFFEST_MPA { ("stiffer", "mN", 0.001) } else { ("softer", "kN", 1000.0) };
+    Ok(Some(Trouble::Unit(format!(
+        "a force of {rise_n:.4} N at {pressed_mm:.3} mm under a ball of {ball_mm} mm is a shear modulus of about {mu_mpa:.1e} MPa, {than} \
+         than rubber and gels are: is `force_N` in {unit}? Then write scale = {scale} for it in [columns]; scale = 1 says that it is in N"
+    ))))
 }
 
 /// True where the description states a scale, or the file's own name of the column holds a unit.
@@ -75,25 +76,26 @@ mod tests {
     use super::*;
 
     /// A ball of 5 mm pressed 3 mm into mu 0.05 MPa, its columns times factors.
-    fn told(depth: f64, force: f64, columns: &BTreeMap<String, Mapping>) -> Result<(), String> {
+    fn told(depth: f64, force: f64, columns: &BTreeMap<String, Mapping>) -> Result<Option<String>, String> {
         let depth_mm: Vec<f64> = (0..100).map(|i| depth * 0.03 * f64::from(i)).collect();
         let force_n = (0..100).map(|i| force * 0.6 * (0.03 * f64::from(i)).powf(1.5)).collect();
         let time_s = (0..100).map(f64::from).collect();
-        check(&Recording::from_samples(time_s, depth_mm, force_n), 5.0, columns).map_err(|problem| problem.to_string())
+        let found = check(&Recording::from_samples(time_s, depth_mm, force_n), 5.0, columns);
+        found.map(|asked| asked.map(|trouble| trouble.to_string())).map_err(|problem| problem.to_string())
     }
 
     #[test]
     fn wrong_units_are_asked_and_stated_ones_are_not() {
         let none = BTreeMap::new();
-        assert_eq!(told(1.0, 1.0, &none), Ok(()));
+        assert_eq!(told(1.0, 1.0, &none), Ok(None));
         let metres = told(1e-3, 1.0, &none).unwrap_err();
         assert!(metres.contains("is `depth_mm` in metres? Then write scale = 1000 for it in [columns]"), "{metres}");
-        let milli = told(1.0, 1e4, &none).unwrap_err();
-        assert!(milli.contains("stiffer than anything") && milli.contains("is `force_N` in mN?"), "{milli}");
-        let kilo = told(1.0, 1e-8, &none).unwrap_err();
+        let milli = told(1.0, 1e4, &none).unwrap().unwrap();
+        assert!(milli.contains("stiffer than rubber") && milli.contains("is `force_N` in mN?"), "{milli}");
+        let kilo = told(1.0, 1e-8, &none).unwrap().unwrap();
         assert!(kilo.contains("is `force_N` in kN? Then write scale = 1000"), "{kilo}");
         let stated = Mapping { scale: Some(1.0), ..Mapping::named("x") };
         let columns = ["depth_mm", "force_N"].map(|name| (name.to_owned(), stated.clone())).into_iter().collect();
-        assert_eq!((told(1e-3, 1.0, &columns), told(1.0, 1e4, &columns)), (Ok(()), Ok(())));
+        assert_eq!((told(1e-3, 1.0, &columns), told(1.0, 1e4, &columns)), (Ok(None), Ok(None)));
     }
 }

@@ -420,6 +420,25 @@ impl Fit {
         .max(1e-6)
     }
 
+    /// Repeats that differ by far more than readings scatter.
+    fn unlike_repeats(&self, selection: &Selection) -> Option<String> {
+        let fitted = self.runs.iter().filter(|run| !selection.curves[run.curve].hold_out);
+        let peak_n = fitted.clone().flat_map(|run| &selection.curves[run.curve].force_n).copied().fold(0.0, f64::max);
+        let scatter_n = fitted.map(|run| run.sample_noise_n).fold(0.0, f64::max);
+        let apart_n = self.noise.sigma_n;
+        let unlike = self.noise.source == NoiseSource::Replicates
+            && apart_n > UNLIKE_SIGMA * scatter_n
+            && apart_n > UNLIKE_SHARE * peak_n;
+        unlike.then(|| {
+            format!(
+                "runs that are taken for repeats differ by {:.1} % of the largest force, {:.0} times what readings scatter: places or \
+                 pieces that differ, or runs of which one is of another ball or specimen than it says",
+                100.0 * apart_n / peak_n,
+                apart_n / scatter_n.max(f64::MIN_POSITIVE)
+            )
+        })
+    }
+
     /// What became of zeros of the force that no approach shows.
     fn free_zeros(&self, experiment: &Experiment, selection: &Selection) -> Option<String> {
         let curve = |run: &RunFit| &selection.curves[run.curve];
@@ -462,6 +481,7 @@ impl Fit {
         messages.extend(self.free_zeros(experiment, selection));
         messages.extend(self.newton.iter().flat_map(Newton::messages));
         messages.push(format!("intervals: {}", self.noise.source.sentence()));
+        messages.extend(self.unlike_repeats(selection));
         if let Some((at, units)) = self.largest_misfit(selection)
             && units > SYSTEMATIC
         {
@@ -479,6 +499,10 @@ impl Fit {
         messages
     }
 }
+
+/// Repeats are unlike where they differ by this many times what readings scatter, and by this share of the largest force.
+const UNLIKE_SIGMA: f64 = 8.0;
+const UNLIKE_SHARE: f64 = 0.02;
 
 /// A smoothed residual above this many noise units is called systematic. Smoothing over a
 /// twentieth of the samples divides white noise by three or more, so chance stays far below.

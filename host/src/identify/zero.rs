@@ -11,8 +11,12 @@ const LEAST_FOR_SLOPE: usize = 20;
 const SIGNIFICANT: f64 = 5.0;
 /// A zero below this share of the largest force changes nothing that matters.
 const LEAST_SHARE: f64 = 1e-3;
-/// The contact is looked for where the force has risen by less than this share.
-const RISEN: f64 = 0.3;
+/// The contact is looked for where the force has risen by less than this share, or this many times its noise: farther up no force
+/// is a power of depth.
+const RISEN: f64 = 0.1;
+const RISEN_SIGMA: f64 = 10.0;
+/// Readings count as before contact this share of that way above it.
+const MARGIN: f64 = 0.1;
 /// Readings that a search for the contact takes, and places that it tries.
 const SEARCHED: usize = 1500;
 const PLACES: usize = 60;
@@ -43,13 +47,15 @@ impl Approach {
     pub fn of(depth_mm: &[f64], force_n: &[f64], exponent: f64) -> Option<Self> {
         let first = median(force_n.get(..LEAST)?);
         let highest = force_n.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let risen = force_n.iter().position(|force| force - first > RISEN * (highest - first))?;
+        let least = (RISEN * (highest - first)).max(RISEN_SIGMA * noise_of(force_n));
+        let risen = force_n.iter().position(|force| force - first > least)?;
         let stride = risen.div_ceil(SEARCHED).max(1);
         let thinned = |values: &[f64]| -> Vec<f64> { values[..risen].iter().step_by(stride).copied().collect() };
         let (depths, forces) = (thinned(depth_mm), thinned(force_n));
-        let plain = Self::with(depth_mm, force_n, contact(&depths, &forces, exponent, false)?)?;
+        let above = |contact: f64| contact - MARGIN * (depth_mm[risen] - contact);
+        let plain = Self::with(depth_mm, force_n, above(contact(&depths, &forces, exponent, false)?))?;
         let sloped = match plain.slope_n_per_mm {
-            Some(_) => Self::with(depth_mm, force_n, contact(&depths, &forces, exponent, true)?),
+            Some(_) => Self::with(depth_mm, force_n, above(contact(&depths, &forces, exponent, true)?)),
             None => None,
         };
         Some(sloped.unwrap_or(plain))

@@ -78,6 +78,8 @@ pub enum Trouble {
     },
     /// Both columns counted compression negative; both were turned.
     Turned,
+    /// Numbers that are likely in another unit; the question, with the key that answers it.
+    Unit(String),
 }
 
 impl Trouble {
@@ -89,6 +91,7 @@ impl Trouble {
             Trouble::Code { .. } => "overload-code",
             Trouble::Limit { .. } => "saturated",
             Trouble::Turned => "turned",
+            Trouble::Unit(_) => "unit",
         }
     }
 }
@@ -111,6 +114,7 @@ impl fmt::Display for Trouble {
                  deeper; the run is used up to there, {left_out} readings are left out",
                 first.line, first.value
             ),
+            Trouble::Unit(question) => f.write_str(question),
             Trouble::Turned => write!(
                 f,
                 "depth and force fall as the ball goes in, so compression counts negative: both are turned \

@@ -55,8 +55,9 @@ const VALLEYS: usize = 3;
 const REFINEMENTS: usize = 30;
 /// Steps of a golden section: the bracket shrinks to a millionth.
 const SECTIONS: usize = 29;
-/// What is left of the rounding of a touch once the search is near: a force at contact of a fiftieth of a sample's rise.
-const SHARPER: f64 = 0.02;
+/// What is left of the rounding of a touch once the search is near: half the distance of two samples, within which no reading
+/// tells where the touch was.
+const SHARPER: f64 = 0.25;
 /// Contact points are exact to this share of their range.
 const CONTACT_SHARE: f64 = 1e-9;
 /// And stand at an end of it when nearer than this: what a golden section leaves.
