@@ -83,7 +83,7 @@ fn mistakes_in_the_description() {
         ),
         (
             DESCRIPTION.replace("[sensor]", "[sensor]\ncolour = 1"),
-            "experiment.toml, line 11, column 1: unknown key `colour` in [sensor]; known keys: noise_N",
+            "experiment.toml, line 11, column 1: unknown key `colour` in [sensor]; known keys: noise_N, zero",
         ),
         (
             DESCRIPTION.replace("height_mm = 12.7\n", ""),

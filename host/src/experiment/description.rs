@@ -8,7 +8,7 @@ use super::file::{self, Need, Window};
 use super::layout;
 use super::plausible;
 use super::section::{Document, Section};
-use super::sensor;
+use super::sensor::{self, Trouble};
 use super::{
     Base, BaseLaw, Experiment, Format, Indenter, Length, Mapping, Recording, Run, Sensor, Specimen, Test, replicate,
 };
@@ -195,13 +195,17 @@ fn run(
         Some(height_mm) => recording.check_depth(&path, height_mm),
         None => Ok(()),
     };
-    check_depth(&recording)?;
+    // A depth that cannot be is a mistake of the description, no code of the device.
+    let as_recorded = recording.clone();
     let mut troubles = match test {
         Test::Indentation | Test::Uniaxial | Test::Confined | Test::Shear => {
             sensor::cleaned(&mut recording).map_err(at_file)?
         }
         _ => Vec::new(),
     };
+    if !troubles.contains(&Trouble::Turned) && as_recorded.len() != recording.len() {
+        check_depth(&as_recorded)?;
+    }
     let ball_mm = indenter.and_then(|at| places.balls[at].radius_mm.known());
     let soft = specimen.is_some_and(|at| specimens[at].base_law != BaseLaw::Rigid);
     if let Some(ball_mm) = ball_mm.filter(|_| test == Test::Indentation && soft) {
