@@ -196,7 +196,11 @@ pub fn identify_from(
 impl Identification {
     /// What can be said of a material before anything is fitted.
     fn before_fit(experiment: &Experiment, motions: &[Option<Motion>], material: &str, spec: &FitSpec) -> Self {
-        let selection = data::select(experiment, motions, material, spec.relaxation > 0);
+        let mut selection = data::select(experiment, motions, material, spec.relaxation > 0);
+        // Eq. 14 knows no priors: it takes the zero as it is.
+        if spec.loss == spec::Loss::Absolute || spec.method == Method::Simplex {
+            selection.trust_zeros();
+        }
         Identification {
             material: material.to_owned(),
             law: spec.resolved(experiment, material).0,

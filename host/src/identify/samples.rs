@@ -6,7 +6,7 @@ use crate::experiment::Run;
 use crate::experiment::motion::Motion;
 
 use super::data::Selection;
-use super::zero::Approach;
+use super::zero::{Approach, Unsure};
 
 /// More samples of a way are averaged over neighbours: the bend of the force within one in so many is a millionth of its largest.
 const MOST_SAMPLES: usize = 4000;
@@ -34,6 +34,13 @@ impl Zero {
 }
 
 impl Selection {
+    /// Takes zeros of the force as they were recorded, or read from the approach, without a prior.
+    pub(super) fn trust_zeros(&mut self) {
+        for curve in &mut self.curves {
+            (curve.unsure, curve.zero_is_free) = (Unsure::default(), false);
+        }
+    }
+
     /// The zero that the approach of a run shows; told where it is none.
     pub(super) fn zero_of(&mut self, run: &Run, motion: &Motion, exponent: f64) -> Zero {
         let (depth, force) = (&run.recording.depth_mm, &run.recording.force_n);
