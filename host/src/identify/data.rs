@@ -1,12 +1,11 @@
 //! From runs to loading curves: what is fitted, what is left out, and why.
 
 use crate::experiment::motion::Motion;
-use crate::experiment::{Experiment, Length, Run, Test};
+use crate::experiment::{Experiment, Length, Test};
 
 use super::contact::{self, ContactGuess};
 use super::grip::Grip;
 use super::samples::{BALL_EXPONENT, Samples};
-use super::unused::later_loadings;
 use super::zero::{self, Unsure};
 
 /// Deepest share of a specimen's height the model is trusted at.
@@ -225,12 +224,6 @@ impl Selection {
             hold_out,
         });
         Ok(())
-    }
-
-    /// What happened in a run, and what of it is not used.
-    pub(super) fn tell(&mut self, run: &Run, motion: &Motion) {
-        let told = motion.events.iter().map(|event| format!("{}: {event}", run.file));
-        self.messages.extend(told.chain(later_loadings(run, motion)));
     }
 
     pub(super) fn pairing(&mut self, specimen: usize, grip: Grip, height: Length, depth_mm: f64) -> usize {

@@ -38,6 +38,12 @@ fn fall_in(recording: &Recording, hold: Range<usize>) -> Option<Fall> {
 }
 
 impl Selection {
+    /// What happened in a run, and what of it is not used.
+    pub(super) fn tell(&mut self, run: &Run, motion: &Motion) {
+        let told = motion.events.iter().map(|event| format!("{}: {event}", run.file));
+        self.messages.extend(told.chain(later_loadings(run, motion)));
+    }
+
     /// Holds that are not fitted although the force falls in them: what relaxes there has relaxed on the way down as well.
     pub(super) fn tell_holds(&mut self, experiment: &Experiment, motions: &[Option<Motion>]) {
         if self.holds {
@@ -62,7 +68,7 @@ impl Selection {
 }
 
 /// Loadings after the first, which alone is fitted.
-pub(super) fn later_loadings(run: &Run, motion: &Motion) -> Option<String> {
+fn later_loadings(run: &Run, motion: &Motion) -> Option<String> {
     let depth = |range: &std::ops::Range<usize>| run.recording.depth_mm[range.end - 1];
     let deepest = motion.loadings.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
     let (first_mm, deepest_mm) = (depth(&motion.loading), depth(deepest));

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{median, noise_of};
+use super::signal::{median, noise_of};
 use crate::experiment::Recording;
 
 /// A fall of force within one sample above this share of its range, while the indenter goes on

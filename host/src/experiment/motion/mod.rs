@@ -5,14 +5,17 @@
 
 mod event;
 mod press;
+mod signal;
 
 use std::ops::Range;
 
 pub use event::Event;
+pub use signal::{noise_of, step_of};
 
 use super::Recording;
 use event::force_drop;
 use press::{find_slow_presses, pressing};
+use signal::slope;
 
 /// Below this share of the typical speed the indenter counts as standing.
 const STANDING: f64 = 0.3;
@@ -59,28 +62,6 @@ enum Way {
 struct Stretch {
     way: Way,
     samples: Range<usize>,
-}
-
-/// Noise of a smooth signal: standard deviation from the median absolute second difference, so
-/// that neither a trend nor a few jumps count.
-pub fn noise_of(signal: &[f64]) -> f64 {
-    let bends = signal.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs());
-    // 0.6745 is the median of |x| for unit normal x; a second difference has variance 6.
-    median(bends) / 0.6745 / 6.0_f64.sqrt()
-}
-
-/// Resolution of a reading: the least difference between neighbours that differ; 0 where none do.
-pub fn step_of(signal: &[f64]) -> f64 {
-    let steps = signal.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|step| *step > 0.0);
-    let least = steps.fold(f64::INFINITY, f64::min);
-    if least.is_finite() { least } else { 0.0 }
-}
-
-/// The upper of two middle values; 0 of none.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Reads the branches of a run; `None` if the indenter never went down measurably.
@@ -201,15 +182,6 @@ fn without_jitter(stretches: Vec<Stretch>, depth: &[f64], least_mm: f64, least_s
         append(&mut kept, stretch);
     }
     kept
-}
-
-fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
-    let count = x.len() as f64;
-    let (mean_x, mean_y) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
-    let sxx: f64 = x.iter().map(|x| (x - mean_x).powi(2)).sum();
-    let sxy: f64 = x.iter().zip(y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
-    let slope = sxy / sxx;
-    slope.is_finite().then_some(slope)
 }
 
 #[cfg(test)]

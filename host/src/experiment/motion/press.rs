@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::{BRANCH, Stretch, Way, slope};
+use super::signal::slope;
+use super::{BRANCH, Stretch, Way};
 use crate::experiment::Recording;
 
 /// A way on of this many times the noise of the depth is one, however slow.
