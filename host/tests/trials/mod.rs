@@ -185,7 +185,8 @@ impl Trial {
             End::Kill => self.signal("KILL"),
             End::Term => self.signal("TERM"),
             End::Interrupt => self.signal("INT"),
-            End::HangUp => self.signal("HUP"),
+            // Under nohup the log rightly goes on.
+            End::HangUp => self.signal(if hang_up_is_ignored() { "TERM" } else { "HUP" }),
             End::DiskFull => {}
             End::Gone => self.line.pull(true),
         }
@@ -203,6 +204,13 @@ fn disturbance(random: &mut Pcg64) -> Disturbance {
         1 => Disturbance::Unplugged(time),
         _ => Disturbance::RestartUnplugged(time),
     }
+}
+
+/// True where this process, and what it starts, ignores SIGHUP: the lowest bit of the mask that Linux tells.
+fn hang_up_is_ignored() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 1 == 1)
 }
 
 /// One trial; what it was, or what is wrong.
