@@ -60,7 +60,7 @@ pub fn alphas() -> Vec<f64> {
 }
 
 fn axis(name: &str, unit: &str, role: Role, values: Vec<f64>) -> AxisSpec {
-    AxisSpec { name: name.into(), unit: unit.into(), role, scale: Scale::Listed, values }
+    AxisSpec::new(name, unit, role, Scale::Listed, values)
 }
 
 fn library(foams: &[Foam]) -> Vec<MaterialSpec> {

@@ -133,13 +133,7 @@ fn verdict() -> Verdict {
 
 /// A table with every section: two heights, three exponents, four depths, mu as factor, one material.
 pub fn small_table() -> TableSpec {
-    let axis = |name: &str, unit: &str, role, scale, values: &[f64]| AxisSpec {
-        name: name.into(),
-        unit: unit.into(),
-        role,
-        scale,
-        values: values.to_vec(),
-    };
+    let axis = |name: &str, unit: &str, role, scale, values: &[f64]| AxisSpec::new(name, unit, role, scale, values);
     let depths = [0.5, 1.0, 1.5, 2.0];
     let columns =
         [10.0, 20.0].iter().flat_map(|h| [1.0, 2.0, 4.0].map(|alpha| depths.map(|d| alpha * d / h).to_vec())).collect();

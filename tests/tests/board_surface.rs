@@ -17,13 +17,7 @@ const DEPTH_MM: f64 = 4.0;
 fn table(model: &ForceModel) -> Vec<u8> {
     let alphas: Vec<f64> = (0..30).map(|i| 1.0 + 23.0 * f64::from(i) / 29.0).collect();
     let depths: Vec<f64> = (1..=200).map(|i| DEPTH_MM * f64::from(i) / 200.0).collect();
-    let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
-        name: name.into(),
-        unit: unit.into(),
-        role,
-        scale: Scale::Listed,
-        values: values.to_vec(),
-    };
+    let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec::new(name, unit, role, Scale::Listed, values);
     TableSpec {
         columns: alphas.iter().map(|a| depths.iter().map(|d| model.force_n(1.0, *a, *d)).collect()).collect(),
         axes: vec![

@@ -8,13 +8,7 @@ use tests::golden;
 
 /// Twelve exponents, 50 depths, 30 moduli: a made-up foam with the curvature of a real one.
 fn table() -> Vec<u8> {
-    let axis = |name: &str, unit: &str, role, values: Vec<f64>| AxisSpec {
-        name: name.into(),
-        unit: unit.into(),
-        role,
-        scale: Scale::Listed,
-        values,
-    };
+    let axis = |name: &str, unit: &str, role, values: Vec<f64>| AxisSpec::new(name, unit, role, Scale::Listed, values);
     let depths: Vec<f64> = (1..=50).map(|i| 0.08 * f64::from(i)).collect();
     let alphas: Vec<f64> = (0..12).map(|i| 1.0 + 2.0 * f64::from(i) + 0.05 * f64::from(i * i)).collect();
     // Only +, *, / and sqrt: the table's own bytes are the same on every machine, too.

@@ -178,13 +178,8 @@ mod tests {
 
     /// A board with a table, and nothing under its probe.
     fn session() -> Session<InProcess> {
-        let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
-            name: name.into(),
-            unit: unit.into(),
-            role,
-            scale: Scale::Listed,
-            values: values.to_vec(),
-        };
+        let axis =
+            |name: &str, unit: &str, role, values: &[f64]| AxisSpec::new(name, unit, role, Scale::Listed, values);
         let depths: Vec<f64> = (1..=200).map(|i| 4.0 * f64::from(i) / 200.0).collect();
         let alphas: Vec<f64> = (1..=12).map(f64::from).collect();
         let force = |alpha: f64, depth: f64| depth.powf(1.5) * (1.0 + 0.01 * alpha * depth);

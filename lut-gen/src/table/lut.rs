@@ -121,13 +121,7 @@ pub fn lut(grids: &[ForceGrid], form: Form, library: Vec<MaterialSpec>) -> Resul
         }
         fits_rate(first, &heights, rate)?;
     }
-    let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        role,
-        scale: spacing(values),
-        values: values.to_vec(),
-    };
+    let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec::new(name, unit, role, spacing(values), values);
     let spec = &first.spec;
     // A single height is an axis as well: the board must know which specimens the table is for.
     let mut axes = vec![

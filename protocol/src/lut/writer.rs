@@ -21,6 +21,13 @@ pub struct AxisSpec {
     pub values: Vec<f64>,
 }
 
+impl AxisSpec {
+    /// An axis of its name, its unit, what it spans and how it is spaced.
+    pub fn new(name: &str, unit: &str, role: Role, scale: Scale, values: impl Into<Vec<f64>>) -> Self {
+        Self { name: name.into(), unit: unit.into(), role, scale, values: values.into() }
+    }
+}
+
 /// A library material to write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaterialSpec {
@@ -256,13 +263,8 @@ mod tests {
 
     /// Two heights, three exponents, four depths, mu as factor, one material: `force = alpha * depth / height`.
     pub(crate) fn small() -> TableSpec {
-        let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
-            name: name.into(),
-            unit: unit.into(),
-            role,
-            scale: Scale::Linear,
-            values: values.to_vec(),
-        };
+        let axis =
+            |name: &str, unit: &str, role, values: &[f64]| AxisSpec::new(name, unit, role, Scale::Linear, values);
         let depths = [0.5, 1.0, 1.5, 2.0];
         let columns =
             [10.0, 20.0].iter().flat_map(|h| [1.0, 2.0, 4.0].map(|a| depths.map(|d| a * d / h).to_vec())).collect();

@@ -51,13 +51,7 @@ pub fn small_table() -> Vec<u8> {
 /// Tables: mu as factor, mu as column axis, with rates, and one so small that little can be wrong with it.
 pub fn tables() -> Vec<Vec<u8>> {
     let golden = samples::small_table();
-    let axis = |name: &str, unit: &str, role: Role, values: &[f64]| AxisSpec {
-        name: name.into(),
-        unit: unit.into(),
-        role,
-        scale: Scale::Listed,
-        values: values.to_vec(),
-    };
+    let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec::new(name, unit, role, Scale::Listed, values);
     let rows = golden.axes[0].clone();
     let depths = rows.values.clone();
     let curve = |stiffness: f64| depths.iter().map(|d| stiffness * d).collect::<Vec<_>>();

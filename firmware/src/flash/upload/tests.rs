@@ -38,13 +38,7 @@ fn good(flash: &mut Flash, active: &mut Option<ActiveTable>, bytes: &[u8]) -> Re
 
 /// A table of three columns and two rows, with forces and provenance as given.
 fn table_of(scale: f64, provenance: String) -> Vec<u8> {
-    let axis = |name: &str, unit: &str, role, values: Vec<f64>| AxisSpec {
-        name: name.into(),
-        unit: unit.into(),
-        role,
-        scale: Scale::Listed,
-        values,
-    };
+    let axis = |name: &str, unit: &str, role, values: Vec<f64>| AxisSpec::new(name, unit, role, Scale::Listed, values);
     let spec = TableSpec {
         axes: vec![
             axis("depth", "mm", Role::Row, vec![1.0, 2.0]),

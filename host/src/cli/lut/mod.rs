@@ -293,13 +293,8 @@ mod tests {
     use super::*;
 
     fn small_table() -> Vec<u8> {
-        let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            role,
-            scale: Scale::Linear,
-            values: values.to_vec(),
-        };
+        let axis =
+            |name: &str, unit: &str, role, values: &[f64]| AxisSpec::new(name, unit, role, Scale::Linear, values);
         TableSpec {
             axes: vec![
                 axis(axis_name::DEPTH, "mm", Role::Row, &[1.0, 2.0, 3.0]),

@@ -45,13 +45,7 @@ pub fn board() -> EmulatedBoard {
 
 /// A table of three columns and two depths, with a provenance of its own.
 pub fn small_table(provenance: &str) -> Vec<u8> {
-    let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec {
-        name: name.into(),
-        unit: unit.into(),
-        role,
-        scale: Scale::Listed,
-        values: values.to_vec(),
-    };
+    let axis = |name: &str, unit: &str, role, values: &[f64]| AxisSpec::new(name, unit, role, Scale::Listed, values);
     let spec = TableSpec {
         axes: vec![
             axis(axis_name::DEPTH, "mm", Role::Row, &[1.0, 2.0]),
