@@ -31,3 +31,14 @@ pub fn shared() -> PathBuf {
     std::env::var_os("PALPATE_SHARED")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from)
 }
+
+/// A file or folder in [`shared`], or `None` with a visible message where it is absent.
+#[must_use]
+pub fn shared_or_skipped(inside: &str) -> Option<PathBuf> {
+    let found = shared().join(inside);
+    if found.exists() {
+        return Some(found);
+    }
+    println!("SKIPPED: {} not found", found.display());
+    None
+}

@@ -15,11 +15,7 @@ static MODELS: LazyLock<Models> = LazyLock::new(Models::default);
 
 /// The diagnosis of a case, or `None` with a visible message if it is absent.
 fn diagnosed(case: &str) -> Option<Diagnosis> {
-    let folder = tests::shared().join("cases").join(case).join("input");
-    if !folder.is_dir() {
-        println!("SKIPPED: case {} not found", folder.display());
-        return None;
-    }
+    let folder = tests::shared_or_skipped(&format!("cases/{case}/input"))?;
     let found = diagnose(&experiment::read(&folder).unwrap(), &MODELS, &|_, _, _| {}).unwrap();
     found.into_iter().next()
 }

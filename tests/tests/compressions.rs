@@ -11,7 +11,6 @@ use palpate::diagnose::compression::{Diagnosis, answer, diagnose};
 use palpate::experiment::{self, Test};
 use palpate::simulate::{Effect, RunTemplate, Solver, Spec, TrueSpecimen, simulate};
 use tests::hidden::{Case, Design, NoiseKind, What};
-use tests::shared;
 
 static SOLVER: LazyLock<Solver> = LazyLock::new(Solver::new);
 
@@ -99,8 +98,7 @@ fn without_repeats_and_a_stated_noise_it_is_refused() {
 /// stress in 0.3 s beside softening).
 #[test]
 fn a_shoe_foam_relaxes_whatever_its_law() {
-    if !shared().join("data/shoe_foam").exists() {
-        println!("SKIPPED: {} not found", shared().join("data/shoe_foam").display());
+    if tests::shared_or_skipped("data/shoe_foam").is_none() {
         return;
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/shoe_foam_cycles");

@@ -14,11 +14,7 @@ use palpate::identify::{Identification, Outcome, identify, motions};
 /// The experiment of that folder, or `None` with a visible message if its recordings are absent.
 fn experiment(folder: &str) -> Option<Experiment> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let data = tests::shared().join("data/shoe_foam");
-    if !data.is_dir() {
-        println!("SKIPPED: recordings {} not found", data.display());
-        return None;
-    }
+    tests::shared_or_skipped("data/shoe_foam")?;
     Some(experiment::read(&root.join("experiments").join(folder)).unwrap())
 }
 
@@ -89,8 +85,7 @@ fn the_minimum_of_recordings_is_one() {
     assert!(fit.newton.as_ref().unwrap().converged, "{:?}", found.messages);
     assert!(fit.rmse_n <= 1.05, "{}", fit.rmse_n);
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    if !tests::shared().join("data/ecoflex").is_dir() {
-        println!("SKIPPED: recordings of Ecoflex not found");
+    if tests::shared_or_skipped("data/ecoflex").is_none() {
         return;
     }
     let mut silicone = experiment::read(&root.join("experiments/ecoflex")).unwrap();

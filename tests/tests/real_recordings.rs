@@ -18,11 +18,7 @@ fn experiment(name: &str) -> Option<Experiment> {
 
 fn of_recordings(name: &str, recordings: &str) -> Option<Experiment> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let data = tests::shared().join("data").join(recordings);
-    if !data.is_dir() {
-        println!("SKIPPED: recordings {} not found", data.display());
-        return None;
-    }
+    tests::shared_or_skipped(&format!("data/{recordings}"))?;
     Some(experiment::read(&root.join("experiments").join(name)).unwrap())
 }
 

@@ -11,7 +11,6 @@ use palpate::experiment;
 use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
-use tests::shared;
 
 /// Currents of a magnet, A: up and down three times.
 fn loops() -> Vec<f64> {
@@ -163,11 +162,7 @@ fn a_time_that_is_no_number_is_left_out() {
 /// slopes of flux density is 50 G/A with p = 0.10 (an independent straight line).
 #[test]
 fn the_tables_of_the_thesis_are_too_few_data() {
-    let folder = shared().join("thesis/tables");
-    if !folder.exists() {
-        println!("SKIPPED: {} not found", folder.display());
-        return;
-    }
+    let Some(folder) = tests::shared_or_skipped("thesis/tables") else { return };
     let text = std::fs::read_to_string(folder.join("table6_B_vs_current.csv")).unwrap();
     let columns = "x = \"current_A\"\ny = \"measured_B_gauss\"\nsimulated = \"thesis_FEM_B_gauss\"\n";
     let found = of_csv(&text, columns).unwrap().unwrap();

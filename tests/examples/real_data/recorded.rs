@@ -11,9 +11,7 @@ use super::Outcome;
 /// The experiment of a folder in `tests/experiments` over a set of recordings, or `None` with a visible message where they are absent.
 pub fn experiment(folder: &str, set: &str) -> Outcome<Option<Experiment>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let data = tests::shared().join("data").join(set);
-    if !data.is_dir() {
-        println!("SKIPPED: recordings {} not found", data.display());
+    if tests::shared_or_skipped(&format!("data/{set}")).is_none() {
         return Ok(None);
     }
     Ok(Some(experiment::read(&root.join("experiments").join(folder))?))

@@ -157,7 +157,7 @@ fn fit(law: (Law, bool), fitted: &[&Loops], predicted: &[&Loops]) -> Outcome<Fit
 
 /// The section.
 pub fn section(figures: &Path) -> Outcome<Option<String>> {
-    let Some(folder) = recorded::shared("data/mr_damper_loops/csv") else { return Ok(None) };
+    let Some(folder) = tests::shared_or_skipped("data/mr_damper_loops/csv") else { return Ok(None) };
     let mut names: Vec<String> =
         std::fs::read_dir(&folder)?.filter_map(|e| e.ok()?.file_name().into_string().ok()).collect();
     names.sort();

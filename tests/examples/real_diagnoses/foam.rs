@@ -207,7 +207,7 @@ pub fn section(figures: &Path) -> Outcome<Option<String>> {
     let mut out = String::new();
     let mut parts = Vec::new();
     for piece in &PIECES {
-        let Some(file) = recorded::shared(piece.file) else { return Ok(None) };
+        let Some(file) = tests::shared_or_skipped(piece.file) else { return Ok(None) };
         let recording = Recording::of(piece, &file)?;
         let stages = recording.parts()?;
         let samples: Vec<(f64, f64)> =

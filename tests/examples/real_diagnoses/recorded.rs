@@ -1,24 +1,15 @@
 //! Where the recordings lie, and tables of numbers in text files.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use palpate::experiment::{self, Experiment};
+use tests::shared_or_skipped;
 
 use super::Outcome;
 
-/// A file or folder beside the repository, or `None` with a visible message where it is absent.
-pub fn shared(path: &str) -> Option<PathBuf> {
-    let found = tests::shared().join(path);
-    if found.exists() {
-        return Some(found);
-    }
-    println!("SKIPPED: {} not found", found.display());
-    None
-}
-
 /// The experiment of a folder in `tests/experiments` over a set of recordings, or `None` where they are absent.
 pub fn experiment(folder: &str, set: &str) -> Outcome<Option<Experiment>> {
-    if shared(set).is_none() {
+    if shared_or_skipped(set).is_none() {
         return Ok(None);
     }
     Ok(Some(experiment::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments").join(folder))?))

@@ -38,7 +38,7 @@ fn asked(folder: &str) -> Outcome<String> {
 
 /// Table 6.
 pub fn flux_density(figures: &Path) -> Outcome<Option<String>> {
-    let Some(file) = recorded::shared("thesis/tables/table6_B_vs_current.csv") else { return Ok(None) };
+    let Some(file) = tests::shared_or_skipped("thesis/tables/table6_B_vs_current.csv") else { return Ok(None) };
     let rows = recorded::rows(&file, 3)?;
     let column = |k: usize| -> Vec<(f64, f64)> { rows.iter().map(|row| (row[0], row[k])).collect() };
     let (measured, simulated) = (column(1), column(2));
@@ -88,7 +88,7 @@ pub fn flux_density(figures: &Path) -> Outcome<Option<String>> {
 
 /// Table 7.
 pub fn force_sensor(figures: &Path) -> Outcome<Option<String>> {
-    let Some(file) = recorded::shared("thesis/tables/table7_fsr_conductance.csv") else { return Ok(None) };
+    let Some(file) = tests::shared_or_skipped("thesis/tables/table7_fsr_conductance.csv") else { return Ok(None) };
     // in 100 gf and mS, the units of ERRATA row Eq. 43
     let points: Vec<(f64, f64)> = recorded::rows(&file, 2)?.iter().map(|row| (row[0] / 100.0, row[1])).collect();
     let (line, parabola) = (Polynomial::fit(&points, 1)?, Polynomial::fit(&points, 2)?);

@@ -301,8 +301,8 @@ fn held_alike(folder: &Path) -> Outcome<String> {
 
 /// The section.
 pub fn section(figures: &Path) -> Outcome<Option<String>> {
-    let Some(folder) = recorded::shared("data/velostat_hold_creep") else { return Ok(None) };
-    let Some(cycles) = recorded::shared("data/tams_piezoresistive") else { return Ok(None) };
+    let Some(folder) = tests::shared_or_skipped("data/velostat_hold_creep") else { return Ok(None) };
+    let Some(cycles) = tests::shared_or_skipped("data/tams_piezoresistive") else { return Ok(None) };
     let mut parts = Vec::new();
     let mut out = String::from("Held:\n\n");
     out += &holds(&folder, &mut parts)?;

@@ -8,12 +8,7 @@ use tempfile::TempDir;
 
 /// The input of a case, or `None` with a visible message if it is absent.
 pub fn input(name: &str) -> Option<PathBuf> {
-    let folder = tests::shared().join("cases").join(name).join("input");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("SKIPPED: case {} not found", folder.display());
-    None
+    tests::shared_or_skipped(&format!("cases/{name}/input"))
 }
 
 /// A copy of a case with texts of its `experiment.toml` replaced, each of which must be there.

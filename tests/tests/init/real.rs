@@ -44,11 +44,7 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn every_raw_file_is_read_or_told() {
-    let data = tests::shared().join("data");
-    if !data.is_dir() {
-        println!("SKIPPED: recordings {} not found", data.display());
-        return;
-    }
+    let Some(data) = tests::shared_or_skipped("data") else { return };
     let mut all = Vec::new();
     files(&data, &mut all);
     all.sort();
@@ -81,9 +77,7 @@ fn every_raw_file_is_read_or_told() {
 /// What the tests' own descriptions of these recordings say, made by hand: the same samples.
 #[test]
 fn as_described_by_hand() {
-    let data = tests::shared().join("data");
-    if !data.is_dir() {
-        println!("SKIPPED: recordings {} not found", data.display());
+    if tests::shared_or_skipped("data").is_none() {
         return;
     }
     let by_hand = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments");
@@ -103,11 +97,7 @@ fn as_described_by_hand() {
 /// Sizes that a file states of itself are taken, and a test that it names.
 #[test]
 fn what_a_file_says_of_itself() {
-    let file = tests::shared().join("data/ecoflex/EF10_0T/EF10_0T_B2.csv");
-    if !file.is_file() {
-        println!("SKIPPED: {} not found", file.display());
-        return;
-    }
+    let Some(file) = tests::shared_or_skipped("data/ecoflex/EF10_0T/EF10_0T_B2.csv") else { return };
     let draft = look(&[file], &Options::default());
     assert_eq!(draft.runs[0].test, Test::Uniaxial);
     let text = draft.text(Path::new("."), &Options::default());
