@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::experiment::motion::{self, Event, Motion};
 use crate::experiment::sensor::Trouble;
+use crate::experiment::signal::range;
 use crate::experiment::{Experiment, Run, Test};
 
 /// A fault of the data.
@@ -119,7 +120,7 @@ pub fn of(experiment: &Experiment, material: &str) -> Vec<Fault> {
         let deepest = (0..depth.len()).max_by(|a, b| depth[*a].total_cmp(&depth[*b])).unwrap_or(0);
         run.recording.force_n[motion.loading.start.min(deepest)..=deepest].to_vec()
     };
-    let mut ranges: Vec<f64> = moved.iter().map(|one| range(&force(one))).collect();
+    let mut ranges: Vec<f64> = moved.iter().map(|one| range(force(one))).collect();
     ranges.sort_by(f64::total_cmp);
     let usual = ranges.get(ranges.len() / 2).copied().unwrap_or(0.0);
     let reading = |run: &Run, trouble: &Trouble| Fault::Reading { run: run.file.clone(), trouble: trouble.clone() };
@@ -128,12 +129,13 @@ pub fn of(experiment: &Experiment, material: &str) -> Vec<Fault> {
     for one in &moved {
         let (run, motion) = one;
         let force = force(one);
-        let alone = range(&force) <= DEAD_SIGMA * motion::noise_of(&force) && usual <= range(&force) / DEAD_SHARE;
-        let flat = range(&force) <= DEAD_SHARE * usual;
+        let rise_n = range(force.iter().copied());
+        let alone = rise_n <= DEAD_SIGMA * motion::noise_of(&force) && usual <= rise_n / DEAD_SHARE;
+        let flat = rise_n <= DEAD_SHARE * usual;
         // steep short curves bend from sample to sample as noise does: only a curve that does not end higher is dead
         let ends = force.len() / 4;
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len().max(1) as f64;
-        let rises = ends > 0 && mean(&force[force.len() - ends..]) - mean(&force[..ends]) > 0.3 * range(&force);
+        let rises = ends > 0 && mean(&force[force.len() - ends..]) - mean(&force[..ends]) > 0.3 * rise_n;
         if force.len() > 5 && (flat || alone && !rises) {
             faults.push(Fault::DeadSensor { run: run.file.clone() });
         }
@@ -146,9 +148,4 @@ pub fn of(experiment: &Experiment, material: &str) -> Vec<Fault> {
         }
     }
     faults
-}
-
-fn range(values: &[f64]) -> f64 {
-    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(*f), b.max(*f)));
-    (high - low).max(0.0)
 }

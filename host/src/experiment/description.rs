@@ -196,16 +196,14 @@ fn run(
         None => Ok(()),
     };
     // A depth that cannot be is a mistake of the description, no code of the device.
-    let as_recorded = recording.clone();
+    let as_recorded = check_depth(&recording);
     let mut troubles = match test {
         Test::Indentation | Test::Uniaxial | Test::Confined | Test::Shear => {
             sensor::cleaned(&mut recording).map_err(at_file)?
         }
         _ => Vec::new(),
     };
-    if !troubles.contains(&Trouble::Turned) && as_recorded.len() != recording.len() {
-        check_depth(&as_recorded)?;
-    }
+    if troubles.contains(&Trouble::Turned) { check_depth(&recording) } else { as_recorded }?;
     let ball_mm = indenter.and_then(|at| places.balls[at].radius_mm.known());
     let soft = specimen.is_some_and(|at| specimens[at].base_law != BaseLaw::Rigid);
     if let Some(ball_mm) = ball_mm.filter(|_| test == Test::Indentation && soft) {
@@ -214,7 +212,6 @@ fn run(
     if test == Test::Tension {
         recording.turn_to_push();
     }
-    check_depth(&recording)?;
     Ok(Run {
         file: file.to_owned(),
         specimen,

@@ -18,6 +18,7 @@ mod recording;
 pub mod replicate;
 pub(crate) mod section;
 pub mod sensor;
+pub mod signal;
 mod specimen;
 pub(crate) mod unit;
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::error::Problem;
 use super::format::Source;
 use super::sensor::Trouble;
+use super::signal::range;
 use super::unit::{parted, unit};
 use super::{Mapping, Recording};
 
@@ -24,7 +25,7 @@ pub(super) fn check(
     columns: &BTreeMap<String, Mapping>,
 ) -> Result<Option<Trouble>, Problem> {
     let stated = |name: &str| columns.get(name).is_some_and(|mapping| is_stated(mapping, name));
-    let (travel_mm, rise_n) = (range(&recording.depth_mm), range(&recording.force_n));
+    let (travel_mm, rise_n) = (range(recording.depth_mm.iter().copied()), range(recording.force_n.iter().copied()));
     if travel_mm <= 0.0 || rise_n <= 0.0 {
         return Ok(None);
     }
@@ -63,11 +64,6 @@ fn pressed_mm(recording: &Recording, rise_n: f64) -> Option<f64> {
     let begun = force[..peak].iter().rposition(|f| force[peak] - f > (1.0 - TOUCH) * rise_n)?;
     let way = depth.get(peak)? - depth.get(begun)?;
     (way > 0.0).then_some(way)
-}
-
-fn range(values: &[f64]) -> f64 {
-    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-    high - low
 }
 
 #[cfg(test)]

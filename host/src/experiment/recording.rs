@@ -68,18 +68,10 @@ impl Recording {
     pub(super) fn keep_between(&mut self, from_s: f64, to_s: f64) {
         let start = self.time_s.partition_point(|t| *t < from_s);
         let end = self.time_s.partition_point(|t| *t <= to_s).max(start);
-        let keep = |values: &mut Vec<f64>| {
-            if !values.is_empty() {
-                *values = values[start..end].to_vec();
-            }
-        };
-        keep(&mut self.depth_mm);
-        keep(&mut self.force_n);
-        self.others.values_mut().for_each(keep);
         if !self.time_s.is_empty() {
             self.line = self.line[start..end].to_vec();
         }
-        keep(&mut self.time_s);
+        self.columns().for_each(|values| *values = values[start..end].to_vec());
     }
 
     /// A pull is recorded with either sign; afterwards elongation and pull count as positive, as depth and force elsewhere.

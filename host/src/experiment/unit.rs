@@ -43,6 +43,16 @@ pub(crate) fn unit(text: &str) -> Option<(Quantity, f64)> {
     }
 }
 
+/// A unit, in brackets or one that laboratories use.
+pub(crate) fn is_unit(cell: &str) -> bool {
+    const UNITS: [&str; 24] = [
+        "s", "sec", "ms", "min", "h", "mm", "um", "µm", "μm", "cm", "m", "in", "n", "mn", "kn", "gf", "g", "kgf",
+        "lbf", "%", "mpa", "kpa", "-", "v",
+    ];
+    let bare = cell.strip_prefix(['(', '[']).and_then(|inner| inner.strip_suffix([')', ']']));
+    bare.is_some_and(|inner| inner.len() <= 12 && !inner.is_empty()) || UNITS.contains(&cell.to_lowercase().as_str())
+}
+
 /// The name of a column without its unit, and the unit: `Weg [mm]`, "Kraft / N", "Force (mN)", "extension_mm", "Zeit in s".
 pub(crate) fn parted(name: &str) -> (String, Option<String>) {
     let name = name.trim();

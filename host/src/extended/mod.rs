@@ -31,7 +31,7 @@ use std::path::Path;
 use lut_gen::chain::{Model, Setting};
 use lut_gen::effect::{Effect, Owner};
 
-use crate::diagnose::{Diagnosis, Verdict};
+use crate::diagnose::{Diagnosis, Estimate, Verdict};
 use crate::experiment::{Base, Experiment, ExperimentError};
 
 pub use identified::Saved;
@@ -153,10 +153,7 @@ impl ExtendedModel {
         }
         let evidence = diagnosis.evidence.as_ref()?;
         let fit = &evidence.held.first()?.fit;
-        let [mu, alpha] = evidence.extended()?;
-        let mut model = Self::base(&diagnosis.material, mu.0, alpha.0);
-        model.intervals = [Some(mu.1), Some(alpha.1)];
-        model.declare(experiment);
+        let mut model = Self::alone(experiment, diagnosis, evidence.extended()?);
         for (at, candidate) in fit.candidates.iter().enumerate() {
             let quantities = fit.quantities(at);
             let owner = match candidate.effect.owner {
@@ -183,11 +180,15 @@ impl ExtendedModel {
         if diagnosis.verdict != Verdict::Clean {
             return Self::of(experiment, diagnosis);
         }
-        let [mu, alpha] = diagnosis.evidence.as_ref()?.before.parameters;
+        Some(Self::alone(experiment, diagnosis, diagnosis.evidence.as_ref()?.before.parameters))
+    }
+
+    /// A base without effects: the estimates of `mu` (MPa) and `alpha`.
+    fn alone(experiment: &Experiment, diagnosis: &Diagnosis, [mu, alpha]: [Estimate; 2]) -> Self {
         let mut model = Self::base(&diagnosis.material, mu.0, alpha.0);
         model.intervals = [Some(mu.1), Some(alpha.1)];
         model.declare(experiment);
-        Some(model)
+        model
     }
 
     /// Takes over what an experiment declares of its balls and of the specimens of this material.

@@ -37,7 +37,8 @@ impl Selection {
         self.tell(run, motion);
         let recorded = &run.recording;
         let zero = self.zero_of(run, motion, FACE_EXPONENT);
-        let forces = &zero.taken_off(run, motion.loading.clone());
+        let all = zero.taken_off(run, 0..recorded.len());
+        let forces = &all[motion.loading.clone()];
         let depths = &recorded.depth_mm[motion.loading.clone()];
         if depths.len() < LEAST_SAMPLES {
             return Err(LeftOut::TooFewPoints);
@@ -81,7 +82,6 @@ impl Selection {
             block.iter().map(|&sample| values[sample]).sum::<f64>() / block.len() as f64
         };
         let column = |values: &[f64]| -> Vec<f64> { blocks.iter().map(|block| mean(values, block)).collect() };
-        let all = zero.taken_off(run, 0..recorded.len());
         self.curves.push(LoadingCurve {
             run: at,
             pairing,

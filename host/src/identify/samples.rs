@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::experiment::Run;
 use crate::experiment::motion::Motion;
+use crate::experiment::signal::averaged;
 
 use super::data::Selection;
 use super::zero::{Approach, Unsure};
@@ -68,9 +69,7 @@ impl Samples {
     /// Of a part of a run.
     pub(super) fn of(run: &Run, zero: &Zero, part: Range<usize>) -> Self {
         let together = part.len().div_ceil(MOST_SAMPLES).max(1);
-        let mean = |values: &[f64]| -> Vec<f64> {
-            values.chunks(together).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect()
-        };
+        let mean = |values: &[f64]| averaged(values, together);
         Self {
             depth_mm: mean(&run.recording.depth_mm[part.clone()]),
             force_n: mean(&zero.taken_off(run, part.clone())),

@@ -1,6 +1,6 @@
 //! The zero of the force: read from the approach where one is recorded, free within a prior where none is.
 
-use crate::experiment::motion::noise_of;
+use crate::experiment::signal::{averaged, extent, median, noise_of};
 
 use super::noise::correlated_samples;
 
@@ -45,7 +45,7 @@ impl Approach {
     /// with which force begins over depth. None where fewer than six readings lie before contact.
     #[must_use]
     pub fn of(depth_mm: &[f64], force_n: &[f64], exponent: f64) -> Option<Self> {
-        let first = median(force_n.get(..LEAST)?);
+        let first = median(force_n.get(..LEAST)?.iter().copied());
         let highest = force_n.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let least = (RISEN * (highest - first)).max(RISEN_SIGMA * noise_of(force_n));
         let risen = force_n.iter().position(|force| force - first > least)?;
@@ -68,10 +68,7 @@ impl Approach {
             return None;
         }
         let together = readings.div_ceil(SEARCHED);
-        let averaged = |values: &[f64]| -> Vec<f64> {
-            values[..readings].chunks(together).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect()
-        };
-        let (x, y) = (averaged(depth_mm), averaged(force_n));
+        let (x, y) = (averaged(&depth_mm[..readings], together), averaged(&force_n[..readings], together));
         let count = x.len() as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
         let (middle_mm, offset) = (mean(&x), mean(&y));
@@ -193,11 +190,16 @@ impl Unsure {
         self.apply(values, |its| 1.0 - 1.0 / (1.0 + its / variance_n2).sqrt());
     }
 
+    /// Takes out of the differences what of them is most likely such an error.
+    pub fn take_out(&self, values: &mut [f64], variance_n2: f64) {
+        self.apply(values, |its| its / (its + variance_n2));
+    }
+
     /// What of the differences is most likely such an error, N.
     #[must_use]
     pub fn likely(&self, values: &[f64], variance_n2: f64) -> Vec<f64> {
         let mut left = values.to_vec();
-        self.apply(&mut left, |its| its / (its + variance_n2));
+        self.take_out(&mut left, variance_n2);
         values.iter().zip(left).map(|(value, left)| value - left).collect()
     }
 
@@ -212,7 +214,7 @@ impl Unsure {
 
 /// Where force begins to rise like a power of depth from a constant, or from a line; the least squares over places.
 fn contact(depth_mm: &[f64], force_n: &[f64], exponent: f64, sloped: bool) -> Option<f64> {
-    let (low, high) = depth_mm.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(*d), b.max(*d)));
+    let (low, high) = extent(depth_mm.iter().copied());
     if depth_mm.len() < LEAST || high <= low {
         return None;
     }
@@ -249,12 +251,6 @@ fn left_over(depth_mm: &[f64], force_n: &[f64], contact_mm: f64, exponent: f64, 
         Some(factor) => square - right.dot(&factor.solve(&right)),
         None => f64::INFINITY,
     }
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use crate::experiment::file::table::Table;
 
 use super::block::Block;
 use super::channels::Channel;
+use crate::experiment::signal::{extent, median};
 use crate::experiment::unit::{Quantity, named, parted, unit};
 
 /// A column that may be wanted.
@@ -158,15 +159,12 @@ pub(super) fn values(table: &Table, block: &Block, digits: Digits, index: usize)
 
 /// Lowest and highest.
 pub(super) fn ends(values: &[f64]) -> (f64, f64) {
-    let known = || values.iter().copied().filter(|v| v.is_finite());
-    (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max))
+    extent(values.iter().copied().filter(|v| v.is_finite()))
 }
 
 /// Signs of force and depth: force leaves its first value mostly upwards, and where it is farthest from it depth is large.
 fn signs(depth: &[f64], force: &[f64]) -> (f64, f64) {
-    let mut first: Vec<f64> = force.iter().copied().filter(|f| f.is_finite()).take(force.len() / 20 + 1).collect();
-    first.sort_by(f64::total_cmp);
-    let rest = first.get(first.len() / 2).copied().unwrap_or(0.0);
+    let rest = median(force.iter().copied().filter(|f| f.is_finite()).take(force.len() / 20 + 1));
     let (low, high) = ends(force);
     // A force that never changes its sign was preloaded, or its sensor was not zeroed.
     let upwards = if low >= 0.0 || high <= 0.0 { low >= 0.0 } else { high - rest >= rest - low };

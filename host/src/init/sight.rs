@@ -107,7 +107,7 @@ fn of_sheet(sheet: &Sheet<'_>) -> Vec<RunDraft> {
     };
     let start = first.header.unwrap_or(first.rows.start);
     let end = recordings.last().map_or(first.rows.end, |(block, ..)| block.rows.end);
-    let said = found.iter().take(1).map(|(_, said, _)| *said).next().unwrap_or(*said);
+    let said = found.first().map_or(*said, |(_, said, _)| *said);
     let parted = recordings.len() > 1 && recordings.iter().all(|(block, ..)| block.header.is_some());
     let mut runs = Vec::new();
     for (nth, (block, _, roles)) in recordings.iter().take(if parted { usize::MAX } else { 1 }).enumerate() {

@@ -1,5 +1,6 @@
 //! The runs of one channel as a diagnosis sees them: what was told, what was measured, which runs repeat each other.
 
+use crate::experiment::signal::range;
 use crate::experiment::{Experiment, GAP_MM, Run, Test};
 
 use super::channel::Channel;
@@ -227,9 +228,4 @@ fn alike(a: &Series, b: &Series, input_range: f64) -> bool {
     let square: f64 = a.input.iter().zip(&b.input).map(|(x, y)| (x - y).powi(2)).sum();
     let clock = a.time_s.iter().zip(&b.time_s).all(|(x, y)| ((x - a.time_s[0]) - (y - b.time_s[0])).abs() < 5e-3);
     clock && (square / count.max(1) as f64).sqrt() < SAME_INPUT * input_range
-}
-
-fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    (high - low).max(0.0)
 }

@@ -2,10 +2,10 @@
 
 use super::super::error::Problem;
 use super::super::format::Source;
+use super::super::unit::is_unit;
 use super::number::Digits;
 use super::segment::Plan;
 use super::table::{Row, Table};
-use super::unit::is_unit;
 
 /// Rows in which the header is looked for.
 const PREAMBLE: usize = 200;

@@ -12,7 +12,6 @@ mod rows;
 mod segment;
 pub(crate) mod table;
 pub(crate) mod text;
-mod unit;
 pub(crate) mod workbook;
 
 use std::collections::BTreeMap;

@@ -2,12 +2,12 @@
 
 use super::super::error::Problem;
 use super::super::format::Pace;
+use super::super::unit::is_unit;
 use super::clock;
 use super::field::Field;
 use super::number::Digits;
 use super::rows::Reader;
 use super::segment::is_data;
-use super::unit::is_unit;
 
 /// Rows below a bad one in which a repeated header is looked for.
 const TITLE: usize = 6;

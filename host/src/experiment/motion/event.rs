@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::signal::{median, noise_of};
 use crate::experiment::Recording;
+use crate::experiment::signal::{extent, noise_of, usual_rise};
 
 /// A fall of force within one sample above this share of its range, while the indenter goes on
 /// down, is a slip or a fault. It must also exceed [`JUMP_SIGMA`] times the noise, of the whole branch and of the
@@ -53,8 +53,7 @@ impl std::fmt::Display for Event {
 /// The first fall of the force within one sample of a loading branch, and where the branch ends for it.
 pub(super) fn force_drop(recording: &Recording, loading: &Range<usize>) -> Option<(usize, Event)> {
     let force = recording.force_n.get(loading.clone())?;
-    let highest = force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let lowest = force.iter().copied().fold(f64::INFINITY, f64::min);
+    let (lowest, highest) = extent(force.iter().copied());
     let around = |at: usize| &force[at.saturating_sub(AROUND)..(at + 4 + AROUND).min(force.len())];
     let windows = || force.windows(4).enumerate();
     // Two samples on either side agree, so that one outlier is neither.
@@ -73,9 +72,4 @@ pub(super) fn force_drop(recording: &Recording, loading: &Range<usize>) -> Optio
         drop_n: force[at + 1] - force[at + 2],
     };
     Some((sample + 1, event))
-}
-
-/// Median of what a signal rises by from sample to sample.
-fn usual_rise(signal: &[f64]) -> f64 {
-    median(signal.windows(2).map(|w| w[1] - w[0]))
 }

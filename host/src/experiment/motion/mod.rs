@@ -5,17 +5,16 @@
 
 mod event;
 mod press;
-mod signal;
 
 use std::ops::Range;
 
+pub use super::signal::{noise_of, step_of};
 pub use event::Event;
-pub use signal::{noise_of, step_of};
 
 use super::Recording;
+use super::signal::{extent, slope};
 use event::force_drop;
 use press::{find_slow_presses, pressing};
-use signal::slope;
 
 /// Below this share of the typical speed the indenter counts as standing.
 const STANDING: f64 = 0.3;
@@ -70,8 +69,8 @@ pub fn of(recording: &Recording) -> Option<Motion> {
     if depth.len() < 5 || depth.len() != time.len() {
         return None;
     }
-    let lowest = depth.iter().copied().fold(f64::INFINITY, f64::min);
-    let range = depth.iter().copied().fold(f64::NEG_INFINITY, f64::max) - lowest;
+    let (lowest, deepest) = extent(depth.iter().copied());
+    let range = deepest - lowest;
     let noise = noise_of(depth);
     if range <= 10.0 * noise || range <= 0.0 {
         return None;
@@ -150,8 +149,7 @@ fn stretches(time: &[f64], depth: &[f64], speed: f64, noise: f64, range: f64) ->
 /// Samples for which a depth reading usually stands before the next one, where the sensor is read less often than the file is
 /// written: the 90th percentile of the lengths of equal readings on the way from a tenth to nine tenths of the range.
 fn held_readings(depth: &[f64]) -> usize {
-    let low = depth.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = depth.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (low, high) = extent(depth.iter().copied());
     let inside = low + 0.1 * (high - low)..low + 0.9 * (high - low);
     let runs = depth.chunk_by(|a, b| a == b).filter(|run| inside.contains(&run[0]));
     let mut lengths: Vec<usize> = runs.map(<[f64]>::len).collect();

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::signal::slope;
 use super::{BRANCH, Stretch, Way};
 use crate::experiment::Recording;
+use crate::experiment::signal::{extent, slope};
 
 /// A way on of this many times the noise of the depth is one, however slow.
 const SLOW_SIGMA: f64 = 20.0;
@@ -20,7 +20,7 @@ pub(super) fn find_slow_presses(stretches: &mut [Stretch], recording: &Recording
     if force.len() != depth.len() {
         return;
     }
-    let (low, high) = force.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(*f), b.max(*f)));
+    let (low, high) = extent(force.iter().copied());
     for stretch in stretches.iter_mut().filter(|stretch| stretch.way == Way::Still) {
         let (first, last) = (stretch.samples.start, stretch.samples.end - 1);
         let goes_on = depth[last] - depth[first] > SLOW_SIGMA * noise_mm;
@@ -34,7 +34,7 @@ pub(super) fn find_slow_presses(stretches: &mut [Stretch], recording: &Recording
 pub(super) fn pressing(recording: &Recording, branch: Range<usize>) -> Range<usize> {
     let (time, depth, force) = (&recording.time_s, &recording.depth_mm, &recording.force_n);
     let own = force.get(branch.clone()).unwrap_or_default();
-    let (low, high) = own.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(*f), b.max(*f)));
+    let (low, high) = extent(own.iter().copied());
     let risen = own.iter().rposition(|f| *f < low + RISEN * (high - low)).map_or(0, |at| at + 1);
     let press = branch.start + risen..branch.end;
     if press.len() < FEWEST || risen < FEWEST {

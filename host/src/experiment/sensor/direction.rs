@@ -2,6 +2,7 @@
 
 use crate::experiment::Recording;
 use crate::experiment::error::Problem;
+use crate::experiment::signal::extent;
 
 /// An excursion to one side is this many times that to the other where it says which way a column counts.
 const CLEAR: f64 = 3.0;
@@ -27,31 +28,27 @@ pub(super) fn turns(recording: &Recording) -> Result<bool, Problem> {
         return Ok(false);
     }
     let together = moves_together(depth, force);
+    let ((shallowest, deepest), (lowest, highest)) = (extent(depth.iter().copied()), extent(force.iter().copied()));
     // A way back alone falls as well, from a push to nothing.
-    let pulls = -least(force) > CLEAR * greatest(force).max(0.0);
+    let pulls = -lowest > CLEAR * highest.max(0.0);
     match (down, push) {
         (Way::Falls, Way::Falls) if together > 0.0 && pulls => Ok(true),
-        (Way::Rises, Way::Falls) if together < 0.0 && pulls => {
-            let (lowest, peak) = (least(force), greatest(depth));
-            Err(Problem::Contradiction(format!(
-                "the force falls to {lowest:.3} N while the ball goes in, to {peak:.3} mm: pushing must be positive; \
+        (Way::Rises, Way::Falls) if together < 0.0 && pulls => Err(Problem::Contradiction(format!(
+            "the force falls to {lowest:.3} N while the ball goes in, to {deepest:.3} mm: pushing must be positive; \
                  write force_N = {{ name = \"...\", sign = -1 }} in [columns]"
-            )))
-        }
-        (Way::Falls, Way::Rises) if together < 0.0 => {
-            let (lowest, peak) = (least(depth), greatest(force));
-            Err(Problem::Contradiction(format!(
-                "the depth falls to {lowest:.3} mm while the force rises to {peak:.3} N: going in must be positive; \
+        ))),
+        (Way::Falls, Way::Rises) if together < 0.0 => Err(Problem::Contradiction(format!(
+            "the depth falls to {shallowest:.3} mm while the force rises to {highest:.3} N: going in must be positive; \
                  write depth_mm = {{ name = \"...\", sign = -1 }} in [columns]"
-            )))
-        }
+        ))),
         _ => Ok(false),
     }
 }
 
 fn way(values: &[f64]) -> Way {
     let first = values.iter().take(FIRST).sum::<f64>() / values.len().clamp(1, FIRST) as f64;
-    let (up, down) = (greatest(values) - first, first - least(values));
+    let (low, high) = extent(values.iter().copied());
+    let (up, down) = (high - first, first - low);
     if up > CLEAR * down {
         Way::Rises
     } else if down > CLEAR * up {
@@ -66,12 +63,4 @@ fn moves_together(depth: &[f64], force: &[f64]) -> f64 {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let (d, f) = (mean(depth), mean(force));
     depth.iter().zip(force).map(|(a, b)| (a - d) * (b - f)).sum()
-}
-
-fn least(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::INFINITY, f64::min)
-}
-
-fn greatest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }

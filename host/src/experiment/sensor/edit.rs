@@ -4,7 +4,7 @@ use crate::experiment::Recording;
 
 impl Recording {
     /// Every column that has samples.
-    fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+    pub(in crate::experiment) fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
         let own = [&mut self.time_s, &mut self.depth_mm, &mut self.force_n];
         own.into_iter().chain(self.others.values_mut()).filter(|values| !values.is_empty())
     }

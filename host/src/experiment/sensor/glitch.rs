@@ -1,7 +1,7 @@
 //! Readings far off their neighbours, one or two in a row.
 
 use crate::experiment::Recording;
-use crate::experiment::motion::noise_of;
+use crate::experiment::signal::{noise_of, usual_rise};
 
 use super::Signal;
 
@@ -63,20 +63,13 @@ fn stands_off(values: &[f64], at: usize, length: usize, range: f64) -> bool {
     let left = &values[at.saturating_sub(AROUND)..at];
     let right = &values[at + length..(at + length + AROUND).min(values.len())];
     // Neighbours rise as they do elsewhere.
-    let rise = (length + 1) as f64 * usual_step(left).midpoint(usual_step(right));
+    let rise = (length + 1) as f64 * usual_rise(left).midpoint(usual_rise(right));
     if (after - before - rise).abs() > AGREE * least {
         return false;
     }
     // Noise that grows with the force counts where it is; a bend from one slope to another is no glitch.
     let noise = noise_of(left).max(noise_of(right));
     least > SIGMA * noise && least > STEPS * large_step(left).max(large_step(right))
-}
-
-/// Median step from reading to reading.
-fn usual_step(values: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Size of a step that four of five do not exceed: another glitch nearby hides none.

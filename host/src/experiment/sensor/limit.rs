@@ -1,7 +1,7 @@
 //! A force that stands at its sensor's limit.
 
 use crate::experiment::Recording;
-use crate::experiment::motion::{noise_of, step_of};
+use crate::experiment::signal::{noise_of, step_of};
 
 /// Fewest readings in a row at the limit.
 const LEAST: usize = 4;

@@ -85,10 +85,7 @@ impl Problem<'_> {
                 let track = &tracks[self.condition_of[at]];
                 let contact = self.contact(at, track);
                 let mut residual_n = compare(data, track, contact).residual_n;
-                if !data.unsure.is_empty() {
-                    let zero = data.unsure.likely(&residual_n, self.variance_n2(at));
-                    residual_n.iter_mut().zip(zero).for_each(|(left, zero)| *left -= zero);
-                }
+                data.unsure.take_out(&mut residual_n, self.variance_n2(at));
                 Residual { depth_mm: places(data, contact), residual_n }
             })
             .collect();

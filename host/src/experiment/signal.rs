@@ -1,4 +1,4 @@
-//! Noise, resolution and slope of a signal.
+//! Noise, resolution, extent and slope of a signal.
 
 /// Noise of a smooth signal: standard deviation from the median absolute second difference, so
 /// that neither a trend nor a few jumps count.
@@ -16,14 +16,35 @@ pub fn step_of(signal: &[f64]) -> f64 {
 }
 
 /// The upper of two middle values; 0 of none.
-pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
+pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
+/// Least and largest value; (infinity, minus infinity) of none.
+pub fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    values.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// From the least to the largest value; 0 of none.
+pub fn range(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (low, high) = extent(values);
+    (high - low).max(0.0)
+}
+
+/// Median of what a signal rises by from sample to sample.
+pub fn usual_rise(signal: &[f64]) -> f64 {
+    median(signal.windows(2).map(|w| w[1] - w[0]))
+}
+
+/// Means of so many neighbours each; the last of those that are left.
+pub fn averaged(values: &[f64], together: usize) -> Vec<f64> {
+    values.chunks(together.max(1)).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect()
+}
+
 /// Slope of the least-squares line.
-pub(super) fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
+pub fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
     let count = x.len() as f64;
     let (mean_x, mean_y) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
     let sxx: f64 = x.iter().map(|x| (x - mean_x).powi(2)).sum();
