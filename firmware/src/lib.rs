@@ -40,6 +40,7 @@ pub mod display;
 pub mod fast;
 pub mod fingerprint;
 pub mod flash;
+pub mod interlock;
 pub mod kalman;
 pub mod link;
 pub mod mode;

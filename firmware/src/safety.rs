@@ -30,8 +30,8 @@ pub struct SafetyConfig {
     pub overrun_ticks: u8,
     /// Longest tick, us.
     pub tick_us: u16,
-    /// Ticks without a request while outputs are on.
-    pub link_ticks: u16,
+    /// Longest time between the starts of two ticks, us.
+    pub period_us: u32,
     /// Command that counts as driven at its limit, V, and for how many ticks it may be.
     pub stall_v: f32,
     /// See `stall_v`.
@@ -51,7 +51,7 @@ impl Default for SafetyConfig {
             shaft_slew_mm_per_s: 15.0,
             overrun_ticks: 3,
             tick_us: 18_000,
-            link_ticks: 50,
+            period_us: 30_000,
             stall_v: 4.99,
             stall_ticks: 100,
         }
@@ -77,6 +77,12 @@ pub struct SafetyInput<'a> {
     pub coil_c: f32,
     /// Duration of the previous tick, us.
     pub tick_us: u16,
+    /// Time from the start of the previous tick to the start of this one, us.
+    pub period_us: u32,
+    /// The interlock has ended or refused a permit.
+    pub interlock_tripped: bool,
+    /// Ticks without a request from the link that holds the motion, and how many its lease allows.
+    pub silence: (u16, u16),
     /// Actuator command of the previous tick, V.
     pub actuator_v: f32,
     /// True if any output is on.
@@ -105,11 +111,14 @@ pub struct Safety {
     present: FaultSet,
     overruns: u8,
     stalled: u16,
-    silent: u16,
     /// Ticks that took too long.
     pub deadlines_missed: u32,
     /// Longest tick, us.
     pub tick_max_us: u16,
+    /// Ticks that began late.
+    pub ticks_late: u32,
+    /// Longest time between the starts of two ticks, us.
+    pub period_max_us: u32,
 }
 
 impl Safety {
@@ -124,20 +133,16 @@ impl Safety {
             present: FaultSet::NONE,
             overruns: 0,
             stalled: 0,
-            silent: 0,
             deadlines_missed: 0,
             tick_max_us: 0,
+            ticks_late: 0,
+            period_max_us: 0,
         }
     }
 
     /// Latched faults.
     pub const fn latched(&self) -> FaultSet {
         self.latched
-    }
-
-    /// A request has come in: the link is alive.
-    pub fn link_alive(&mut self) {
-        self.silent = 0;
     }
 
     /// Forgets the latched faults if no cause is present; false if one is.
@@ -195,7 +200,15 @@ impl Safety {
             f32::from(input.tick_us),
             f32::from(config.tick_us),
         );
-        see(self.silent > config.link_ticks, Fault::LinkLost, f32::from(self.silent), f32::from(config.link_ticks));
+        see(
+            input.outputs_on && input.period_us > config.period_us,
+            Fault::DeadlineMissed,
+            input.period_us as f32,
+            config.period_us as f32,
+        );
+        see(input.interlock_tripped, Fault::Interlock, 0.0, 0.0);
+        let (silent, lease) = input.silence;
+        see(silent > lease, Fault::LinkLost, f32::from(silent), f32::from(lease));
         see(self.stalled > config.stall_ticks, Fault::ActuatorStall, input.actuator_v, config.stall_v);
         see(input.not_finite || !m.is_finite() || !input.coil_c.is_finite(), Fault::NotFinite, 0.0, 0.0);
         see(input.table_broken, Fault::TableInvalid, 0.0, 0.0);
@@ -205,11 +218,13 @@ impl Safety {
         self.overruns = if input.adc_overrun { self.overruns.saturating_add(1) } else { 0 };
         let stalled = input.outputs_on && input.actuator_v.abs() >= config.stall_v;
         self.stalled = if stalled { self.stalled.saturating_add(1) } else { 0 };
-        // Silence counts only while outputs are on: a quiet host is no hazard to a board that does nothing.
-        self.silent = if input.outputs_on { self.silent.saturating_add(1) } else { 0 };
         self.tick_max_us = self.tick_max_us.max(input.tick_us);
         if input.tick_us > config.tick_us {
             self.deadlines_missed = self.deadlines_missed.saturating_add(1);
+        }
+        self.period_max_us = self.period_max_us.max(input.period_us);
+        if input.period_us > config.period_us {
+            self.ticks_late = self.ticks_late.saturating_add(1);
         }
     }
 }

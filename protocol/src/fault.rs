@@ -1,6 +1,8 @@
 //! Faults: codes that board and host both know. The board latches them; only an explicit
 //! [`Request::ClearFaults`](crate::message::Request::ClearFaults) with the cause gone clears them.
 
+use crate::wire::{FNV_BASIS, Wire, fold, fold_number};
+
 macro_rules! faults {
     ($($(#[$doc:meta])* $name:ident = $bit:literal, $what:literal, $action:literal;)*) => {
         /// A latched departure from safe operation. The number is the bit in a [`FaultSet`]
@@ -60,6 +62,8 @@ faults! {
     WatchdogReset = 14, "the watchdog had reset the board", "read the log, report it";
     /// Actuator driven at its limit for longer than it may be.
     ActuatorStall = 15, "actuator stalled", "free the shaft, then clear the fault";
+    /// The interlock had switched the outputs off: its permit had ended.
+    Interlock = 16, "the interlock had switched the outputs off", "read the log, report it";
 }
 
 impl Fault {
@@ -87,9 +91,13 @@ impl Fault {
             Fault::ProbePositionOpen => "probe-position-open",
             Fault::WatchdogReset => "watchdog-reset",
             Fault::ActuatorStall => "actuator-stall",
+            Fault::Interlock => "interlock",
         }
     }
 }
+
+/// The number whose bits are faults.
+type Bits = u32;
 
 /// A set of faults, one bit each, as it travels in status and telemetry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -97,8 +105,20 @@ impl Fault {
 #[serde(transparent)]
 pub struct FaultSet(
     /// Bit n is the fault whose number is n.
-    pub u32,
+    pub Bits,
 );
+
+impl Wire for FaultSet {
+    const SHAPE: u64 = {
+        let mut hash = fold_number(FNV_BASIS, Bits::SHAPE);
+        let mut i = 0;
+        while i < Fault::ALL.len() {
+            hash = fold(hash, Fault::ALL[i].code());
+            i += 1;
+        }
+        hash
+    };
+}
 
 impl FaultSet {
     /// No fault.

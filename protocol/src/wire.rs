@@ -18,10 +18,42 @@ pub(crate) const fn fold(mut hash: u64, text: &str) -> u64 {
     hash
 }
 
-/// Shape of a type on the wire, as text, for the schema hash.
+/// Folds a number into the hash `hash`.
+pub(crate) const fn fold_number(mut hash: u64, number: u64) -> u64 {
+    let bytes = number.to_le_bytes();
+    let mut i = 0;
+    while i < bytes.len() {
+        hash = (hash ^ bytes[i] as u64).wrapping_mul(0x0000_0100_0000_01b3);
+        i += 1;
+    }
+    hash
+}
+
+/// Shape of a type on the wire. Every field of a message needs it: a type without one does not compile.
 pub(crate) trait Wire {
-    /// Fields or variants in order, with their types.
-    const SHAPE: &'static str;
+    /// Hash over name, fields and the shapes of the fields.
+    const SHAPE: u64;
+}
+
+macro_rules! plain {
+    ($($ty:ty),*) => {$(
+        impl Wire for $ty {
+            const SHAPE: u64 = fold(FNV_BASIS, stringify!($ty));
+        }
+    )*};
+}
+plain!(bool, u8, u16, u32, u64, f32);
+
+impl<T: Wire, const N: usize> Wire for [T; N] {
+    const SHAPE: u64 = fold_number(fold_number(fold(FNV_BASIS, "array"), T::SHAPE), N as u64);
+}
+
+impl<T: Wire, const N: usize> Wire for heapless::Vec<T, N> {
+    const SHAPE: u64 = fold_number(fold_number(fold(FNV_BASIS, "up to"), T::SHAPE), N as u64);
+}
+
+impl<T: Wire> Wire for Option<T> {
+    const SHAPE: u64 = fold_number(fold(FNV_BASIS, "option"), T::SHAPE);
 }
 
 /// Declares a structure or enumeration that travels in a frame.
@@ -33,17 +65,35 @@ macro_rules! wire {
         pub struct $name { $($(#[$doc])* pub $field: $ty,)* }
 
         impl crate::wire::Wire for $name {
-            const SHAPE: &'static str = concat!($(stringify!($field), ":", stringify!($ty), ";",)*);
+            const SHAPE: u64 = {
+                #[allow(unused_mut)]
+                let mut hash = crate::wire::fold(crate::wire::FNV_BASIS, stringify!($name));
+                $(
+                    hash = crate::wire::fold(hash, stringify!($field));
+                    hash = crate::wire::fold_number(hash, <$ty as crate::wire::Wire>::SHAPE);
+                )*
+                hash
+            };
         }
     )*};
-    ($($(#[$outer:meta])* pub enum $name:ident { $($(#[$doc:meta])* $variant:ident $({ $($(#[$fdoc:meta])* $field:ident : $ty:ty,)* })?,)* })*) => {$(
+    ($($(#[$outer:meta])* pub enum $name:ident { $($(#[$doc:meta])* $variant:ident $({ $($(#[$fdoc:meta])* $field:ident : $fty:ty,)* })?,)* })*) => {$(
         $(#[$outer])*
         #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-        pub enum $name { $($(#[$doc])* $variant $({ $($(#[$fdoc])* $field: $ty,)* })?,)* }
+        pub enum $name { $($(#[$doc])* $variant $({ $($(#[$fdoc])* $field: $fty,)* })?,)* }
 
         impl crate::wire::Wire for $name {
-            const SHAPE: &'static str = concat!($(stringify!($variant), $("{", $(stringify!($field), ":", stringify!($ty), ";",)* "}",)? "|",)*);
+            const SHAPE: u64 = {
+                let mut hash = crate::wire::fold(crate::wire::FNV_BASIS, stringify!($name));
+                $(
+                    hash = crate::wire::fold(hash, stringify!($variant));
+                    $($(
+                        hash = crate::wire::fold(hash, stringify!($field));
+                        hash = crate::wire::fold_number(hash, <$fty as crate::wire::Wire>::SHAPE);
+                    )*)?
+                )*
+                hash
+            };
         }
     )*};
 }

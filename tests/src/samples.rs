@@ -10,7 +10,7 @@ pub fn requests() -> Vec<Request> {
     vec![
         Request::Hello(HelloRequest { protocol_version: 1, schema_hash: 0x0123_4567_89ab_cdef }),
         Request::Status(Empty {}),
-        Request::SetMode(Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 }),
+        Request::SetMode(ModeRequest { mode: Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 }, lease_ms: 750 }),
         Request::SetGains(Gains { kp: 1.5, ki: 2.5, kd: 0.25, n: 7.5 }),
         Request::GetCalibration(Empty {}),
         Request::SetCalibration(calibration()),
@@ -47,6 +47,9 @@ pub fn reports() -> Vec<Report> {
             frames_dropped: 2,
             deadlines_missed: 3,
             tick_max_us: 456,
+            ticks_late: 4,
+            period_max_us: 20_123,
+            holder: Holder::Another,
             table_hash: [7; 16],
         }),
         Report::Accepted(Accepted { of: 3, seq: 77 }),

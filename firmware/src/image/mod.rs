@@ -2,13 +2,13 @@
 
 mod control;
 mod flash;
+mod interlock;
 mod outputs;
 mod reset;
 mod sampling;
 mod serial;
 mod stop;
 mod usb;
-mod watchdog;
 
 use core::cell::RefCell;
 
@@ -24,10 +24,11 @@ use embassy_sync::pipe::Pipe;
 use firmware::board::{Board, Identity};
 use firmware::config::BoardConfig;
 use firmware::fast::FastLoop;
+use firmware::interlock::Task;
+use firmware::link::LinkId;
 use static_cell::StaticCell;
 
 use self::flash::BoardFlash;
-use self::watchdog::Watchdog;
 
 bind_interrupts!(struct Irqs {
     DMA2_STREAM0 => dma::InterruptHandler<peripherals::DMA2_CH0>;
@@ -39,16 +40,9 @@ bind_interrupts!(struct Irqs {
 type SharedFast = Mutex<CriticalSectionRawMutex, RefCell<Option<FastLoop>>>;
 static FAST: SharedFast = Mutex::new(RefCell::new(None));
 
-/// Which link bytes came from.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Link {
-    Usb,
-    Uart,
-}
-
 /// Bytes from a link.
 struct Packet {
-    link: Link,
+    link: LinkId,
     bytes: heapless::Vec<u8, PACKET_LEN>,
 }
 
@@ -94,10 +88,13 @@ async fn main(spawner: Spawner) {
     let reset_cause = reset::cause();
     let p = embassy_stm32::init(clocks());
     // Off before anything else can go wrong.
-    let arm_run = Output::new(p.PD14, Level::Low, Speed::Low);
+    // Stays an output for ever; its level is the interlock's.
+    core::mem::forget(Output::new(p.PD14, Level::Low, Speed::Low));
     let coil = outputs::Coil::new(p.TIM8, p.PC6);
     let actuator = outputs::Actuator::new(p.TIM1, p.PE9, p.PE11);
-    let arm = outputs::Arm::new(arm_run, p.TIM4, p.PD15);
+    let arm = outputs::Arm::new(p.TIM4, p.PD15);
+    // The drivers have enabled their main outputs, at a duty of nothing.
+    interlock::outputs_off();
 
     let config = BoardConfig::default();
     let fast = FastLoop::new(&config.circuit, &config.shunt, config.safety.coil_a);
@@ -120,11 +117,11 @@ async fn main(spawner: Spawner) {
             coil_current: p.PB1,
         },
     );
-    let watchdog = Watchdog::take(p.IWDG);
     let usb = usb::start(p.USB_OTG_FS, p.PA12, p.PA11);
     let uart = serial::start(p.USART3, p.PD9, p.PD8);
 
-    let has_uart = uart.is_some();
+    let absent: &[Task] = if uart.is_some() { &[] } else { &[Task::UartReceive, Task::UartSend] };
+    interlock::start(p.TIM7, p.IWDG, absent);
     let spawned = (|| {
         SAMPLING.start(interrupt::UART5).spawn(sampling::run(sampling, coil)?);
         spawner.spawn(usb::device(usb.device)?);
@@ -135,7 +132,7 @@ async fn main(spawner: Spawner) {
             spawner.spawn(serial::receive(rx)?);
             spawner.spawn(serial::send(tx)?);
         }
-        spawner.spawn(control::run(board, actuator, arm, watchdog, has_uart)?);
+        spawner.spawn(control::run(board, actuator, arm)?);
         Ok::<(), embassy_executor::SpawnError>(())
     })();
     if spawned.is_err() {

@@ -1,17 +1,16 @@
 //! USB link: a CDC-ACM serial port on the full-speed device (PA11, PA12).
 
-use core::sync::atomic::Ordering;
-
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::{PA11, PA12, USB_OTG_FS};
 use embassy_stm32::usb::{Config as OtgConfig, Driver};
 use embassy_time::{Duration, with_timeout};
 use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
 use embassy_usb::{Builder, Config, UsbDevice};
+use firmware::interlock::Task;
+use firmware::link::LinkId;
 use static_cell::StaticCell;
 
-use super::control::USB_TURNS;
-use super::{Irqs, Link, PACKET_LEN, Packet, RECEIVED, TO_USB};
+use super::{Irqs, PACKET_LEN, Packet, RECEIVED, TO_USB, interlock};
 
 type Otg = Driver<'static, USB_OTG_FS>;
 
@@ -63,7 +62,7 @@ pub async fn receive(mut receiver: Receiver<'static, Otg>) -> ! {
         match with_timeout(TURN, receiver.read_packet(&mut buffer)).await {
             Ok(Ok(count)) => {
                 if let Some(bytes) = buffer.get(..count).and_then(|b| heapless::Vec::from_slice(b).ok()) {
-                    RECEIVED.send(Packet { link: Link::Usb, bytes }).await;
+                    RECEIVED.send(Packet { link: LinkId::Usb, bytes }).await;
                 }
             }
             // Not connected: wait for it, but no longer than a turn.
@@ -72,7 +71,7 @@ pub async fn receive(mut receiver: Receiver<'static, Otg>) -> ! {
             }
             Err(_) => {}
         }
-        USB_TURNS.fetch_add(1, Ordering::Relaxed);
+        interlock::turn(Task::UsbReceive);
     }
 }
 
@@ -80,7 +79,11 @@ pub async fn receive(mut receiver: Receiver<'static, Otg>) -> ! {
 pub async fn send(mut sender: Sender<'static, Otg>) -> ! {
     let mut buffer = [0; PACKET_LEN];
     loop {
-        let count = TO_USB.read(&mut buffer).await;
+        interlock::turn(Task::UsbSend);
+        // Woken now and then, to show that the task lives.
+        let Ok(count) = with_timeout(TURN, TO_USB.read(&mut buffer)).await else {
+            continue;
+        };
         let Some(bytes) = buffer.get(..count) else {
             continue;
         };

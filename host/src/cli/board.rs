@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{Context, IntoDiagnostic};
 use protocol::fault::Fault;
-use protocol::message::{Calibration, Gains, Hello, State, Status};
+use protocol::message::{Calibration, Gains, Hello, Holder, State, Status};
 use serde_json::json;
 
 use super::mode::ModeChoice;
@@ -118,6 +118,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 /// An answer for programs and for people.
 pub(super) type Answer = (serde_json::Value, String);
 
+/// Who holds the motion, in words.
+const fn holder_text(holder: Holder) -> &'static str {
+    match holder {
+        Holder::Nobody => "held by nobody",
+        Holder::You => "held by this link",
+        Holder::Another => "held by the board's other link",
+    }
+}
+
 fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<Answer> {
     let Status {
         uptime_ms,
@@ -128,6 +137,9 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         frames_dropped,
         deadlines_missed,
         tick_max_us,
+        ticks_late,
+        period_max_us,
+        holder,
         table_hash,
     } = session.status().into_diagnostic()?;
     let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();
@@ -140,11 +152,15 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
          state      {state:?}, mode {mode:?}, up {:.1} s\n\
          table      {table}\n\
          link       {frames_rejected} damaged frames received, {frames_dropped} records not sent\n\
-         control    longest tick {tick_max_us} us, {deadlines_missed} deadlines missed",
+         control    longest tick {tick_max_us} us, {deadlines_missed} too long; longest time from tick to tick {:.1} ms, \
+         {ticks_late} late\n\
+         motion     {}",
         hex(&hello.unique_id),
         hello.protocol_version,
         hello.reset_cause,
         f64::from(uptime_ms) / 1e3,
+        f64::from(period_max_us) / 1e3,
+        holder_text(holder),
     );
     if latched.is_empty() {
         text.push_str("\nfaults     none");
@@ -157,6 +173,7 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         "unique_id": hex(&hello.unique_id), "uptime_ms": uptime_ms, "state": state, "mode": mode, "table": table,
         "faults": latched.iter().map(|f| f.code()).collect::<Vec<_>>(), "frames_rejected": frames_rejected,
         "frames_dropped": frames_dropped, "tick_max_us": tick_max_us, "deadlines_missed": deadlines_missed,
+        "period_max_us": period_max_us, "ticks_late": ticks_late, "holder": holder,
     });
     Ok((value, text))
 }

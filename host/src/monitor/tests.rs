@@ -2,7 +2,7 @@
 use super::*;
 use crate::session::{Event, Traffic};
 use protocol::fault::{Fault, FaultSet};
-use protocol::message::{FaultReport, Hello, Mode, ResetCause, State, Status, Telemetry};
+use protocol::message::{FaultReport, Hello, Holder, Mode, ResetCause, State, Status, Telemetry};
 
 fn record(tick: u32, state: State, faults: &[Fault]) -> Telemetry {
     let mut set = FaultSet::NONE;
@@ -49,6 +49,9 @@ fn status(table_hash: [u8; 16]) -> Status {
         frames_dropped: 0,
         deadlines_missed: 0,
         tick_max_us: 0,
+        ticks_late: 0,
+        period_max_us: 0,
+        holder: Holder::Nobody,
         table_hash,
     }
 }

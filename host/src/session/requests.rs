@@ -1,9 +1,14 @@
 //! The requests of the table of messages, one function each.
 
-use protocol::message::{Calibration, Empty, Gains, Mode, Refusal, Report, Request, Status, TelemetryRate};
+use protocol::message::{
+    Calibration, Empty, Gains, Mode, ModeRequest, Refusal, Report, Request, Status, TelemetryRate,
+};
 
 use super::{Session, SessionError};
 use crate::link::Link;
+
+/// Lease of a mode, ms: five of the session's keep-alives, so that four of them may be lost.
+const LEASE_MS: u16 = 1000;
 
 impl<L: Link> Session<L> {
     /// What the board is doing.
@@ -17,14 +22,14 @@ impl<L: Link> Session<L> {
         }
     }
 
-    /// Sets the mode. A repeated request that finds the board busy with just this mode has succeeded: only the
+    /// Sets the mode, held by this link for as long as [`Session::poll`] is called. A repeated request that finds the board busy with just this mode has succeeded: only the
     /// answer to the first one was lost.
     ///
     /// # Errors
     /// As [`Session::request`].
     pub fn set_mode(&mut self, mode: Mode) -> Result<(), SessionError> {
         let repeated = self.traffic.requests_repeated;
-        match self.request(&Request::SetMode(mode)) {
+        match self.request(&Request::SetMode(ModeRequest { mode, lease_ms: LEASE_MS })) {
             Err(SessionError::Refused { reason: Refusal::Busy, .. })
                 if self.traffic.requests_repeated > repeated && self.status()?.mode == mode =>
             {

@@ -11,6 +11,8 @@ use firmware::board::{Board, Identity, Inputs, Outputs};
 use firmware::config::BoardConfig;
 use firmware::fast::{FAST_STEPS, FastLoop};
 use firmware::flash::{BANK_LEN, RamFlash};
+use firmware::interlock::Power;
+use firmware::link::LinkId;
 use firmware::sensor::RawSamples;
 use protocol::TICK_HZ;
 use protocol::lut::Table;
@@ -84,18 +86,23 @@ impl SimulatedBoard {
 
     /// Bytes from the host.
     pub fn receive(&mut self, bytes: &[u8]) {
-        self.board.receive(bytes);
+        self.board.receive(LinkId::Usb, bytes);
     }
 
     /// Appends bytes for the host.
     pub fn transmit(&mut self, into: &mut Vec<u8>) {
         let mut buffer = [0u8; 512];
         loop {
-            match self.board.take_transmit(&mut buffer) {
+            match self.board.take_transmit(LinkId::Usb, &mut buffer) {
                 0 => return,
                 n => into.extend_from_slice(&buffer[..n]),
             }
         }
+    }
+
+    /// What reaches the coil's switch: the interlock passes nothing on unless the display is on.
+    fn driven_duty(&self) -> f32 {
+        if self.outputs.power == Power::Display { self.coil_duty } else { 0.0 }
     }
 
     /// Lets one control tick pass.
@@ -104,13 +111,14 @@ impl SimulatedBoard {
         self.bench.next_sample();
         for _ in 0..early + FAST_STEPS {
             let begun = self.begun.take();
-            let raw = begun.unwrap_or_else(|| self.bench.step(&self.outputs, self.coil_duty));
+            let raw = begun.unwrap_or_else(|| self.bench.step(&self.outputs, self.driven_duty()));
             self.coil_duty = self.fast.step(&raw);
         }
         if self.timing.within_step {
-            self.begun = Some(self.bench.step(&self.outputs, self.coil_duty));
+            self.begun = Some(self.bench.step(&self.outputs, self.driven_duty()));
         }
-        let inputs = Inputs::from_fast(&self.fast.take(), false, self.tick_us);
+        let inputs =
+            Inputs { period_us: 1_000_000 / TICK_HZ, ..Inputs::from_fast(&self.fast.take(), false, self.tick_us) };
         let started = Instant::now();
         self.outputs = self.board.tick(&inputs);
         // Host time, not board time: it shows the order of magnitude only. A host that was busy elsewhere must not look like

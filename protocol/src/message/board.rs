@@ -28,6 +28,14 @@ wire! {
         /// Why the board last started.
         pub reset_cause: ResetCause,
     }
+    /// A mode, and its lease: how long it may go on without a request from the link that asked for it.
+    pub struct ModeRequest {
+        /// The mode.
+        pub mode: Mode,
+        /// Lease, ms: 100 to 1000. Every request over the same link renews it; when it ends, the board
+        /// switches off.
+        pub lease_ms: u16,
+    }
     /// A snapshot.
     pub struct Status {
         /// Time since start, ms.
@@ -46,6 +54,12 @@ wire! {
         pub deadlines_missed: u32,
         /// Longest control tick since start, us.
         pub tick_max_us: u16,
+        /// Control ticks that began late, measured from start to start.
+        pub ticks_late: u32,
+        /// Longest time between the starts of two control ticks since start, us.
+        pub period_max_us: u32,
+        /// Who holds the motion.
+        pub holder: Holder,
         /// Hash of the active table, zero without one.
         pub table_hash: [u8; 16],
     }
@@ -83,6 +97,15 @@ wire! {
         Display,
         /// Outputs off, a fault is latched.
         Fault,
+    }
+    /// Which link holds the motion, seen from the one that asks.
+    pub enum Holder {
+        /// None: the board rests.
+        Nobody,
+        /// The one that asks.
+        You,
+        /// The board's other link.
+        Another,
     }
     /// Why the board started.
     pub enum ResetCause {

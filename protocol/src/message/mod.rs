@@ -10,13 +10,13 @@ mod setup;
 mod table;
 mod telemetry;
 
-pub use board::{Hello, HelloRequest, Mode, ResetCause, State, Status};
+pub use board::{Hello, HelloRequest, Holder, Mode, ModeRequest, ResetCause, State, Status};
 pub use identification::{Estimate, Outcome, Recognition, Verdict};
 pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor};
 pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
 pub use telemetry::{FaultReport, Telemetry};
 
-use crate::wire::{FNV_BASIS, Wire, fold, wire};
+use crate::wire::{FNV_BASIS, Wire, fold, fold_number, wire};
 
 wire! {
     /// No content.
@@ -71,6 +71,8 @@ wire! {
         FlashFailed,
         /// Host and board were built from different message tables.
         SchemaMismatch,
+        /// Another link holds the motion.
+        Held,
     }
 }
 
@@ -90,6 +92,7 @@ impl Refusal {
             Refusal::TableRejected => "the table did not pass the board's checks",
             Refusal::FlashFailed => "the board could not write its flash",
             Refusal::SchemaMismatch => "tool and firmware were built from different message tables",
+            Refusal::Held => "another link holds the board: stop it there, or set mode idle from here first",
         }
     }
 }
@@ -136,25 +139,16 @@ macro_rules! messages {
             }
         )*
 
-        /// Fingerprint of the whole table: numbers, names, and the shape of every body.
+        /// Fingerprint of the whole table: numbers, names, the shape of every body with all types inside, and the longest body.
         pub const SCHEMA_HASH: u64 = {
             let mut hash = FNV_BASIS;
             $($(
                 hash = fold(hash, stringify!($kind));
                 hash = fold(hash, stringify!($name));
-                hash = fold(hash, <$body as Wire>::SHAPE);
+                hash = fold_number(hash, <$body as Wire>::SHAPE);
             )*)*
-            // Structures inside bodies.
-            hash = fold(hash, <Mode as Wire>::SHAPE);
-            hash = fold(hash, <State as Wire>::SHAPE);
-            hash = fold(hash, <ResetCause as Wire>::SHAPE);
-            hash = fold(hash, <Refusal as Wire>::SHAPE);
-            hash = fold(hash, <Outcome as Wire>::SHAPE);
-            hash = fold(hash, <Recognition as Wire>::SHAPE);
-            hash = fold(hash, <Slot as Wire>::SHAPE);
-            hash = fold(hash, <LoadCell as Wire>::SHAPE);
-            hash = fold(hash, <ResistiveSensor as Wire>::SHAPE);
-            hash = fold(hash, <ProbePosition as Wire>::SHAPE);
+            // A longer body would be refused by the other side's frames.
+            hash = fold_number(hash, crate::frame::MAX_BODY as u64);
             hash
         };
     };
@@ -167,8 +161,9 @@ messages! {
         0x01 Hello(HelloRequest),
         /// Answered by [`Report::Status`]. Also keeps the link alive.
         0x02 Status(Empty),
-        /// Answered by [`Report::Accepted`].
-        0x03 SetMode(Mode),
+        /// Answered by [`Report::Accepted`]. Any link may ask for idle; while a link holds the motion, only
+        /// that one may ask for more.
+        0x03 SetMode(ModeRequest),
         /// PID gains. Answered by [`Report::Accepted`].
         0x04 SetGains(Gains),
         /// Answered by [`Report::Calibration`].

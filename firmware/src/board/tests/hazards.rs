@@ -135,13 +135,13 @@ fn a_hot_coil_is_first_reduced_and_never_reaches_its_trip() {
             bench.send(&Request::Status(Empty {}));
         }
         bench.tick();
-        hottest = hottest.max(bench.board.coil_c);
+        hottest = hottest.max(bench.board.machine.coil_c);
         bench.reports.clear();
     }
     assert!(bench.faults().is_empty(), "{:?}", bench.faults());
     assert!((80.0..105.0).contains(&hottest), "{hottest}");
     // A coil that is hot all the same (a current nobody asked for) trips.
-    bench.board.coil_c = 106.0;
+    bench.board.machine.coil_c = 106.0;
     bench.tick();
     assert_eq!(bench.faults(), [Fault::CoilHot]);
     assert_eq!(bench.outputs, Outputs::default());
@@ -150,7 +150,7 @@ fn a_hot_coil_is_first_reduced_and_never_reaches_its_trip() {
 #[test]
 fn a_coil_is_taken_for_warm_after_a_reset() {
     // Its temperature before the reset is not known; a board that started cold would allow a hot winding full current.
-    assert_eq!(Bench::new().board.coil_c, 80.0);
+    assert_eq!(Bench::new().board.machine.coil_c, 80.0);
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn a_coil_whose_amplifier_reads_no_current_still_heats_in_the_model() {
         bench.reports.clear();
     }
     // Without current the model would cool from its 80 degrees.
-    assert!(bench.board.coil_c > 81.0, "{}", bench.board.coil_c);
+    assert!(bench.board.machine.coil_c > 81.0, "{}", bench.board.machine.coil_c);
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn faults_stay_latched_until_they_are_cleared_with_the_cause_gone() {
     bench.spoil = |_| {};
     bench.ticks(10);
     assert_eq!(bench.faults(), [Fault::LoadCellOpen]);
-    assert_eq!(bench.refusal(&Request::SetMode(PALPATE)), Refusal::Faulted);
+    assert_eq!(bench.refusal(&set_mode(PALPATE)), Refusal::Faulted);
     bench.accept(&Request::ClearFaults(Empty {}));
     bench.tick();
     assert_eq!(bench.board.state(), State::Idle);

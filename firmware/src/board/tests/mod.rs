@@ -1,15 +1,17 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod hazards;
+mod holders;
 mod link;
 mod palpation;
 
 use super::*;
 use crate::flash::{BANK_LEN, RamFlash};
+use crate::link::LinkId;
 use crate::sensor::{coil_ratio, fsr_ratio, load_cell_ratio, potentiometer_ratio, probe_ratio};
 use crate::testbed::{Foam, factored_table};
 use protocol::frame::{Decoder, MAX_FRAME, encode_request};
-use protocol::message::{Accepted, Empty, Refusal, Refused, Request};
+use protocol::message::{Accepted, Empty, Mode, ModeRequest, Outcome, Refusal, Refused, Request, Telemetry};
 
 type RamBoard = Board<RamFlash<Vec<u8>>>;
 
@@ -61,7 +63,7 @@ impl Bench {
     }
 
     fn tick(&mut self) {
-        let c = &self.board.config;
+        let c = &self.board.machine.config;
         let force_n = self.foam.map_or(0.0, |foam| foam.force_n(foam.height_mm - f64::from(self.probe_mm)) as f32);
         let raw = RawSamples {
             load_cell: load_cell_ratio(force_n, &c.calibration.load_cell),
@@ -87,7 +89,7 @@ impl Bench {
     fn collect(&mut self) {
         let mut buffer = [0; 512];
         loop {
-            let count = self.board.take_transmit(&mut buffer);
+            let count = self.board.take_transmit(LinkId::Usb, &mut buffer);
             if count == 0 {
                 return;
             }
@@ -104,7 +106,7 @@ impl Bench {
     fn send(&mut self, request: &Request) {
         let mut buffer = [0; MAX_FRAME];
         let bytes = encode_request(request, self.seq, &mut buffer).unwrap();
-        self.board.receive(bytes);
+        self.board.receive(LinkId::Usb, bytes);
         self.seq += 1;
         self.collect();
     }
@@ -131,7 +133,7 @@ impl Bench {
     }
 
     fn mode(&mut self, mode: Mode) {
-        self.accept(&Request::SetMode(mode));
+        self.accept(&set_mode(mode));
     }
 
     /// Ticks with a status request every half second, as a host does, until `done`.
@@ -149,7 +151,7 @@ impl Bench {
     }
 
     fn faults(&self) -> Vec<protocol::fault::Fault> {
-        self.board.safety.latched().iter().collect()
+        self.board.machine.safety.latched().iter().collect()
     }
 
     fn verdict(&self) -> Option<&protocol::message::Verdict> {
@@ -158,6 +160,11 @@ impl Bench {
             _ => None,
         })
     }
+}
+
+/// A request for a mode with the longest lease.
+fn set_mode(mode: Mode) -> Request {
+    Request::SetMode(ModeRequest { mode, lease_ms: LEASE_MS.1 })
 }
 
 const PALPATE: Mode = Mode::Palpate { rate_mm_s: 4.0, depth_mm: 3.5 };

@@ -18,6 +18,7 @@ impl Chip {
             0x4000_0400 => self.tim3.read(offset, now),
             0x4000_0800 => self.tim4.read(offset, now),
             0x4000_0c00 => self.tim5.read(offset, now),
+            0x4000_1400 => self.tim7.read(offset, now),
             0x4000_3000 => self.watchdog.read(offset, now),
             0x4000_4800 => self.usart.read(offset, now),
             0x4000_7000 => self.pwr.read(offset),
@@ -45,6 +46,7 @@ impl Chip {
                 self.ticks += u64::from(offset == 0x40);
             }
             0x4000_0c00 => self.tim5.write(offset, value, now),
+            0x4000_1400 => self.tim7.write(offset, value, now),
             0x4000_3000 => self.watchdog.write(offset, value, now),
             0x4000_4800 => self.usart.write(offset, value, now),
             0x4000_7000 => self.pwr.write(offset, value),

@@ -39,6 +39,7 @@ pub const FLASH_BASE: u32 = 0x0800_0000;
 /// Interrupt numbers (RM0090 table 63).
 const USART3_IRQ: u32 = 39;
 const TIM5_IRQ: u32 = 50;
+const TIM7_IRQ: u32 = 55;
 const DMA2_STREAM0_IRQ: u32 = 56;
 
 /// Channels of a scan and scans of half the ring: what the plant's step of 1 ms covers.
@@ -105,6 +106,7 @@ pub struct Chip {
     tim3: Timer,
     tim4: Timer,
     tim5: Timer,
+    tim7: Timer,
     tim8: Timer,
     adc: Adc,
     dma2: Dma,
@@ -137,6 +139,7 @@ impl Chip {
             tim3: Timer::new(4, false),
             tim4: Timer::new(4, false),
             tim5: Timer::new(4, false),
+            tim7: Timer::new(4, false),
             tim8: Timer::new(2, true),
             adc: Adc::default(),
             dma2: Dma::default(),
@@ -164,6 +167,7 @@ impl Chip {
         self.tim3 = Timer::new(4, false);
         self.tim4 = Timer::new(4, false);
         self.tim5 = Timer::new(4, false);
+        self.tim7 = Timer::new(4, false);
         self.tim8 = Timer::new(2, true);
         let dead = self.adc.dead;
         self.adc = Adc::default();
@@ -231,6 +235,7 @@ impl Chip {
             self.scan();
         }
         self.tim5.sync(now);
+        self.tim7.sync(now);
         self.usart.sync(now);
         if self.step_due <= now {
             self.step(false);
@@ -269,6 +274,7 @@ impl Chip {
         self.nvic.set_lines(
             line(self.usart.line(), USART3_IRQ)
                 | line(self.tim5.line(), TIM5_IRQ)
+                | line(self.tim7.line(), TIM7_IRQ)
                 | line(self.dma2.line(0), DMA2_STREAM0_IRQ),
         );
         let events = [
@@ -276,6 +282,7 @@ impl Chip {
             self.adc.next_event(),
             self.tim3.next_event(true),
             self.tim5.next_event(false),
+            self.tim7.next_event(false),
             self.usart.next_event(),
             Some(self.step_due),
         ];
