@@ -51,6 +51,25 @@ pub enum Power {
     Display,
 }
 
+/// Why the interlock keeps outputs off that control wants on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Trip {
+    /// The permit ended: no punctual tick came.
+    Expired,
+    /// A task has not turned; its number is its place in [`Task`].
+    Silent(usize),
+}
+
+impl Trip {
+    /// For the fault's report: 0 for an ended permit, else one more than the task's number.
+    pub const fn number(self) -> u8 {
+        match self {
+            Trip::Expired => 0,
+            Trip::Silent(task) => task as u8 + 1,
+        }
+    }
+}
+
 /// What one poll demands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Poll {
@@ -65,8 +84,8 @@ pub struct Poll {
 pub struct Interlock {
     /// Time left of the permit, ms; 0 without one.
     left_ms: u16,
-    /// Outputs were switched off, or a permit was refused, while control wanted them on.
-    tripped: bool,
+    /// Why outputs are off although control wanted them on.
+    trip: Option<Trip>,
     /// Turns of the tasks at the last poll, and for how long they have not changed, ms.
     turns: [u32; TASKS],
     silent_ms: [u16; TASKS],
@@ -82,7 +101,7 @@ impl Default for Interlock {
 impl Interlock {
     /// No permit; all tasks are watched.
     pub const fn new() -> Self {
-        Interlock { left_ms: 0, tripped: false, turns: [0; TASKS], silent_ms: [0; TASKS], watched: [true; TASKS] }
+        Interlock { left_ms: 0, trip: None, turns: [0; TASKS], silent_ms: [0; TASKS], watched: [true; TASKS] }
     }
 
     /// A task that this board does not run.
@@ -92,35 +111,31 @@ impl Interlock {
         }
     }
 
-    /// True while every watched task has turned lately.
-    pub fn all_live(&self) -> bool {
-        let limit_ms = if self.left_ms > 0 { SILENCE_ON_MS } else { SILENCE_OFF_MS };
-        self.watched.iter().zip(self.silent_ms).all(|(watched, silent_ms)| !watched || silent_ms <= limit_ms)
+    /// The first watched task that has not turned for longer than `limit_ms`.
+    fn silent(&self, limit_ms: u16) -> Option<usize> {
+        self.watched.iter().zip(self.silent_ms).position(|(watched, silent_ms)| *watched && silent_ms > limit_ms)
     }
 
     /// The end of a punctual, faultless control tick that wants outputs on; true if they may be.
     ///
     /// A refusal counts as a trip: control wants what it does not get.
     pub fn grant(&mut self) -> bool {
-        let live = self.watched.iter().zip(self.silent_ms).all(|(watched, ms)| !watched || ms <= SILENCE_ON_MS);
-        if self.tripped || !live {
-            self.left_ms = 0;
-            self.tripped = true;
-            return false;
+        if let Some(task) = self.silent(SILENCE_ON_MS) {
+            self.trip.get_or_insert(Trip::Silent(task));
         }
-        self.left_ms = PERMIT_MS;
-        true
+        self.left_ms = if self.trip.is_none() { PERMIT_MS } else { 0 };
+        self.trip.is_none()
     }
 
     /// The end of a control tick that wants outputs off: ends the permit, and forgets a trip.
     pub fn rest(&mut self) {
         self.left_ms = 0;
-        self.tripped = false;
+        self.trip = None;
     }
 
-    /// True after a permit ended by itself or was refused, until the next [`Self::rest`].
-    pub const fn tripped(&self) -> bool {
-        self.tripped
+    /// Why a permit ended by itself or was refused, until the next [`Self::rest`].
+    pub const fn trip(&self) -> Option<Trip> {
+        self.trip
     }
 
     /// One poll, every millisecond, with the turns of all tasks so far.
@@ -129,10 +144,13 @@ impl Interlock {
             *silent_ms = if last == now { silent_ms.saturating_add(1) } else { 0 };
             *last = *now;
         }
-        let feed = self.all_live();
+        let limit_ms = if self.left_ms > 0 { SILENCE_ON_MS } else { SILENCE_OFF_MS };
+        let feed = self.silent(limit_ms).is_none();
         if self.left_ms > 0 {
             self.left_ms -= 1;
-            self.tripped |= self.left_ms == 0;
+            if self.left_ms == 0 {
+                self.trip = Some(Trip::Expired);
+            }
         }
         Poll { off: self.left_ms == 0, feed }
     }

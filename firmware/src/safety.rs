@@ -80,7 +80,7 @@ pub struct SafetyInput<'a> {
     /// Time from the start of the previous tick to the start of this one, us.
     pub period_us: u32,
     /// The interlock has ended or refused a permit.
-    pub interlock_tripped: bool,
+    pub interlock: Option<crate::interlock::Trip>,
     /// Ticks without a request from the link that holds the motion, and how many its lease allows.
     pub silence: (u16, u16),
     /// Actuator command of the previous tick, V.
@@ -206,7 +206,8 @@ impl Safety {
             input.period_us as f32,
             config.period_us as f32,
         );
-        see(input.interlock_tripped, Fault::Interlock, 0.0, 0.0);
+        let interlock = input.interlock.map_or(0, |trip| trip.number());
+        see(input.interlock.is_some(), Fault::Interlock, f32::from(interlock), 0.0);
         let (silent, lease) = input.silence;
         see(silent > lease, Fault::LinkLost, f32::from(silent), f32::from(lease));
         see(self.stalled > config.stall_ticks, Fault::ActuatorStall, input.actuator_v, config.stall_v);

@@ -71,6 +71,7 @@ fn last_time_s(csv: &std::path::Path) -> f64 {
 fn a_log_with_a_time_limit_ends_properly() {
     let folder = tempfile::tempdir().unwrap();
     let (csv, mcap) = (folder.path().join("log.csv"), folder.path().join("log.mcap"));
+    let begun = std::time::Instant::now();
     let out = Command::new(env!("CARGO_BIN_EXE_palpate"))
         .args(["log", "--seconds", "1", "--json", "--csv"])
         .arg(&csv)
@@ -86,6 +87,7 @@ fn a_log_with_a_time_limit_ends_properly() {
     assert_eq!(recovered.torn, None);
     let records = recovered.messages.iter().filter(|m| m.0 == "telemetry").count();
     assert_eq!(records, std::fs::read_to_string(&csv).unwrap().lines().count() - 1);
-    // A second at 50 Hz, less the ticks of the greeting.
-    assert!((45..=51).contains(&records), "{records}");
+    // A second at 50 Hz, less the ticks of the greeting; more only if the machine was held up meanwhile.
+    let most = (begun.elapsed().as_secs_f64() * 50.0) as usize + 1;
+    assert!((45..=most).contains(&records), "{records} of at most {most}");
 }

@@ -154,7 +154,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             coil_c: self.coil_c,
             tick_us: inputs.tick_us,
             period_us: inputs.period_us,
-            interlock_tripped: inputs.interlock_tripped,
+            interlock: inputs.interlock,
             silence: self.lease.silence(),
             actuator_v: self.outputs.actuator_v,
             outputs_on: self.mode.outputs_on(),

@@ -20,7 +20,7 @@ mod talk;
 use crate::config::BoardConfig;
 use crate::fast::Averaged;
 use crate::flash::{CalibrationStore, TableStore};
-use crate::interlock::Power;
+use crate::interlock::{Power, Trip};
 use crate::link::{LinkId, Priority};
 use crate::sensor::{Measured, RawSamples};
 use protocol::lut::Table;
@@ -47,8 +47,8 @@ pub struct Inputs {
     pub tick_us: u16,
     /// Measured time from the start of the previous tick to the start of this one, us.
     pub period_us: u32,
-    /// The interlock has switched the outputs off since the previous tick, or refused a permit.
-    pub interlock_tripped: bool,
+    /// The interlock has ended or refused a permit since the board rested.
+    pub interlock: Option<Trip>,
 }
 
 impl Inputs {
@@ -62,7 +62,7 @@ impl Inputs {
             coil_duty: averaged.coil_duty,
             tick_us,
             period_us: 0,
-            interlock_tripped: false,
+            interlock: None,
         }
     }
 }

@@ -38,7 +38,7 @@ pub async fn run(board: &'static mut Board<BoardFlash>, mut actuator: Actuator, 
                 let overrun = sampling::OVERRUN.swap(false, Ordering::Relaxed);
                 let outputs = board.tick(&Inputs {
                     period_us: u32::try_from(since.as_micros()).unwrap_or(u32::MAX),
-                    interlock_tripped: interlock::tripped(),
+                    interlock: interlock::trip(),
                     ..Inputs::from_fast(&averaged.unwrap_or_default(), overrun, tick_us)
                 });
                 FAST.lock(|cell| {

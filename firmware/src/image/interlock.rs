@@ -14,7 +14,7 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peri, interrupt, pac};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use firmware::interlock::{Interlock, POLL_HZ, Power, TASKS, Task};
+use firmware::interlock::{Interlock, POLL_HZ, Power, TASKS, Task, Trip};
 
 /// Time the watchdog waits, us. It runs on the chip's RC oscillator, 17 to 47 kHz where 32 kHz are typical (data
 /// sheet of the STM32F429, LSI characteristics): 20 to 57 ms. It bounds what the poll cannot see, masked
@@ -68,6 +68,9 @@ pub fn start(timer: Peri<'static, TIM7>, watchdog: Peri<'static, IWDG>, absent: 
     interrupt::USART3.set_priority(Priority::P2);
     let poll = Timer::new(timer);
     poll.set_frequency(Hertz(POLL_HZ), RoundTo::Slower);
+    // The prescaler counts from an update on; the driver makes none.
+    poll.generate_update_event();
+    poll.clear_update_interrupt();
     poll.enable_update_interrupt(true);
     poll.start();
     interrupt::TIM7.set_priority(Priority::P0);
@@ -108,7 +111,7 @@ pub fn end_of_tick(power: Power, punctual: bool) {
     });
 }
 
-/// True if a permit has ended by itself, or was refused, since the board rested.
-pub fn tripped() -> bool {
-    INTERLOCK.lock(|cell| cell.borrow().tripped())
+/// Why a permit has ended by itself, or was refused, since the board rested.
+pub fn trip() -> Option<Trip> {
+    INTERLOCK.lock(|cell| cell.borrow().trip())
 }

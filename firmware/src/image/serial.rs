@@ -59,6 +59,7 @@ pub async fn send(mut tx: BufferedUartTx<'static>) -> ! {
         let until = Instant::now() + STUCK;
         // Whole or not at all: a packet is no larger than the driver's buffer.
         while with_timeout(ROOM, Write::write(&mut tx, bytes)).await.is_err() {
+            interlock::turn(Task::UartSend);
             if Instant::now() > until {
                 defmt::warn!("UART does not send");
                 break;

@@ -20,8 +20,8 @@ const PRODUCT: u16 = 0x0001;
 
 const TURN: Duration = Duration::from_millis(50);
 
-/// A host that does not fetch a packet for this long has closed the port.
-const STUCK: Duration = Duration::from_millis(200);
+/// A host that does not fetch a packet for so many turns has closed the port.
+const STUCK_TURNS: u32 = 4;
 
 /// The parts that become tasks.
 pub struct Usb {
@@ -87,12 +87,20 @@ pub async fn send(mut sender: Sender<'static, Otg>) -> ! {
         let Some(bytes) = buffer.get(..count) else {
             continue;
         };
-        // Without a listener the bytes are lost, which the sequence numbers tell.
-        if let Ok(Ok(())) = with_timeout(STUCK, sender.write_packet(bytes)).await
-            && count == PACKET_LEN
-        {
-            // A full packet must be followed by an empty one for the host to see the end of the transfer.
-            let _ = with_timeout(STUCK, sender.write_packet(&[])).await;
+        // A full packet must be followed by an empty one for the host to see the end of the transfer.
+        if write(&mut sender, bytes).await && count == PACKET_LEN {
+            write(&mut sender, &[]).await;
         }
     }
+}
+
+/// Writes one packet; false if nobody fetches it. Without a listener the bytes are lost, which the sequence numbers tell.
+async fn write(sender: &mut Sender<'static, Otg>, packet: &[u8]) -> bool {
+    for _ in 0..STUCK_TURNS {
+        match with_timeout(TURN, sender.write_packet(packet)).await {
+            Ok(written) => return written.is_ok(),
+            Err(_) => interlock::turn(Task::UsbSend),
+        }
+    }
+    false
 }

@@ -15,10 +15,10 @@ fn a_permit_lasts_forty_milliseconds_and_does_not_come_back_without_a_rest() {
     assert!(interlock.grant());
     let on = (0..100).take_while(|_| !polled(&mut interlock, &mut turns).off).count();
     assert_eq!(on + 1, usize::from(PERMIT_MS));
-    assert!(interlock.tripped() && !interlock.grant());
+    assert!(interlock.trip() == Some(Trip::Expired) && !interlock.grant());
     assert!(polled(&mut interlock, &mut turns).off);
     interlock.rest();
-    assert!(!interlock.tripped() && interlock.grant());
+    assert!(interlock.trip().is_none() && interlock.grant());
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn a_rest_is_no_trip_and_ends_the_permit_at_once() {
     let (mut interlock, mut turns) = (Interlock::new(), [0; TASKS]);
     assert!(interlock.grant());
     interlock.rest();
-    assert!(polled(&mut interlock, &mut turns).off && !interlock.tripped());
+    assert!(polled(&mut interlock, &mut turns).off && interlock.trip().is_none());
 }
 
 /// Every watched task by itself ends the feeding, and refuses the next grant.
@@ -43,7 +43,7 @@ fn a_task_that_does_not_turn_gets_no_permit_and_no_food() {
             ms % 20 == 0 && !interlock.grant()
         });
         // The tick after 100 ms; from then on no permit, so the longer limit of a board at rest would hold.
-        assert_eq!(refused, Some(120), "task {dead}");
+        assert_eq!((refused, interlock.trip()), (Some(120), Some(Trip::Silent(dead))));
         assert_eq!(fed, 100, "task {dead}");
         let fed = (0..2000).filter(|_| interlock.poll(&turns).feed).count();
         assert_eq!(fed, 880, "task {dead}");
@@ -85,7 +85,7 @@ fn outputs_on_implies_a_good_tick_within_the_permit() {
                     wanted = !wanted;
                 }
                 // A board that hears of a trip latches a fault and rests.
-                wanted &= !interlock.tripped();
+                wanted &= interlock.trip().is_none();
                 if wanted {
                     if interlock.grant() {
                         (on, good) = (true, Some(ms));

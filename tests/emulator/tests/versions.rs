@@ -59,7 +59,8 @@ fn an_old_host_is_told_who_the_board_is_and_can_do_nothing_else() {
         assert!(
             matches!(asked(&mut board, &Request::Hello(old)), Report::Hello(hello) if hello.schema_hash == SCHEMA_HASH)
         );
-        let palpate = Request::SetMode(ModeRequest { mode: Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 }, lease_ms: 1000 });
+        let palpate =
+            Request::SetMode(ModeRequest { mode: Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 }, lease_ms: 1000 });
         for request in [Request::Status(Empty {}), palpate, Request::ClearFaults(Empty {})] {
             let refused = asked(&mut board, &request);
             assert!(matches!(refused, Report::Refused(ref r) if r.reason == Refusal::SchemaMismatch), "{refused:?}");
