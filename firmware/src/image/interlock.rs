@@ -17,9 +17,9 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use firmware::interlock::{Interlock, POLL_HZ, Power, TASKS, Task, Trip};
 
 /// Time the watchdog waits, us. It runs on the chip's RC oscillator, 17 to 47 kHz where 32 kHz are typical (data
-/// sheet of the STM32F429, LSI characteristics): 20 to 57 ms. It bounds what the poll cannot see, masked
+/// sheet of the STM32F429, LSI characteristics): 6.8 to 18.8 ms. It bounds what the poll cannot see, masked
 /// interrupts; the poll feeds it every millisecond.
-const WATCHDOG_US: u32 = 30_000;
+const WATCHDOG_US: u32 = 10_000;
 
 static INTERLOCK: Mutex<CriticalSectionRawMutex, RefCell<Interlock>> = Mutex::new(RefCell::new(Interlock::new()));
 

@@ -83,6 +83,8 @@ pub enum CoreError {
 pub struct Core {
     uc: Unicorn<'static, Shared>,
     activity: Activity,
+    /// When a hang ends by itself.
+    held_until: Option<Time>,
     /// Depth of nested exceptions above which a hung program waits.
     hung_below: Option<usize>,
     /// A debugger is connected, and wants the core halted after a reset.
@@ -128,6 +130,7 @@ impl Core {
         let mut core = Core {
             uc,
             activity: Activity::Running,
+            held_until: None,
             hung_below: None,
             debugged: false,
             catch_reset: false,
@@ -210,6 +213,10 @@ impl Core {
                 break;
             }
             self.take_exception()?;
+            let now = self.chip().now;
+            if self.activity == Activity::Hung && self.held_until.take_if(|at| *at <= now).is_some() {
+                self.activity = Activity::Running;
+            }
             match self.activity {
                 Activity::Running => self.execute()?,
                 _ => self.wait(until),
@@ -224,8 +231,9 @@ impl Core {
             self.activity = Activity::Running;
             return;
         }
+        let held_until = self.held_until.filter(|_| self.activity == Activity::Hung).unwrap_or(Time::MAX);
         let chip = self.chip_mut();
-        chip.now = chip.due.min(until).max(chip.now);
+        chip.now = chip.due.min(until).min(held_until).max(chip.now);
         memory::settle(&mut self.uc);
     }
 
@@ -279,6 +287,7 @@ impl Core {
         shared.event = false;
         shared.counted = None;
         shared.chip.reset_to(cause);
+        self.held_until = None;
     }
 
     fn fault(&mut self) -> Result<(), CoreError> {

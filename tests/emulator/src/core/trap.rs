@@ -3,6 +3,7 @@
 use unicorn_engine::RegisterARM;
 
 use super::{Activity, Core, CoreError, RAM_BASE};
+use crate::time::Time;
 
 /// What an injected fault does to the program when it reaches a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,6 +12,8 @@ pub enum Deed {
     Hang,
     /// The same with interrupts masked.
     HangMasked,
+    /// It gets on from there after so much time; interrupts are served meanwhile.
+    Hold(Time),
     /// The function returns at once, having done nothing.
     Skip,
     /// It goes on with so many bytes of stack left.
@@ -58,6 +61,10 @@ impl Core {
             Deed::HangMasked => {
                 self.set_register(RegisterARM::PRIMASK, 1)?;
                 self.activity = Activity::Hung;
+            }
+            Deed::Hold(time) => {
+                self.activity = Activity::Hung;
+                self.held_until = Some(self.chip().now + time);
             }
             Deed::Skip => {
                 let back = self.register(RegisterARM::LR)?;
