@@ -98,3 +98,62 @@ macro_rules! wire {
     )*};
 }
 pub(crate) use wire;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A message of one field, whose type has a name of its own.
+    macro_rules! message_of {
+        ($module:ident, $inner:ty) => {
+            mod $module {
+                use super::super::wire;
+                wire! {
+                    /// Inside.
+                    pub struct Inner {
+                        /// Changes.
+                        pub field: $inner,
+                    }
+                    /// Outside.
+                    pub struct Message {
+                        /// Stays.
+                        pub inner: Inner,
+                    }
+                }
+            }
+        };
+    }
+    message_of!(narrow, u32);
+    message_of!(wide, u64);
+    message_of!(long, heapless::Vec<u8, 192>);
+    message_of!(short, heapless::Vec<u8, 128>);
+    message_of!(array, [u8; 3]);
+    message_of!(maybe, Option<u32>);
+
+    /// A type that changes inside a message changes the message's shape, though no name changes.
+    #[test]
+    fn a_change_of_an_inner_type_or_of_a_length_changes_the_shape() {
+        let shapes = [
+            narrow::Message::SHAPE,
+            wide::Message::SHAPE,
+            long::Message::SHAPE,
+            short::Message::SHAPE,
+            array::Message::SHAPE,
+            maybe::Message::SHAPE,
+        ];
+        for (i, shape) in shapes.iter().enumerate() {
+            assert!(!shapes[..i].contains(shape), "shape {i}");
+        }
+    }
+
+    /// The set's bits and the codes of the faults are part of what both sides must agree on.
+    #[test]
+    fn the_set_of_faults_is_folded_with_its_number_and_its_codes() {
+        let mut hash = fold_number(FNV_BASIS, <u32 as Wire>::SHAPE);
+        for fault in crate::fault::Fault::ALL {
+            hash = fold(hash, fault.code());
+        }
+        assert_eq!(crate::fault::FaultSet::SHAPE, hash);
+        assert_ne!(<u32 as Wire>::SHAPE, <u64 as Wire>::SHAPE);
+    }
+}

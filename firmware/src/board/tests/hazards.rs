@@ -104,6 +104,36 @@ fn a_late_tick_is_counted_and_is_a_fault_only_while_outputs_are_on() {
 }
 
 #[test]
+fn lateness_is_measured_from_start_to_start() {
+    let mut bench = Bench::new();
+    bench.spoil = |i| i.period_us = 48_000;
+    bench.ticks(3);
+    assert!(bench.faults().is_empty());
+    let Report::Status(status) = bench.ask(&Request::Status(Empty {})) else { panic!() };
+    assert_eq!((status.ticks_late, status.period_max_us, status.deadlines_missed), (3, 48_000, 0));
+    trips(&mut displaying(), |i| i.period_us = 30_001, Fault::DeadlineMissed, 1);
+    // A tick that comes 10 ms late is still no hazard.
+    let mut bench = displaying();
+    bench.spoil = |i| i.period_us = 30_000;
+    bench.ticks(5);
+    assert_eq!(bench.faults(), []);
+}
+
+/// The outputs went off without the machine: it must not go on as if they were on.
+#[test]
+fn a_trip_of_the_interlock_is_a_fault_that_says_which_task_was_silent() {
+    trips(&mut displaying(), |i| i.interlock = Some(crate::interlock::Trip::Silent(2)), Fault::Interlock, 1);
+    let mut bench = displaying();
+    bench.spoil = |i| i.interlock = Some(crate::interlock::Trip::Silent(2));
+    bench.tick();
+    let value = bench.reports.iter().find_map(|r| match r {
+        Report::Fault(fault) => Some(fault.value),
+        _ => None,
+    });
+    assert_eq!(value, Some(3.0));
+}
+
+#[test]
 fn a_blocked_shaft_is_a_stall_after_two_seconds() {
     let mut bench = Bench::new();
     bench.finger_n = 2.5;
