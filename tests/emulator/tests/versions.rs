@@ -158,11 +158,11 @@ fn a_new_host_asks_an_old_board_by_the_frozen_message_and_says_what_to_do() {
     };
     assert_eq!(
         open(Old::Version(0)),
-        "the old board runs firmware 0.1.0 with protocol version 0, this tool speaks version 1: write newer firmware with `palpate flash`"
+        "the old board runs firmware 0.1.0 with protocol version 0, this tool speaks version 2: write newer firmware with `palpate flash`"
     );
     assert_eq!(
         open(Old::Version(7)),
-        "the old board runs firmware 0.1.0 with protocol version 7, this tool speaks version 1: use a newer palpate"
+        "the old board runs firmware 0.1.0 with protocol version 7, this tool speaks version 2: use a newer palpate"
     );
     let schema = open(Old::Schema(0x1234_5678_9abc_def0));
     assert!(
