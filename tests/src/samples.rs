@@ -34,6 +34,7 @@ pub fn reports() -> Vec<Report> {
             schema_hash: 0x0123_4567_89ab_cdef,
             firmware_version: [0, 1, 0],
             unique_id: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12],
+            build: Build { commit: *b"0123abcd", modified: true, image_crc: 0x89ab_cdef },
             simulated: true,
             slot_len: 524_288,
             reset_cause: ResetCause::Watchdog,
@@ -90,6 +91,7 @@ fn telemetry(faults: FaultSet) -> Telemetry {
         coil_c: 25.0,
         search_error_n: 0.0625,
         tick_us: 90,
+        raw: Raw { load_cell: 6_554, fsr: 17, potentiometer: 40_000, probe_position: 30_001, coil_current: 3_277 },
     }
 }
 

@@ -18,7 +18,7 @@ use crate::safety::{Safety, SafetyInput};
 use crate::sensor::{Measured, RawSamples, calibration_is_usable};
 use protocol::TICK_S;
 use protocol::lut::Table;
-use protocol::message::{Calibration, FaultReport, Mode, Outcome, Report, State, Telemetry};
+use protocol::message::{Calibration, FaultReport, Mode, Outcome, Raw, Report, State, Telemetry};
 
 /// The machine; `S` is its flash.
 #[derive(Debug, Clone)]
@@ -268,6 +268,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             coil_c: self.coil_c,
             search_error_n: if self.mode.state == State::Contact { self.palpation.error_n() } else { 0.0 },
             tick_us: inputs.tick_us,
+            raw: Raw::from(&self.raw),
         }
     }
 }

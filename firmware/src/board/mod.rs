@@ -24,7 +24,7 @@ use crate::interlock::{Power, Trip};
 use crate::link::{LinkId, Priority};
 use crate::sensor::{Measured, RawSamples};
 use protocol::lut::Table;
-use protocol::message::{Report, ResetCause, State};
+use protocol::message::{Build, Report, ResetCause, State};
 
 pub use lease::LEASE_MS;
 use machine::Machine;
@@ -91,6 +91,8 @@ pub struct Identity {
     pub unique_id: [u8; 12],
     /// Why it last started.
     pub reset_cause: ResetCause,
+    /// What it runs.
+    pub build: Build,
 }
 
 /// Firmware version: major, minor, patch.

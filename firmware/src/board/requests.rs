@@ -86,6 +86,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             protocol_version: PROTOCOL_VERSION,
             schema_hash: SCHEMA_HASH,
             firmware_version: FIRMWARE_VERSION,
+            build: self.identity.build.clone(),
             unique_id: self.identity.unique_id,
             simulated: self.config.simulated,
             slot_len: SLOT_LEN as u32,

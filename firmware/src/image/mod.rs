@@ -2,6 +2,7 @@
 
 mod control;
 mod flash;
+mod identity;
 mod interlock;
 mod outputs;
 mod reset;
@@ -101,7 +102,7 @@ async fn main(spawner: Spawner) {
     FAST.lock(|cell| cell.replace(Some(fast)));
 
     static BOARD: StaticCell<Board<BoardFlash>> = StaticCell::new();
-    let identity = Identity { unique_id: embassy_stm32::uid::uid(), reset_cause };
+    let identity = Identity { unique_id: embassy_stm32::uid::uid(), reset_cause, build: identity::build() };
     let board = BOARD.init_with(|| Board::new(config, BoardFlash::take(p.FLASH), identity));
 
     interrupt::UART5.set_priority(Priority::P6);

@@ -17,7 +17,7 @@ pub use load_cell::{load_cell_n, load_cell_ratio, tared};
 pub use potentiometer::{potentiometer_ratio, shaft_mm};
 pub use probe::{probe_mm, probe_ratio};
 
-use protocol::message::{Calibration, LoadCell, ProbePosition, ResistiveSensor};
+use protocol::message::{Calibration, LoadCell, ProbePosition, Raw, ResistiveSensor};
 
 /// One oversampled reading of every channel, as fractions of the reference voltage, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -44,6 +44,16 @@ impl RawSamples {
     pub const fn from_channels(channels: [f32; 5]) -> Self {
         let [load_cell, fsr, potentiometer, probe_position, coil_current] = channels;
         RawSamples { load_cell, fsr, potentiometer, probe_position, coil_current }
+    }
+}
+
+/// Readings as they travel: 65,535ths of the reference voltage, 0 for what is no number.
+impl From<&RawSamples> for Raw {
+    fn from(raw: &RawSamples) -> Self {
+        let [load_cell, fsr, potentiometer, probe_position, coil_current] =
+            // The cast keeps to the range, and makes 0 of a NaN.
+            raw.channels().map(|ratio| (ratio * 65_535.0 + 0.5) as u16);
+        Raw { load_cell, fsr, potentiometer, probe_position, coil_current }
     }
 }
 

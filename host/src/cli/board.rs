@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{Context, IntoDiagnostic};
 use protocol::fault::Fault;
-use protocol::message::{Calibration, Gains, Hello, Holder, State, Status};
+use protocol::message::{Build, Calibration, Gains, Hello, Holder, State, Status};
 use serde_json::json;
 
 use super::mode::ModeChoice;
@@ -147,8 +147,18 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
     let kind = if hello.simulated { "simulated board" } else { "board" };
     let table = if table_hash == [0; 16] { "none".to_owned() } else { hex(&table_hash) };
     let latched: Vec<Fault> = faults.iter().collect();
+    let Build { commit, modified, image_crc } = &hello.build;
+    let build = match std::str::from_utf8(commit) {
+        Ok(commit) if *image_crc != 0 => {
+            let modified = if *modified { ", with changes" } else { "" };
+            let commit = if commit.starts_with('\0') { "unknown" } else { commit };
+            format!("commit {commit}{modified}, CRC of the image {image_crc:08x}")
+        }
+        _ => "no image: the firmware's library runs in this program".to_owned(),
+    };
     let mut text = format!(
         "{kind} {} with firmware {major}.{minor}.{patch}, protocol {}, last start: {:?}\n\
+         build      {build}\n\
          state      {state:?}, mode {mode:?}, up {:.1} s\n\
          table      {table}\n\
          link       {frames_rejected} damaged frames received, {frames_dropped} records not sent\n\
@@ -169,7 +179,7 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         text.push_str(&format!("\nfault      {}: {}; {}", fault.code(), fault.describe(), fault.advice()));
     }
     let value = json!({
-        "simulated": hello.simulated, "firmware": hello.firmware_version, "protocol": hello.protocol_version,
+        "simulated": hello.simulated, "build": hello.build, "firmware": hello.firmware_version, "protocol": hello.protocol_version,
         "unique_id": hex(&hello.unique_id), "uptime_ms": uptime_ms, "state": state, "mode": mode, "table": table,
         "faults": latched.iter().map(|f| f.code()).collect::<Vec<_>>(), "frames_rejected": frames_rejected,
         "frames_dropped": frames_dropped, "tick_max_us": tick_max_us, "deadlines_missed": deadlines_missed,

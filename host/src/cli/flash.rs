@@ -66,7 +66,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let greeted = match &arguments.board {
         Some(address) => {
             let link = crate::link::open(address).into_diagnostic()?;
-            Some(flash::greet(link, job.table.as_ref().map(TableImage::hash)).into_diagnostic()?)
+            let crc = job.firmware.as_ref().map(Firmware::crc).transpose().into_diagnostic()?;
+            Some(flash::greet(link, crc, job.table.as_ref().map(TableImage::hash)).into_diagnostic()?)
         }
         None => None,
     };

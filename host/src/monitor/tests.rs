@@ -2,7 +2,7 @@
 use super::*;
 use crate::session::{Event, Traffic};
 use protocol::fault::{Fault, FaultSet};
-use protocol::message::{FaultReport, Hello, Holder, Mode, ResetCause, State, Status, Telemetry};
+use protocol::message::{Build, FaultReport, Hello, Holder, Mode, Raw, ResetCause, State, Status, Telemetry};
 
 fn record(tick: u32, state: State, faults: &[Fault]) -> Telemetry {
     let mut set = FaultSet::NONE;
@@ -24,6 +24,7 @@ fn record(tick: u32, state: State, faults: &[Fault]) -> Telemetry {
         coil_c: 80.0,
         search_error_n: 0.0,
         tick_us: 400,
+        raw: Raw { load_cell: 0, fsr: 0, potentiometer: 0, probe_position: 0, coil_current: 0 },
     }
 }
 
@@ -32,6 +33,7 @@ fn hello() -> Hello {
         protocol_version: protocol::PROTOCOL_VERSION,
         schema_hash: protocol::message::SCHEMA_HASH,
         firmware_version: [0, 1, 0],
+        build: Build::UNKNOWN,
         unique_id: [0; 12],
         simulated: true,
         slot_len: 0,

@@ -19,6 +19,8 @@ wire! {
         pub schema_hash: u64,
         /// Firmware version: major, minor, patch.
         pub firmware_version: [u8; 3],
+        /// Which build of it.
+        pub build: Build,
         /// Unique number of the microcontroller (96 bit on STM32; chosen for simulated boards).
         pub unique_id: [u8; 12],
         /// True if surroundings and sensors are simulated.
@@ -27,6 +29,15 @@ wire! {
         pub slot_len: u32,
         /// Why the board last started.
         pub reset_cause: ResetCause,
+    }
+    /// A build of the firmware. All zero where there is no image, or its source had no history.
+    pub struct Build {
+        /// First eight digits of the commit it was built from, ASCII.
+        pub commit: [u8; 8],
+        /// The source had changes that were not committed.
+        pub modified: bool,
+        /// CRC-32 over the image in flash, as the board finds it at its start.
+        pub image_crc: u32,
     }
     /// A mode, and its lease: how long it may go on without a request from the link that asked for it.
     pub struct ModeRequest {
@@ -63,6 +74,11 @@ wire! {
         /// Hash of the active table, zero without one.
         pub table_hash: [u8; 16],
     }
+}
+
+impl Build {
+    /// No image, or one that nobody knows.
+    pub const UNKNOWN: Build = Build { commit: [0; 8], modified: false, image_crc: 0 };
 }
 
 wire! {

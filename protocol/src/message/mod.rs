@@ -10,11 +10,11 @@ mod setup;
 mod table;
 mod telemetry;
 
-pub use board::{Hello, HelloRequest, Holder, Mode, ModeRequest, ResetCause, State, Status};
+pub use board::{Build, Hello, HelloRequest, Holder, Mode, ModeRequest, ResetCause, State, Status};
 pub use identification::{Estimate, Outcome, Recognition, Verdict};
 pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor};
 pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
-pub use telemetry::{FaultReport, Telemetry};
+pub use telemetry::{FaultReport, Raw, Telemetry};
 
 use crate::wire::{FNV_BASIS, Wire, fold, fold_number, wire};
 

@@ -42,15 +42,16 @@ fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
 
     // The board that starts says that it is what was written, and that it is not what was not.
     let hash = Table::parse(&table).unwrap().hash();
-    let (greeted, other) = board
+    let crc = job.firmware.as_ref().unwrap().crc().unwrap();
+    let (greeted, other_table, other_image) = board
         .with(move |target| {
-            (
-                greet(EmulatedUart::new(target.board()), Some(hash)),
-                greet(EmulatedUart::new(target.board()), Some([1; 16])),
-            )
+            let mut greet = |crc, hash| greet(EmulatedUart::new(target.board()), Some(crc), Some(hash));
+            (greet(crc, hash), greet(crc, [1; 16]), greet(!crc, hash))
         })
         .unwrap();
     let greeted = greeted.unwrap();
-    assert_eq!((greeted.firmware_version, greeted.table_hash), (firmware::board::FIRMWARE_VERSION, hash));
-    assert!(other.unwrap_err().to_string().starts_with("the board has started, but its table is "));
+    let as_written = (firmware::board::FIRMWARE_VERSION, crc, hash);
+    assert_eq!((greeted.firmware_version, greeted.image_crc, greeted.table_hash), as_written);
+    assert!(other_table.unwrap_err().to_string().starts_with("the board has started, but its table is "));
+    assert!(other_image.unwrap_err().to_string().starts_with("the board has started, but its image's CRC is "));
 }

@@ -11,7 +11,7 @@ use crate::link::LinkId;
 use crate::sensor::{coil_ratio, fsr_ratio, load_cell_ratio, potentiometer_ratio, probe_ratio};
 use crate::testbed::{Foam, factored_table};
 use protocol::frame::{Decoder, MAX_FRAME, encode_request};
-use protocol::message::{Accepted, Empty, Mode, ModeRequest, Outcome, Refusal, Refused, Request, Telemetry};
+use protocol::message::{Accepted, Build, Empty, Mode, ModeRequest, Outcome, Refusal, Refused, Request, Telemetry};
 
 type RamBoard = Board<RamFlash<Vec<u8>>>;
 
@@ -33,7 +33,7 @@ struct Bench {
 
 impl Bench {
     fn with_flash(bytes: Vec<u8>, cause: ResetCause) -> Self {
-        let identity = Identity { unique_id: *b"unit test 01", reset_cause: cause };
+        let identity = Identity { unique_id: *b"unit test 01", reset_cause: cause, build: Build::UNKNOWN };
         let board = Board::new(BoardConfig::default(), RamFlash::new(bytes), identity);
         Bench {
             board,
