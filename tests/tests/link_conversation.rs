@@ -274,7 +274,7 @@ fn boards_of_other_versions_are_recognised_by_the_rescue_message() {
         Session::open(foreign, Patience::default()).err().unwrap().to_string()
     };
     assert_eq!(
-        open(2),
+        open(7),
         "serial:/dev/ttyACM0 runs firmware 2.3.4 with protocol version 7, this tool speaks version 2: use a newer palpate"
     );
     assert_eq!(

@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{Context, IntoDiagnostic};
 use protocol::fault::Fault;
-use protocol::message::{Build, Calibration, Gains, Hello, Holder, State, Status};
+use protocol::message::{Build, Gains, Hello, Holder, State, Status};
 use serde_json::json;
 
 use super::mode::ModeChoice;
@@ -33,15 +33,8 @@ pub struct Arguments {
 enum Action {
     /// Who the board is and what it is doing
     Status,
-    /// Show the calibration, take the load cell's zero, or load a calibration
-    Calibrate {
-        /// Take the load cell's present reading as zero
-        #[arg(long)]
-        tare: bool,
-        /// Load a calibration from a TOML file, in the form that this command prints
-        #[arg(long, value_name = "FILE")]
-        load: Option<PathBuf>,
-    },
+    /// Show the calibration, take the load cell's zero, fit a sensor to known points, or load a calibration
+    Calibrate(super::calibrate::Choice),
     /// Set what the board does, and stay until it is done
     #[command(subcommand)]
     Mode(ModeChoice),
@@ -93,7 +86,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let (mut session, hello) = Session::open(link, Patience::default()).into_diagnostic()?;
     let answer = match &arguments.action {
         Action::Status => status(&mut session, &hello)?,
-        Action::Calibrate { tare, load } => calibrate(&mut session, *tare, load.as_deref())?,
+        Action::Calibrate(choice) => super::calibrate::run(&mut session, choice)?,
         Action::Mode(choice) => super::mode::run(&mut session, choice)?,
         Action::Gains { kp, ki, kd, n } => {
             let gains = Gains { kp: *kp, ki: *ki, kd: *kd, n: *n };
@@ -186,24 +179,6 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         "period_max_us": period_max_us, "ticks_late": ticks_late, "holder": holder,
     });
     Ok((value, text))
-}
-
-fn calibrate<L: Link>(session: &mut Session<L>, tare: bool, load: Option<&Path>) -> miette::Result<Answer> {
-    if let Some(path) = load {
-        let text = std::fs::read_to_string(path).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
-        let calibration: Calibration =
-            toml::from_str(&text).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
-        session.set_calibration(calibration).into_diagnostic()?;
-    }
-    if tare {
-        // The mean of the readings before the request is taken, so there must be some.
-        let until_s = session.link().now_s() + 0.1;
-        while session.poll(until_s).into_diagnostic()?.is_some() {}
-        session.tare().into_diagnostic()?;
-    }
-    let calibration = session.calibration().into_diagnostic()?;
-    let text = toml::to_string(&calibration).into_diagnostic()?;
-    Ok((json!({ "calibration": calibration }), text.trim_end().to_owned()))
 }
 
 fn upload<L: Link>(session: &mut Session<L>, path: &Path) -> miette::Result<Answer> {

@@ -1,6 +1,7 @@
 //! The commands of `palpate`.
 
 pub mod board;
+mod calibrate;
 pub mod demo;
 pub mod diagnose;
 pub mod field;
