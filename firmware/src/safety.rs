@@ -135,6 +135,11 @@ impl Safety {
         self.latched
     }
 
+    /// Latches a fault that was there before the first tick.
+    pub fn latch(&mut self, fault: Fault) {
+        self.latched.insert(fault);
+    }
+
     /// A request has come in: the link is alive.
     pub fn link_alive(&mut self) {
         self.silent = 0;

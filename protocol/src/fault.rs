@@ -60,6 +60,8 @@ faults! {
     WatchdogReset = 14, "the watchdog had reset the board", "read the log, report it";
     /// Actuator driven at its limit for longer than it may be.
     ActuatorStall = 15, "actuator stalled", "free the shaft, then clear the fault";
+    /// USB was not started: the chip is older than revision 3, or the 8 MHz clock did not come.
+    UsbOff = 16, "USB is off: a chip before revision 3, or no 8 MHz clock", "use the ST-LINK's serial port; the log says which";
 }
 
 impl Fault {
@@ -87,6 +89,7 @@ impl Fault {
             Fault::ProbePositionOpen => "probe-position-open",
             Fault::WatchdogReset => "watchdog-reset",
             Fault::ActuatorStall => "actuator-stall",
+            Fault::UsbOff => "usb-off",
         }
     }
 }

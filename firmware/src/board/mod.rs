@@ -197,6 +197,11 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         self.outputs
     }
 
+    /// Latches a fault of the start, which a person must learn of.
+    pub fn latch(&mut self, fault: protocol::fault::Fault) {
+        self.safety.latch(fault);
+    }
+
     /// What the board is doing.
     pub const fn state(&self) -> State {
         self.mode.state

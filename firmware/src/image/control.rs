@@ -12,7 +12,7 @@ use protocol::message::State;
 use super::flash::BoardFlash;
 use super::outputs::{Actuator, Arm};
 use super::watchdog::Watchdog;
-use super::{FAST, Link, PACKET_LEN, RECEIVED, TO_UART, TO_USB, sampling, stop};
+use super::{FAST, Link, PACKET_LEN, RECEIVED, TO_UART, TO_USB, debugger, record, sampling, stop};
 
 /// Ticks within which sampling and links must have shown themselves: two turns of a link that is silent.
 const CHECK_IN_TICKS: u32 = 5;
@@ -78,6 +78,10 @@ pub async fn run(
                 let inputs = Inputs::from_fast(&averaged.unwrap_or_default(), overrun, tick_us);
                 let outputs = board.tick(&inputs);
                 let on = matches!(board.state(), State::Approach | State::Contact | State::Display);
+                record::state(board.state());
+                if on {
+                    debugger::keep_safe();
+                }
                 watchdog.set_outputs_on(on);
                 FAST.lock(|cell| {
                     if let Some(fast) = cell.borrow_mut().as_mut() {
