@@ -1,7 +1,9 @@
-//! What the last run left behind: its latest changes of state and why it ended, in RAM that a reset does not clear.
+//! What the last run left behind: its latest changes of state and why it ended, in RAM that a reset
+//! does not clear.
 //!
-//! All of it is words, so that whatever RAM holds after power has come can be read; magic number and CRC-32 tell a
-//! record from noise. A run that ended without a reason of its own (a hang, the reset pin) leaves its changes alone.
+//! All of it is words, so that whatever RAM holds after power has come can be read; magic number
+//! and CRC-32 tell a record from noise. A run that ended without a reason of its own (a hang, the
+//! reset pin) leaves its changes alone.
 
 use heapless::{String, Vec};
 use protocol::frame::CRC32;
@@ -16,8 +18,8 @@ pub const FILE_LEN: usize = 48;
 /// "PLPT", and the layout's version below it.
 const MAGIC: u32 = 0x504c_5401;
 
-/// Places of the words: magic, changes so far, changes (time in ms and state), kind of the end, its numbers, length and
-/// bytes of its text, CRC.
+/// Places of the words: magic, changes so far, changes (time in ms and state), kind of the end, its
+/// numbers, length and bytes of its text, CRC.
 const COUNT: usize = 1;
 const RING: usize = 2;
 const KIND: usize = RING + 2 * CHANGES;

@@ -1,15 +1,18 @@
-//! Clocks: 168 MHz from the ST-LINK's 8 MHz, or from the internal 16 MHz when that does not come; then without USB.
+//! Clocks: 168 MHz from the ST-LINK's 8 MHz, or from the internal 16 MHz when that does not come;
+//! then without USB.
 
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, pac, rcc};
 
-/// How long the 8 MHz may take to come, ms: both the ST-LINK and this chip start with the same supply.
+/// How long the 8 MHz may take to come, ms: both the ST-LINK and this chip start with the same
+/// supply.
 const START_MS: u32 = 500;
 
 /// Core clocks of a millisecond before the PLL runs: the internal 16 MHz.
 const CLOCKS_A_MS: u32 = 16_000;
 
-/// Asks for the 8 MHz clock and waits for it, but not for ever as embassy does; false if it did not come.
+/// Asks for the 8 MHz clock and waits for it, but not for ever as embassy does; false if it did not
+/// come.
 pub fn start_external() -> bool {
     pac::RCC.cr().modify(|w| w.set_hsebyp(true));
     pac::RCC.cr().modify(|w| w.set_hseon(true));
@@ -22,8 +25,9 @@ pub fn start_external() -> bool {
     false
 }
 
-/// 168 MHz for the core, 48 MHz for USB, 84 MHz for the converters and the PWM timers' bus. The internal clock is good to
-/// 1 % (data sheet, HSI characteristics): enough for everything but USB.
+/// 168 MHz for the core, 48 MHz for USB, 84 MHz for the converters and the PWM timers' bus. The
+/// internal clock is good to 1 % at 25 degrees Celsius (data sheet, HSI characteristics): enough
+/// for everything but USB, which asks for 0.25 %.
 pub fn config(external: bool) -> Config {
     let mut config = Config::default();
     let prediv = if external {

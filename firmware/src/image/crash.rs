@@ -1,5 +1,6 @@
-//! What ends a run: panic, HardFault, NMI (the clock), a sagging supply, an interrupt without a handler. All take the
-//! same way: outputs off, a record for the next start, the red lamp, and a reset by the watchdog.
+//! What ends a run: panic, HardFault, NMI (the clock), a sagging supply, an interrupt without a
+//! handler. All take the same way: outputs off, a record for the next start, the red lamp, and a
+//! reset by the watchdog.
 #![allow(unsafe_code)]
 
 use core::panic::PanicInfo;
@@ -40,7 +41,8 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     end(&End::HardFault { pc: frame.pc(), lr: frame.lr(), cfsr })
 }
 
-/// The clock security system: the 8 MHz clock has stopped, and the core runs on the internal 16 MHz.
+/// The clock security system: the 8 MHz clock has stopped, and the core runs on the internal 16
+/// MHz.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     // Or this handler would be entered again for ever (RM0090 section 6.2.7).

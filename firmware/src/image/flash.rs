@@ -1,6 +1,7 @@
 //! The microcontroller's flash: tables in bank 2, calibrations in the last two sectors of bank 1.
 //!
-//! Why not embassy's driver, and why the data cache stays off: `docs/decisions/0009-flash-and-caches.md`.
+//! Why not embassy's driver, and why the data cache stays off:
+//! `docs/decisions/0009-flash-and-caches.md`.
 #![allow(unsafe_code)]
 
 use embassy_stm32::pac::flash::regs::Acr;
@@ -26,7 +27,8 @@ const PLACES_LOW: usize = 64;
 /// Keys of RM0090 section 3.6.1.
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 
-/// Instruction cache and prefetch on: what hides the 5 wait states of 168 MHz. The data cache stays off.
+/// Instruction cache and prefetch on: what hides the 5 wait states of 168 MHz. The data cache stays
+/// off.
 pub fn accelerate() {
     pac::FLASH.acr().modify(|w| {
         w.set_icen(true);
@@ -128,8 +130,9 @@ fn succeeded() -> bool {
     !(sr.pgserr() || sr.pgperr() || sr.pgaerr() || sr.wrperr() || sr.operr())
 }
 
-/// The data cache is off while the controller erases or programs: a read of one bank while the other is written may
-/// corrupt it (ES0206 section 2.2.12). Holds what the access control register was before.
+/// The data cache is off while the controller erases or programs: a read of one bank while the
+/// other is written may corrupt it (ES0206 section 2.2.12). Holds what the access control register
+/// was before.
 #[must_use]
 struct DataCacheOff(Acr);
 
@@ -140,8 +143,8 @@ impl DataCacheOff {
         DataCacheOff(before)
     }
 
-    /// Empties both caches of what has changed, which they allow only while they are off (RM0090 section 3.6.4), and
-    /// puts the register back.
+    /// Empties both caches of what has changed, which they allow only while they are off (RM0090
+    /// section 3.6.4), and puts the register back.
     fn end(self) {
         pac::FLASH.acr().modify(|w| {
             w.set_dcen(false);

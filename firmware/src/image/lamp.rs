@@ -1,4 +1,5 @@
-//! The red lamp of the NUCLEO (LD3, PB14; UM1974 section 6.5): lit when something is wrong that the link may not tell.
+//! The red lamp of the NUCLEO (LD3, PB14; UM1974 section 6.5): lit when something is wrong that the
+//! link may not tell.
 
 use embassy_stm32::pac;
 use embassy_stm32::pac::gpio::vals::Moder;

@@ -23,8 +23,9 @@ static LAST: OnceLock<Last> = OnceLock::new();
 fn with<T>(act: impl FnOnce(&mut Trace) -> T) -> T {
     critical_section::with(|_| {
         let kept = KEPT.0.get();
-        // SAFETY: interrupts are masked. NMI and HardFault are not, but do not return to what they interrupted.
-        // Volatile: the words are not what the program last wrote, but what the last run left.
+        // SAFETY: interrupts are masked. NMI and HardFault are not, but do not return to what they
+        // interrupted. Volatile: the words are not what the program last wrote, but what the last
+        // run left.
         let mut trace = unsafe { kept.read_volatile() };
         let result = act(&mut trace);
         unsafe { kept.write_volatile(trace) };

@@ -1,11 +1,12 @@
-//! The voltage detector: outputs off when the 3.3 V sag, before flash and clocks are out of their range.
+//! The voltage detector: outputs off when the 3.3 V sag, before flash and clocks are out of their
+//! range.
 
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::pac;
 
-/// PLS 0b110: 2.85 to 2.99 V falling, 2.96 to 3.10 V rising (data sheet, power control block). Below 2.7 V neither flash
-/// at 5 wait states nor programming by words is allowed.
+/// PLS 0b110: 2.85 to 2.99 V falling, 2.96 to 3.10 V rising (data sheet, power control block).
+/// Below 2.7 V neither flash at 5 wait states nor programming by words is allowed.
 const LEVEL: u8 = 0b110;
 
 /// EXTI line of the detector (RM0090 section 12.2.5).
@@ -13,7 +14,8 @@ const LINE: usize = 16;
 
 /// From now on a supply below the level is an interrupt, also one that is low already.
 pub fn guard() {
-    // The detector's output rises when the supply falls, and when it is switched on with the supply low.
+    // The detector's output rises when the supply falls, and when it is switched on with the supply
+    // low.
     pac::EXTI.rtsr(0).modify(|w| w.set_line(LINE, true));
     pac::PWR.cr1().modify(|w| {
         w.set_pls(LEVEL);

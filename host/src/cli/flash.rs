@@ -24,7 +24,8 @@ pub struct Arguments {
     /// The chip
     #[arg(long, default_value = CHIP)]
     chip: String,
-    /// Set the chip up, once for each board: reset below 2.8 V (brown-out level 3); asks first, and writes nothing else
+    /// Set the chip up, once for each board: reset below 2.8 V (brown-out level 3); asks first, and
+    /// writes nothing else
     #[arg(long, conflicts_with_all = ["list", "elf", "table", "board"])]
     setup: bool,
     /// Firmware, an ELF file

@@ -1,8 +1,10 @@
-//! The brown-out level of the chip's option bytes: below it the chip is held in reset, and its outputs float.
+//! The brown-out level of the chip's option bytes: below it the chip is held in reset, and its
+//! outputs float.
 //!
-//! A chip from the factory has none: it runs on at voltages at which neither its flash nor its clocks are specified.
-//! Option bytes are written as a whole, so what is read is changed in the level's two bits alone (RM0090 section 3.7). The
-//! read protection is never touched: a wrong value there locks the chip for ever.
+//! A chip from the factory has none: it runs on at voltages at which neither its flash nor its
+//! clocks are specified. Option bytes are written as a whole, so what is read is changed in the
+//! level's two bits alone (RM0090 section 3.7). The read protection is never touched: a wrong value
+//! there locks the chip for ever.
 
 use std::time::Duration;
 
@@ -30,7 +32,8 @@ const READ_PROTECTION: u32 = 0xff << 8;
 /// Read protection level 0: none.
 const UNPROTECTED: u32 = 0xaa << 8;
 
-/// Longest time for the option bytes: an erase of 16 KiB takes at most 0.5 s (data sheet, flash programming by words).
+/// Longest time for the option bytes: an erase of 16 KiB takes at most 0.5 s (data sheet, flash
+/// programming by words).
 const POLLS: usize = 200;
 const POLL: Duration = Duration::from_millis(5);
 
@@ -67,7 +70,8 @@ pub enum OptionRefusal {
     Busy,
 }
 
-/// The option control register with brown-out level 3 in place of what was read; `None` if it is that already.
+/// The option control register with brown-out level 3 in place of what was read; `None` if it is
+/// that already.
 ///
 /// # Errors
 /// [`OptionRefusal::Protected`] unless the chip is free of read protection.
@@ -166,8 +170,8 @@ impl Words for Probed<'_, '_> {
     }
 }
 
-/// Sets the brown-out level of the chip behind a probe, if `agreed` says so to the level that was found; the board is reset
-/// and stands still meanwhile, and starts again.
+/// Sets the brown-out level of the chip behind a probe, if `agreed` says so to the level that was
+/// found; the board is reset and stands still meanwhile, and starts again.
 ///
 /// # Errors
 /// [`FlashingError`].

@@ -1,5 +1,5 @@
-//! What the chip's errata and manual ask of the image: caches, revision, clock, supply, debugger, and what is left after
-//! an end that nobody wanted.
+//! What the chip's errata and manual ask of the image: caches, revision, clock, supply, debugger,
+//! and what is left after an end that nobody wanted.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
@@ -57,7 +57,8 @@ fn register(board: &mut EmulatedBoard, address: u32) -> u32 {
     board.core().chip_mut().read(address)
 }
 
-/// Lets a board with a table display its first material to a pressing finger: coil and actuator are on.
+/// Lets a board with a table display its first material to a pressing finger: coil and actuator are
+/// on.
 fn display(board: &mut EmulatedBoard) {
     let mut session = talk(board);
     session.clear_faults().unwrap();
@@ -102,8 +103,8 @@ fn record(board: &mut EmulatedBoard) -> Option<Last> {
     Trace::from_words(kept.try_into().unwrap()).begin()
 }
 
-/// Ends the run of a board that displays: outputs off within 1 ms, the end and the states before it are on record, and a
-/// reset by the watchdog follows that is told.
+/// Ends the run of a board that displays: outputs off within 1 ms, the end and the states before it
+/// are on record, and a reset by the watchdog follows that is told.
 fn ended(board: &mut EmulatedBoard, strike: impl Fn(&mut EmulatedBoard)) -> End {
     display(board);
     let resets = board.resets().len();
@@ -216,11 +217,13 @@ fn usb_is_off_on_a_chip_before_revision_3_and_on_from_it() {
         let mut session = talk(&mut board);
         assert_eq!(session.status().unwrap().faults.contains(Fault::UsbOff), old, "revision {revision:#x}");
         drop(session);
-        // The driver's first deed is to set up its core; PA12 (mode of bits 24 and 25) is an output, or USB's.
+        // The driver's first deed is to set up its core; PA12 (mode of bits 24 and 25) is an
+        // output, or USB's.
         assert_eq!(register(&mut board, OTG_GAHBCFG) == 0, old);
         assert_eq!(register(&mut board, GPIOA_MODER) >> 24 & 3, if old { 1 } else { 2 });
         assert_eq!(register(&mut board, GPIOA_PUPDR) >> 24 & 3 == 2, old);
-        // The tables work either way, and so does the display: nobody waits for a link that is not there.
+        // The tables work either way, and so does the display: nobody waits for a link that is not
+        // there.
         display(&mut board);
         let resets = board.resets().len();
         let mut session = talk(&mut board);
@@ -296,7 +299,8 @@ fn a_hard_fault_is_on_record_with_its_place_and_known_after_the_reset() {
 
 #[test]
 fn a_panic_is_on_record_with_its_file_and_line() {
-    // A `core::panic::Location` (pointer and length of the file's name, line, column) at the unused end of the stack.
+    // A `core::panic::Location` (pointer and length of the file's name, line, column) at the unused
+    // end of the stack.
     const PLACE: u32 = 0x2000_0000;
     const NAME: &str = "firmware/src/made_up.rs";
     let location = [PLACE + 16, NAME.len() as u32, 321, 9];
@@ -331,7 +335,8 @@ fn the_log_holds_the_start_and_never_blocks() {
     for wanted in ["start: reset cause", "board started", "UART does not send", "last run: panic at"] {
         assert!(messages.keys().any(|name| name.contains(wanted)), "the image has no message {wanted:?}");
     }
-    // Mode 2 is "block if full", which probe-rs sets and leaves behind; the mode is the last word of the first channel.
+    // Mode 2 is "block if full", which probe-rs sets and leaves behind; the mode is the last word
+    // of the first channel.
     let mode = symbol(&["_SEGGER_RTT"]) + 16 + 8 + 5 * 4;
     let mut board = common::board();
     board.run_s(0.2).unwrap();

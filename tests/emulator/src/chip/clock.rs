@@ -64,8 +64,8 @@ impl Rcc {
         Rcc { words, flags: flags | kept, external_dead: earlier.is_some_and(|rcc| rcc.external_dead) }
     }
 
-    /// Stops the 8 MHz clock, or lets it come back. A stop that the clock security system watches switches to the internal
-    /// clock and sets its flag (RM0090 section 6.2.7).
+    /// Stops the 8 MHz clock, or lets it come back. A stop that the clock security system watches
+    /// switches to the internal clock and sets its flag (RM0090 section 6.2.7).
     pub fn set_external_dead(&mut self, dead: bool) {
         self.external_dead = dead;
         if dead && self.words[CR / 4] & (HSEON | CSSON) == HSEON | CSSON {

@@ -1,4 +1,5 @@
-//! Debug support: which chip, and what stops while the core is halted (RM0090 sections 38.6.1 and 38.16).
+//! Debug support: which chip, and what stops while the core is halted (RM0090 sections 38.6.1 and
+//! 38.16).
 
 const IDCODE: usize = 0x00;
 const CR: usize = 0x04;

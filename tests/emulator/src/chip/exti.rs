@@ -1,5 +1,5 @@
-//! External interrupt lines: masks, edges, pending bits (RM0090 section 12.3). Of the lines only that of the voltage
-//! detector ever moves.
+//! External interrupt lines: masks, edges, pending bits (RM0090 section 12.3). Of the lines only
+//! that of the voltage detector ever moves.
 
 const IMR: usize = 0x00;
 const RTSR: usize = 0x08;

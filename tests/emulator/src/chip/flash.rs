@@ -1,5 +1,5 @@
-//! Flash controller: keys, erase and program with their rules and durations (RM0090 section 3); of the caches only what
-//! the rules for them say.
+//! Flash controller: keys, erase and program with their rules and durations (RM0090 section 3); of
+//! the caches only what the rules for them say.
 
 use crate::time::{MICROSECOND, MILLISECOND, Time};
 
@@ -62,8 +62,8 @@ pub struct Flash {
     busy_until: Time,
     /// Programs and erases since the chip was made.
     pub operations: u64,
-    /// Programs and erases with the data cache on, which may corrupt it (ES0206 section 2.2.12), and resets of a cache that
-    /// was on (RM0090 section 3.6.4), since the chip was made.
+    /// Programs and erases with the data cache on, which may corrupt it (ES0206 section 2.2.12),
+    /// and resets of a cache that was on (RM0090 section 3.6.4), since the chip was made.
     pub violations: u64,
     /// Option bytes in place: OPTCR without its two lowest bits.
     pub options: u32,
@@ -97,7 +97,8 @@ impl Flash {
         *self = Flash { operations, violations, options, optcr: options | OPTLOCK, broken, ..Flash::new() };
     }
 
-    /// True if every instruction fetch waits for the flash: wait states, and no cache and prefetch to hide them.
+    /// True if every instruction fetch waits for the flash: wait states, and no cache and prefetch
+    /// to hide them.
     pub fn is_slow(&self) -> bool {
         self.acr & 0xf != 0 && self.acr & (ICEN | PRFTEN) != ICEN | PRFTEN
     }

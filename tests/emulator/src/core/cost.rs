@@ -2,13 +2,14 @@
 
 use crate::chip::FLASH_BASE;
 
-/// Core clocks an instruction, times two. The Cortex-M4 needs 1 to 2 clocks for most instructions, more for loads in a
-/// row, taken branches and divisions, and the flash's instruction cache and prefetch, which the image switches on, hide
-/// most of the 5 wait states: 1.5 on average is an assumption.
+/// Core clocks an instruction, times two. The Cortex-M4 needs 1 to 2 clocks for most instructions,
+/// more for loads in a row, taken branches and divisions, and the flash's instruction cache and
+/// prefetch, which the image switches on, hide most of the 5 wait states: 1.5 on average is an
+/// assumption.
 const HALF_CLOCKS: u64 = 3;
 
-/// The same with wait states and nothing to hide them: 1.9 times as many were measured on this very NUCLEO
-/// (zephyrproject-rtos/zephyr, pull request 36277: 499 clocks for 263).
+/// The same with wait states and nothing to hide them: 1.9 times as many were measured on this very
+/// NUCLEO (zephyrproject-rtos/zephyr, pull request 36277: 499 clocks for 263).
 const SLOW_HALF_CLOCKS: u64 = 6;
 
 /// Instructions of every block of the code in flash, counted once a block.
@@ -29,7 +30,8 @@ impl Cost {
         Cost { blocks: vec![(0, 0); code.len() / 2], code, instructions: 0, assumed: None }
     }
 
-    /// Half core clocks of a block of `size` bytes at `address`; `slow` if its fetches wait for the flash.
+    /// Half core clocks of a block of `size` bytes at `address`; `slow` if its fetches wait for the
+    /// flash.
     pub fn half_clocks(&mut self, address: u32, size: u32, slow: bool) -> u64 {
         let at = address.wrapping_sub(FLASH_BASE) as usize / 2;
         let count = match self.blocks.get(at) {

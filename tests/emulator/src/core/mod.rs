@@ -22,8 +22,8 @@ pub(crate) const RAM_LEN: usize = 192 << 10;
 /// Never reached: there is no memory.
 const NOWHERE: u64 = 0xf000_0000;
 
-/// Numbers that unicorn gives to what ends a block (QEMU's `EXCP_UDEF`, `EXCP_PREFETCH_ABORT`, `EXCP_BKPT` and
-/// `EXCP_EXCEPTION_EXIT`).
+/// Numbers that unicorn gives to what ends a block (QEMU's `EXCP_UDEF`, `EXCP_PREFETCH_ABORT`,
+/// `EXCP_BKPT` and `EXCP_EXCEPTION_EXIT`).
 const UNDEFINED: u32 = 1;
 const PREFETCH_ABORT: u32 = 3;
 const BREAKPOINT: u32 = 7;
@@ -69,8 +69,8 @@ enum Activity {
     LockedUp,
 }
 
-/// Bits of the configurable fault status register (ARMv7-M ARM, B3.2.15) for a fault that unicorn raised: of a fetch, of
-/// an instruction, else of data.
+/// Bits of the configurable fault status register (ARMv7-M ARM, B3.2.15) for a fault that unicorn
+/// raised: of a fetch, of an instruction, else of data.
 fn fault_status(raised: Option<u32>) -> u32 {
     match raised {
         Some(PREFETCH_ABORT) => 1 << 8,
@@ -209,7 +209,8 @@ impl Core {
         self.uc.get_data().cost.instructions
     }
 
-    /// Lets every instruction take so many half clocks, whatever the flash's accelerator does; `None` ends it.
+    /// Lets every instruction take so many half clocks, whatever the flash's accelerator does;
+    /// `None` ends it.
     pub fn assume_half_clocks(&mut self, half_clocks: Option<u64>) {
         self.uc.get_data_mut().cost.assumed = half_clocks;
     }
