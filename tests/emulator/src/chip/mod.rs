@@ -211,7 +211,7 @@ impl Chip {
         self.flash.operations
     }
 
-    /// Breaches of the rules for the flash's caches so far: see [`Flash::violations`].
+    /// Breaches of the rules for the flash's caches since the chip was made.
     pub fn flash_violations(&self) -> u64 {
         self.flash.violations
     }
@@ -231,7 +231,7 @@ impl Chip {
         self.flash.broken = broken;
     }
 
-    /// Sets the revision code of the chip, see [`Dbgmcu::revision`].
+    /// Sets the revision code of the chip: 0x1007 is revision 1, 0x2001 revision 3.
     pub fn set_revision(&mut self, revision: u16) {
         self.dbgmcu.revision = revision;
     }
