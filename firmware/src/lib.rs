@@ -24,6 +24,7 @@
 //! | [`safety`] | limits and latched faults |
 //! | [`flash`] | table slots, upload, power cuts |
 //! | [`link`] | frames in, frames out, bounded queue |
+//! | [`trace`] | what the last run left behind in RAM: states, why it ended |
 //! | [`config`] | every number the board owns, in one place |
 //!
 //! Nothing allocates, nothing panics, and outputs are off unless a mode turns them on. Units are mm, N, MPa, s,
@@ -58,3 +59,4 @@ pub mod surface;
 pub mod telemetry;
 #[cfg(test)]
 mod testbed;
+pub mod trace;

@@ -145,6 +145,11 @@ impl Safety {
         self.latched
     }
 
+    /// Latches a fault that was there before the first tick.
+    pub fn latch(&mut self, fault: Fault) {
+        self.latched.insert(fault);
+    }
+
     /// Forgets the latched faults if no cause is present; false if one is.
     pub fn clear(&mut self) -> bool {
         if self.present.is_empty() {

@@ -64,6 +64,8 @@ faults! {
     ActuatorStall = 15, "actuator stalled", "free the shaft, then clear the fault";
     /// The interlock had switched the outputs off: its permit had ended.
     Interlock = 16, "the interlock had switched the outputs off", "read the log, report it";
+    /// USB was not started: the chip is older than revision 3, or the 8 MHz clock did not come.
+    UsbOff = 17, "USB is off: a chip before revision 3, or no 8 MHz clock", "use the ST-LINK's serial port; the log says which";
 }
 
 impl Fault {
@@ -92,6 +94,7 @@ impl Fault {
             Fault::WatchdogReset => "watchdog-reset",
             Fault::ActuatorStall => "actuator-stall",
             Fault::Interlock => "interlock",
+            Fault::UsbOff => "usb-off",
         }
     }
 }

@@ -158,6 +158,11 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         outputs
     }
 
+    /// Latches a fault of the start, which a person must learn of.
+    pub fn latch(&mut self, fault: protocol::fault::Fault) {
+        self.machine.safety.latch(fault);
+    }
+
     /// True if a tick of this duration may be followed by a permit for the outputs.
     pub const fn is_punctual(&self, tick_us: u16) -> bool {
         tick_us <= self.machine.config.safety.tick_us

@@ -7,12 +7,12 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_time::{Duration, Instant, Ticker};
 use firmware::board::{Board, Inputs};
-use firmware::interlock::Task;
+use firmware::interlock::{Power, Task};
 use firmware::link::LinkId;
 
 use super::flash::BoardFlash;
 use super::outputs::{Actuator, Arm};
-use super::{FAST, PACKET_LEN, RECEIVED, TO_UART, TO_USB, interlock, sampling};
+use super::{FAST, PACKET_LEN, RECEIVED, TO_UART, TO_USB, debugger, interlock, record, sampling};
 
 /// Between ticks bytes of the links are carried out as they come. The end of a tick is where the interlock gets
 /// its permit; without one outputs go off within 40 ms, whatever hangs.
@@ -41,6 +41,10 @@ pub async fn run(board: &'static mut Board<BoardFlash>, mut actuator: Actuator, 
                     interlock: interlock::trip(),
                     ..Inputs::from_fast(&averaged.unwrap_or_default(), overrun, tick_us)
                 });
+                record::state(board.state());
+                if outputs.power != Power::Off {
+                    debugger::keep_safe();
+                }
                 FAST.lock(|cell| {
                     if let Some(fast) = cell.borrow_mut().as_mut() {
                         fast.set_target_a(outputs.coil_target_a);

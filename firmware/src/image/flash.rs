@@ -1,6 +1,10 @@
 //! The microcontroller's flash: tables in bank 2, calibrations in the last two sectors of bank 1.
+//!
+//! Why not embassy's driver, and why the data cache stays off:
+//! `docs/decisions/0009-flash-and-caches.md`.
 #![allow(unsafe_code)]
 
+use embassy_stm32::pac::flash::regs::Acr;
 use embassy_stm32::pac::flash::vals::Psize;
 use embassy_stm32::peripherals::FLASH;
 use embassy_stm32::{Peri, pac};
@@ -23,15 +27,26 @@ const PLACES_LOW: usize = 64;
 /// Keys of RM0090 section 3.6.1.
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 
+/// Instruction cache and prefetch on: what hides the 5 wait states of 168 MHz. The data cache stays
+/// off.
+pub fn accelerate() {
+    pac::FLASH.acr().modify(|w| {
+        w.set_icen(true);
+        w.set_prften(true);
+    });
+}
+
 /// The only owner of the flash controller.
 pub struct BoardFlash {
     _flash: Peri<'static, FLASH>,
+    /// Of the erase that is polled.
+    erasing: Option<DataCacheOff>,
 }
 
 impl BoardFlash {
     /// Takes the flash and tidies the journals; an erase here takes 1 to 2 s, before the watchdog runs and with all outputs off.
     pub fn take(flash: Peri<'static, FLASH>) -> Self {
-        let mut flash = BoardFlash { _flash: flash };
+        let mut flash = BoardFlash { _flash: flash, erasing: None };
         flash.tidy();
         flash
     }
@@ -84,9 +99,10 @@ fn append(number: usize, calibration: &Calibration) -> Result<(), FlashError> {
 
 /// Blocks for 1 to 2 s: code runs from the same bank.
 fn erase_journal(number: usize) -> Result<(), FlashError> {
+    let cache = DataCacheOff::begin();
     start_erase(JOURNALS[number & 1].1);
     while pac::FLASH.sr().read().bsy() {}
-    finish_erase()
+    finish_erase(cache)
 }
 
 fn unlock() {
@@ -114,12 +130,36 @@ fn succeeded() -> bool {
     !(sr.pgserr() || sr.pgperr() || sr.pgaerr() || sr.wrperr() || sr.operr())
 }
 
-/// The data cache may hold what was there before.
-fn drop_data_cache() {
-    pac::FLASH.acr().modify(|w| w.set_dcen(false));
-    pac::FLASH.acr().modify(|w| w.set_dcrst(true));
-    pac::FLASH.acr().modify(|w| w.set_dcrst(false));
-    pac::FLASH.acr().modify(|w| w.set_dcen(true));
+/// The data cache is off while the controller erases or programs: a read of one bank while the
+/// other is written may corrupt it (ES0206 section 2.2.12). Holds what the access control register
+/// was before.
+#[must_use]
+struct DataCacheOff(Acr);
+
+impl DataCacheOff {
+    fn begin() -> Self {
+        let before = pac::FLASH.acr().read();
+        pac::FLASH.acr().modify(|w| w.set_dcen(false));
+        DataCacheOff(before)
+    }
+
+    /// Empties both caches of what has changed, which they allow only while they are off (RM0090
+    /// section 3.6.4), and puts the register back.
+    fn end(self) {
+        pac::FLASH.acr().modify(|w| {
+            w.set_dcen(false);
+            w.set_icen(false);
+        });
+        pac::FLASH.acr().modify(|w| {
+            w.set_dcrst(true);
+            w.set_icrst(true);
+        });
+        pac::FLASH.acr().modify(|w| {
+            w.set_dcrst(false);
+            w.set_icrst(false);
+        });
+        pac::FLASH.acr().write_value(self.0);
+    }
 }
 
 fn start_erase(sector: u8) {
@@ -133,18 +173,19 @@ fn start_erase(sector: u8) {
     pac::FLASH.cr().modify(|w| w.set_strt(true));
 }
 
-fn finish_erase() -> Result<(), FlashError> {
+fn finish_erase(cache: DataCacheOff) -> Result<(), FlashError> {
     let succeeded = succeeded();
     pac::FLASH.cr().modify(|w| {
         w.set_ser(false);
         w.set_lock(true);
     });
-    drop_data_cache();
+    cache.end();
     if succeeded { Ok(()) } else { Err(FlashError) }
 }
 
 /// Writes words and reads them back; 16 us each.
 fn program(address: usize, data: &[u8]) -> Result<(), FlashError> {
+    let cache = DataCacheOff::begin();
     unlock();
     clear_errors();
     pac::FLASH.cr().modify(|w| {
@@ -166,7 +207,7 @@ fn program(address: usize, data: &[u8]) -> Result<(), FlashError> {
         w.set_pg(false);
         w.set_lock(true);
     });
-    drop_data_cache();
+    cache.end();
     for (i, word) in data.as_chunks::<WORD>().0.iter().enumerate() {
         // SAFETY: as above; reading flash is always allowed.
         let stored = unsafe { ((address + i * WORD) as *const u32).read_volatile() };
@@ -187,6 +228,7 @@ impl TableStore for BoardFlash {
         if firmware::flash::sector_range(sector).is_none() {
             return Err(FlashError);
         }
+        self.erasing.get_or_insert_with(DataCacheOff::begin);
         start_erase(BANK_2_SECTORS + sector);
         Ok(())
     }
@@ -195,7 +237,8 @@ impl TableStore for BoardFlash {
         if pac::FLASH.sr().read().bsy() {
             return Ok(EraseProgress::Busy);
         }
-        finish_erase().map(|()| EraseProgress::Done)
+        let cache = self.erasing.take().unwrap_or_else(DataCacheOff::begin);
+        finish_erase(cache).map(|()| EraseProgress::Done)
     }
 
     fn write(&mut self, offset: usize, data: &[u8]) -> Result<(), FlashError> {

@@ -46,17 +46,12 @@ pub struct Pins {
 /// Converter and its trigger.
 pub struct Sampling {
     ring: RingBufferedAdc<'static, ADC1>,
-    /// Runs as long as this lives.
-    _trigger: Timer<'static, TIM3>,
+    trigger: Timer<'static, TIM3>,
 }
 
 impl Sampling {
-    pub fn start(
-        adc: Adc<'static, ADC1>,
-        dma: Peri<'static, DMA2_CH0>,
-        timer: Peri<'static, TIM3>,
-        pins: Pins,
-    ) -> Self {
+    /// Prepares both; [`run`] lets them go.
+    pub fn new(adc: Adc<'static, ADC1>, dma: Peri<'static, DMA2_CH0>, timer: Peri<'static, TIM3>, pins: Pins) -> Self {
         static RING: StaticCell<[u16; 2 * HALF]> = StaticCell::new();
         // 84 + 12 clocks of 21 MHz a channel: 23 us a scan.
         let sequence = [
@@ -78,8 +73,13 @@ impl Sampling {
         let trigger = Timer::new(timer);
         trigger.set_frequency(Hertz(FAST_HZ * SCANS as u32), RoundTo::Slower);
         trigger.set_master_mode(MasterMode::UPDATE);
-        trigger.start();
-        Sampling { ring, _trigger: trigger }
+        Sampling { ring, trigger }
+    }
+
+    /// The ring first: a scan that finds its stream off overruns the converter.
+    fn begin(&mut self) {
+        self.ring.start();
+        self.trigger.start();
     }
 
     /// After a stop of the converter (its overrun flag blocks DMA): starts converter and ring from their beginnings.
@@ -126,6 +126,7 @@ fn mean(half: &[u16; HALF]) -> RawSamples {
 #[embassy_executor::task]
 pub async fn run(mut sampling: Sampling, mut coil: Coil) -> ! {
     let mut half = [0u16; HALF];
+    sampling.begin();
     loop {
         match with_timeout(PATIENCE, sampling.ring.read(&mut half)).await {
             Ok(Ok(_)) => {

@@ -55,6 +55,16 @@ pub async fn device(mut device: UsbDevice<'static, Otg>) -> ! {
     device.run().await
 }
 
+/// In place of the three tasks where USB is off: nothing arrives, and what is sent there is lost.
+#[embassy_executor::task]
+pub async fn absent() -> ! {
+    let mut buffer = [0; PACKET_LEN];
+    loop {
+        let _ = with_timeout(TURN, TO_USB.read(&mut buffer)).await;
+        interlock::turn(Task::UsbReceive);
+    }
+}
+
 #[embassy_executor::task]
 pub async fn receive(mut receiver: Receiver<'static, Otg>) -> ! {
     let mut buffer = [0; PACKET_LEN];

@@ -1,5 +1,6 @@
 //! `palpate flash`.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -8,7 +9,7 @@ use miette::IntoDiagnostic;
 use probe_rs::probe::list::Lister;
 use serde_json::json;
 
-use crate::flash::{self, CHIP, Firmware, Greeted, Job, Step, StepProgress, TableImage};
+use crate::flash::{self, BrownOut, CHIP, Firmware, Greeted, Job, Step, StepProgress, TableImage};
 use crate::link::Address;
 
 /// What to write, and through which probe.
@@ -23,6 +24,10 @@ pub struct Arguments {
     /// The chip
     #[arg(long, default_value = CHIP)]
     chip: String,
+    /// Set the chip up, once for each board: reset below 2.8 V (brown-out level 3); asks first, and
+    /// writes nothing else
+    #[arg(long, conflicts_with_all = ["list", "elf", "table", "board"])]
+    setup: bool,
     /// Firmware, an ELF file
     elf: Option<PathBuf>,
     /// Look-up table, as `palpate lut` writes it
@@ -44,6 +49,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let lister = Lister::new();
     if arguments.list {
         return list(&lister, arguments.json);
+    }
+    if arguments.setup {
+        return set_up(&lister, arguments);
     }
     let job = Job {
         probe: arguments.probe.clone(),
@@ -82,6 +90,38 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         None => outln!("not greeted: with --board LINK the version of the board that starts is compared"),
     }
     Ok(())
+}
+
+/// Sets the brown-out level after a yes.
+fn set_up(lister: &Lister, arguments: &Arguments) -> miette::Result<()> {
+    let terminal = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    let agreed = |level: u8| terminal && ask(level);
+    let outcome = flash::set_up(lister, arguments.probe.as_deref(), &arguments.chip, agreed).into_diagnostic()?;
+    if arguments.json {
+        outln!("{}", json!({ "brown_out": outcome }));
+        return Ok(());
+    }
+    outln!(
+        "{}",
+        match outcome {
+            BrownOut::Already => "brown-out level 3 is set already: nothing was written",
+            BrownOut::Written => "brown-out level 3 is set and read back",
+            BrownOut::Declined if terminal => "nothing was written",
+            BrownOut::Declined => "nothing was written: it is asked first, so run this in a terminal",
+        }
+    );
+    Ok(())
+}
+
+/// The question; anything but a yes is a no.
+fn ask(level: u8) -> bool {
+    let now = if level == 0 { "no brown-out reset".into() } else { format!("brown-out level {level}") };
+    errln!(
+        "The chip has {now}. Set level 3 (reset below 2.8 V)?\n\
+         This writes its option bytes; read protection and write protection stay as they are. Keep it powered. [y/N]"
+    );
+    let mut answer = String::new();
+    std::io::stdin().read_line(&mut answer).is_ok() && matches!(answer.trim(), "y" | "Y" | "yes")
 }
 
 /// A board that a probe can write.

@@ -6,7 +6,9 @@
 mod adc;
 mod bus;
 mod clock;
+mod dbgmcu;
 mod dma;
+mod exti;
 mod flash;
 mod gpio;
 mod nvic;
@@ -18,13 +20,15 @@ mod watchdog;
 pub use adc::INPUTS;
 pub use clock::Reset;
 pub use flash::{Change, FLASH_LEN};
-pub use nvic::HARD_FAULT;
+pub use nvic::{HARD_FAULT, NMI};
 
 use crate::time::{MILLISECOND, Time};
 
 use adc::Adc;
 use clock::{Pwr, Rcc};
+use dbgmcu::Dbgmcu;
 use dma::Dma;
+use exti::{Exti, PVD_LINE};
 use flash::Flash;
 use gpio::Port;
 use nvic::Nvic;
@@ -37,6 +41,7 @@ use watchdog::Watchdog;
 pub const FLASH_BASE: u32 = 0x0800_0000;
 
 /// Interrupt numbers (RM0090 table 63).
+const PVD_IRQ: u32 = 1;
 const USART3_IRQ: u32 = 39;
 const TIM5_IRQ: u32 = 50;
 const TIM7_IRQ: u32 = 55;
@@ -100,6 +105,8 @@ pub struct Chip {
     pub nvic: Nvic,
     rcc: Rcc,
     pwr: Pwr,
+    dbgmcu: Dbgmcu,
+    exti: Exti,
     flash: Flash,
     ports: [Port; 11],
     tim1: Timer,
@@ -133,7 +140,9 @@ impl Chip {
             nvic: Nvic::new(),
             rcc: Rcc::new(Reset::Power, None),
             pwr: Pwr::default(),
-            flash: Flash::new(0),
+            dbgmcu: Dbgmcu::new(),
+            exti: Exti::default(),
+            flash: Flash::new(),
             ports: [Port::default(); 11],
             tim1: Timer::new(2, true),
             tim3: Timer::new(4, false),
@@ -160,8 +169,12 @@ impl Chip {
         self.stepped_ticks = 0;
         self.nvic = Nvic::new();
         self.rcc = Rcc::new(cause, Some(&self.rcc));
-        self.pwr = Pwr::default();
-        self.flash = Flash::new(self.flash.operations);
+        self.pwr.reset();
+        if matches!(cause, Reset::Power | Reset::BrownOut) {
+            self.dbgmcu.power_on();
+        }
+        self.exti = Exti::default();
+        self.flash.reset();
         self.ports = [Port::default(); 11];
         self.tim1 = Timer::new(2, true);
         self.tim3 = Timer::new(4, false);
@@ -200,6 +213,53 @@ impl Chip {
     /// Programs and erases of flash so far.
     pub fn flash_operations(&self) -> u64 {
         self.flash.operations
+    }
+
+    /// Breaches of the rules for the flash's caches since the chip was made.
+    pub fn flash_violations(&self) -> u64 {
+        self.flash.violations
+    }
+
+    /// True if every instruction waits for the flash.
+    pub fn flash_is_slow(&self) -> bool {
+        self.flash.is_slow()
+    }
+
+    /// Option bytes in place, in the places of OPTCR.
+    pub fn options(&self) -> u32 {
+        self.flash.options
+    }
+
+    /// Injected fault: no program or erase succeeds any more.
+    pub fn set_flash_broken(&mut self, broken: bool) {
+        self.flash.broken = broken;
+    }
+
+    /// Sets the revision code of the chip: 0x1007 is revision 1, 0x2001 revision 3.
+    pub fn set_revision(&mut self, revision: u16) {
+        self.dbgmcu.revision = revision;
+    }
+
+    /// Injected fault: the 8 MHz clock stops, or does not come at the next start.
+    pub fn set_external_clock_dead(&mut self, dead: bool) {
+        self.rcc.set_external_dead(dead);
+        self.update();
+    }
+
+    /// Injected fault: the supply falls below the level of the voltage detector, or is back.
+    pub fn set_supply_low(&mut self, low: bool) {
+        self.pwr.supply_low = low;
+        self.update();
+    }
+
+    /// Conversions that DMA did not fetch, since the reset.
+    pub fn converter_overruns(&self) -> u64 {
+        self.adc.overruns
+    }
+
+    /// True if a pin of port A to K is a general-purpose output that is driven high.
+    pub fn pin_is_high(&self, port: char, pin: u32) -> bool {
+        self.ports[(port as usize).saturating_sub('A' as usize).min(10)].high(pin)
     }
 
     /// Puts bytes on the line to the board.
@@ -271,8 +331,11 @@ impl Chip {
     /// Works out interrupt lines and the next event anew.
     fn update(&mut self) {
         let line = |on: bool, number: u32| u128::from(on) << number;
+        self.exti.set_level(PVD_LINE, self.pwr.supply_is_seen_low());
+        self.nvic.nmi = self.rcc.nmi();
         self.nvic.set_lines(
             line(self.usart.line(), USART3_IRQ)
+                | line(self.exti.line(PVD_LINE), PVD_IRQ)
                 | line(self.tim5.line(), TIM5_IRQ)
                 | line(self.tim7.line(), TIM7_IRQ)
                 | line(self.dma2.line(0), DMA2_STREAM0_IRQ),

@@ -22,7 +22,10 @@ pub(crate) const RAM_LEN: usize = 192 << 10;
 /// Never reached: there is no memory.
 const NOWHERE: u64 = 0xf000_0000;
 
-/// Numbers that unicorn gives to what ends a block (QEMU's `EXCP_BKPT` and `EXCP_EXCEPTION_EXIT`).
+/// Numbers that unicorn gives to what ends a block (QEMU's `EXCP_UDEF`, `EXCP_PREFETCH_ABORT`,
+/// `EXCP_BKPT` and `EXCP_EXCEPTION_EXIT`).
+const UNDEFINED: u32 = 1;
+const PREFETCH_ABORT: u32 = 3;
 const BREAKPOINT: u32 = 7;
 const EXCEPTION_RETURN: u32 = 8;
 
@@ -42,8 +45,8 @@ struct Shared {
     returning: bool,
     /// A breakpoint was reached.
     breakpoint: bool,
-    /// A fault was raised.
-    faulted: bool,
+    /// A fault was raised: unicorn's number for it.
+    faulted: Option<u32>,
     /// Changes of the flash, while somebody wants to know them.
     flash_log: Option<Vec<Change>>,
     /// Injected fault.
@@ -64,6 +67,16 @@ enum Activity {
     Halted,
     /// A fault in a fault: only a reset helps (ARMv7-M ARM, B1.5.15).
     LockedUp,
+}
+
+/// Bits of the configurable fault status register (ARMv7-M ARM, B3.2.15) for a fault that unicorn
+/// raised: of a fetch, of an instruction, else of data.
+fn fault_status(raised: Option<u32>) -> u32 {
+    match raised {
+        Some(PREFETCH_ABORT) => 1 << 8,
+        Some(UNDEFINED) => 1 << 16,
+        _ => 1 << 9,
+    }
 }
 
 /// Something that stops the emulation for good.
@@ -119,7 +132,7 @@ impl Core {
             sleeping: false,
             returning: false,
             breakpoint: false,
-            faulted: false,
+            faulted: None,
             flash_log: None,
             trap: None,
             trapped: false,
@@ -149,7 +162,7 @@ impl Core {
         uc.add_block_hook(1, 0, |uc, address, size| {
             let shared = uc.get_data_mut();
             if shared.counted.take() != Some(address) {
-                let clocks = shared.cost.half_clocks(address as u32, size);
+                let clocks = shared.cost.half_clocks(address as u32, size, shared.chip.flash_is_slow());
                 shared.chip.now += clocks * (SECOND / 2) / shared.chip.core_hz();
             }
             if memory::settle(uc) {
@@ -172,7 +185,7 @@ impl Core {
             match number {
                 EXCEPTION_RETURN => shared.returning = true,
                 BREAKPOINT => shared.breakpoint = true,
-                _ => shared.faulted = true,
+                _ => shared.faulted = Some(number),
             }
             let _ = uc.emu_stop();
         })?;
@@ -197,6 +210,12 @@ impl Core {
     /// Instructions executed since the start.
     pub fn instructions(&self) -> u64 {
         self.uc.get_data().cost.instructions
+    }
+
+    /// Lets every instruction take so many half clocks, whatever the flash's accelerator does;
+    /// `None` ends it.
+    pub fn assume_half_clocks(&mut self, half_clocks: Option<u64>) {
+        self.uc.get_data_mut().cost.assumed = half_clocks;
     }
 
     /// Runs until `until`.
@@ -255,7 +274,8 @@ impl Core {
             self.at_breakpoint = true;
             return Ok(());
         }
-        if faulted || breakpoint || result.is_err() {
+        if faulted.is_some() || breakpoint || result.is_err() {
+            self.chip_mut().nvic.set_fault_status(fault_status(faulted));
             return self.fault();
         }
         if trapped {

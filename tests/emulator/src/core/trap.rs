@@ -18,6 +18,8 @@ pub enum Deed {
     Skip,
     /// It goes on with so many bytes of stack left.
     StackLeft(u32),
+    /// It goes on at another address, with these arguments (R0 to R2).
+    Jump(u32, [u32; 3]),
 }
 
 /// A place and what happens there.
@@ -71,6 +73,13 @@ impl Core {
                 self.set_register(RegisterARM::PC, back | 1)?;
                 // Until it is called off.
                 self.uc.get_data_mut().trap = Some(trap);
+            }
+            Deed::Jump(address, arguments) => {
+                for (register, value) in [RegisterARM::R0, RegisterARM::R1, RegisterARM::R2].into_iter().zip(arguments)
+                {
+                    self.set_register(register, value)?;
+                }
+                self.set_register(RegisterARM::PC, address | 1)?;
             }
             Deed::StackLeft(bytes) => self.set_register(RegisterARM::SP, RAM_BASE + (bytes & !7))?,
         }
