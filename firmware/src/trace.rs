@@ -7,13 +7,7 @@
 
 use heapless::{String, Vec};
 use protocol::frame::CRC32;
-use protocol::message::State;
-
-/// Changes of state that are kept.
-pub const CHANGES: usize = 16;
-
-/// Bytes of a panic's file name that are kept, from its end.
-pub const FILE_LEN: usize = 48;
+use protocol::message::{CHANGES, FILE_LEN, LastRun, RunEnd, State, StateChange};
 
 /// "PLPT", and the layout's version below it.
 const MAGIC: u32 = 0x504c_5401;
@@ -88,6 +82,25 @@ pub struct Last {
     pub end: Option<End>,
     /// Its latest changes of state, oldest first.
     pub changes: Vec<Change, CHANGES>,
+}
+
+impl From<&Last> for LastRun {
+    fn from(last: &Last) -> Self {
+        let mut run = LastRun { known: true, ..LastRun::NONE };
+        run.end = match &last.end {
+            None => RunEnd::Unknown,
+            Some(End::Panic { file, line }) => {
+                run.file = file.bytes().collect();
+                RunEnd::Panic { line: *line }
+            }
+            Some(End::HardFault { pc, lr, cfsr }) => RunEnd::HardFault { pc: *pc, lr: *lr, cfsr: *cfsr },
+            Some(End::ClockLost) => RunEnd::ClockLost,
+            Some(End::SupplyLow) => RunEnd::SupplyLow,
+            Some(End::Interrupt { number }) => RunEnd::Interrupt { number: *number as u32 },
+        };
+        run.changes = last.changes.iter().map(|c| StateChange { time_ms: c.time_ms, state: c.state }).collect();
+        run
+    }
 }
 
 /// The record as it lies in RAM. Every content of the words is allowed.

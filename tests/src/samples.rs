@@ -21,6 +21,7 @@ pub fn requests() -> Vec<Request> {
         Request::TableChunk(TableChunk { offset: 192, data }),
         Request::TableCommit(Empty {}),
         Request::TableQuery(Empty {}),
+        Request::GetLastRun(Empty {}),
     ]
 }
 
@@ -61,6 +62,15 @@ pub fn reports() -> Vec<Report> {
         Report::TableState(TableState { active: Slot::B, hash: [9; 16], next_offset: 384, length: 36_000 }),
         Report::Calibration(calibration()),
         Report::Estimate(estimate()),
+        Report::LastRun(LastRun {
+            known: true,
+            end: RunEnd::HardFault { pc: 0x0800_1234, lr: 0x0800_4321, cfsr: 1 << 9 },
+            file: b"image/mod.rs".iter().copied().collect(),
+            changes: [(20, State::Idle), (70_000, State::Display)]
+                .into_iter()
+                .map(|(time_ms, state)| StateChange { time_ms, state })
+                .collect(),
+        }),
     ]
 }
 

@@ -51,6 +51,7 @@ pub struct Machine<S> {
     outputs: Outputs,
     shaft_target_mm: f32,
     not_finite: bool,
+    pub(super) stop_pressed: bool,
 }
 
 impl<S: TableStore + CalibrationStore> Machine<S> {
@@ -87,6 +88,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             outputs: Outputs::default(),
             shaft_target_mm: 0.0,
             not_finite: false,
+            stop_pressed: false,
         }
     }
 
@@ -95,6 +97,11 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         self.tick = self.tick.wrapping_add(1);
         self.sense(inputs);
         self.guard(inputs, &mut tell);
+        self.stop_pressed = inputs.stop_pressed;
+        if self.stop_pressed {
+            // Always allowed: what is under way ends as if a host had asked for it.
+            let _ = self.mode.request(&self.config.mode, Mode::Idle, None);
+        }
         let event = if self.upload.is_erasing() { ModeEvent::None } else { self.palpate(inputs) };
         if let ModeEvent::Ended(outcome) = event {
             self.tell_verdict(outcome, &mut tell);

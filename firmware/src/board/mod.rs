@@ -24,7 +24,7 @@ use crate::interlock::{Power, Trip};
 use crate::link::{LinkId, Priority};
 use crate::sensor::{Measured, RawSamples};
 use protocol::lut::Table;
-use protocol::message::{Build, Report, ResetCause, State};
+use protocol::message::{Build, LastRun, Report, ResetCause, State};
 
 pub use lease::LEASE_MS;
 use machine::Machine;
@@ -47,6 +47,8 @@ pub struct Inputs {
     pub tick_us: u16,
     /// Measured time from the start of the previous tick to the start of this one, us.
     pub period_us: u32,
+    /// The stop button is pressed.
+    pub stop_pressed: bool,
     /// The interlock has ended or refused a permit since the board rested.
     pub interlock: Option<Trip>,
 }
@@ -62,6 +64,7 @@ impl Inputs {
             coil_duty: averaged.coil_duty,
             tick_us,
             period_us: 0,
+            stop_pressed: false,
             interlock: None,
         }
     }
@@ -93,6 +96,8 @@ pub struct Identity {
     pub reset_cause: ResetCause,
     /// What it runs.
     pub build: Build,
+    /// What the run before this one left behind.
+    pub last_run: LastRun,
 }
 
 /// Firmware version: major, minor, patch.
@@ -166,6 +171,11 @@ impl<S: TableStore + CalibrationStore> Board<S> {
     /// True if a tick of this duration may be followed by a permit for the outputs.
     pub const fn is_punctual(&self, tick_us: u16) -> bool {
         tick_us <= self.machine.config.safety.tick_us
+    }
+
+    /// True while a fault is latched.
+    pub const fn is_faulted(&self) -> bool {
+        !self.machine.safety.latched().is_empty()
     }
 
     /// What the board is doing.

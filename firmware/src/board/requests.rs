@@ -77,6 +77,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
                 self.table_broken = false;
                 Ok(Answer::Report(Report::TableState(self.table_state())))
             }
+            Request::GetLastRun(_) => Ok(Answer::Report(Report::LastRun(self.identity.last_run.clone()))),
             Request::TableQuery(_) => Ok(Answer::Report(Report::TableState(self.table_state()))),
         }
     }
@@ -120,6 +121,9 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         let mode = asked.mode;
         if mode != Mode::Idle {
             self.must_not_be_held_from(link)?;
+            if self.stop_pressed {
+                return Err(Refusal::Stopped);
+            }
             let (shortest_ms, longest_ms) = LEASE_MS;
             if !(shortest_ms..=longest_ms).contains(&asked.lease_ms) {
                 return Err(Refusal::OutOfRange);

@@ -12,12 +12,13 @@ use firmware::link::LinkId;
 
 use super::flash::BoardFlash;
 use super::outputs::{Actuator, Arm};
+use super::panel::Panel;
 use super::{FAST, PACKET_LEN, RECEIVED, TO_UART, TO_USB, debugger, interlock, record, sampling};
 
 /// Between ticks bytes of the links are carried out as they come. The end of a tick is where the interlock gets
 /// its permit; without one outputs go off within 40 ms, whatever hangs.
 #[embassy_executor::task]
-pub async fn run(board: &'static mut Board<BoardFlash>, mut actuator: Actuator, mut arm: Arm) -> ! {
+pub async fn run(board: &'static mut Board<BoardFlash>, mut actuator: Actuator, mut arm: Arm, mut panel: Panel) -> ! {
     let period = Duration::from_hz(u64::from(protocol::TICK_HZ));
     let mut ticker = Ticker::every(period);
     let mut tick_us = 0;
@@ -38,6 +39,7 @@ pub async fn run(board: &'static mut Board<BoardFlash>, mut actuator: Actuator, 
                 let overrun = sampling::OVERRUN.swap(false, Ordering::Relaxed);
                 let outputs = board.tick(&Inputs {
                     period_us: u32::try_from(since.as_micros()).unwrap_or(u32::MAX),
+                    stop_pressed: panel.stop_pressed(),
                     interlock: interlock::trip(),
                     ..Inputs::from_fast(&averaged.unwrap_or_default(), overrun, tick_us)
                 });
@@ -52,6 +54,7 @@ pub async fn run(board: &'static mut Board<BoardFlash>, mut actuator: Actuator, 
                 });
                 actuator.set_v(outputs.actuator_v);
                 arm.set_rate(outputs.arm_rate_mm_s);
+                panel.show(outputs.power, board.is_faulted());
                 let us = begin.elapsed().as_micros();
                 tick_us = u16::try_from(us).unwrap_or(u16::MAX);
                 interlock::turn(Task::Control);

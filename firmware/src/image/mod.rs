@@ -9,6 +9,7 @@ mod identity;
 mod interlock;
 mod lamp;
 mod outputs;
+mod panel;
 mod record;
 mod reset;
 mod revision;
@@ -105,8 +106,6 @@ async fn main(spawner: Spawner) {
     tell_start(reset_cause, external);
     if external {
         clock::guard();
-    } else {
-        lamp::red();
     }
     let usb_pin = if external && !revision::is_old() {
         Some(p.PA12)
@@ -120,11 +119,18 @@ async fn main(spawner: Spawner) {
     FAST.lock(|cell| cell.replace(Some(fast)));
 
     static BOARD: StaticCell<Board<BoardFlash>> = StaticCell::new();
-    let identity = Identity { unique_id: embassy_stm32::uid::uid(), reset_cause, build: identity::build() };
+    let identity = Identity {
+        unique_id: embassy_stm32::uid::uid(),
+        reset_cause,
+        build: identity::build(),
+        last_run: record::last_run(),
+    };
     let board = BOARD.init_with(|| Board::new(config, BoardFlash::take(p.FLASH), identity));
     if usb_pin.is_none() {
         board.latch(Fault::UsbOff);
     }
+
+    let panel = panel::Panel::new(p.PB0, p.PB7, p.PB14, p.PC13);
 
     interrupt::UART5.set_priority(Priority::P6);
     let sampling = sampling::Sampling::new(
@@ -164,7 +170,7 @@ async fn main(spawner: Spawner) {
             spawner.spawn(serial::receive(rx)?);
             spawner.spawn(serial::send(tx)?);
         }
-        spawner.spawn(control::run(board, actuator, arm)?);
+        spawner.spawn(control::run(board, actuator, arm, panel)?);
         Ok::<(), embassy_executor::SpawnError>(())
     })();
     if spawned.is_err() {

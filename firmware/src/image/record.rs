@@ -7,7 +7,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use embassy_sync::once_lock::OnceLock;
 use embassy_time::Instant;
 use firmware::trace::{Change, End, Last, Trace};
-use protocol::message::State;
+use protocol::message::{LastRun, State};
 
 /// Not cleared by a reset, and not by the start.
 struct Kept(UnsafeCell<Trace>);
@@ -43,6 +43,11 @@ pub fn begin() {
 /// What the last run left; `None` after power has come.
 pub fn last() -> Option<&'static Last> {
     LAST.try_get()
+}
+
+/// The same as it travels.
+pub fn last_run() -> LastRun {
+    last().map_or(LastRun::NONE, LastRun::from)
 }
 
 /// Writes what the last run left to the log.

@@ -16,7 +16,7 @@ use firmware::link::LinkId;
 use firmware::sensor::RawSamples;
 use protocol::TICK_HZ;
 use protocol::lut::Table;
-use protocol::message::{Build, ResetCause, State};
+use protocol::message::{Build, LastRun, ResetCause, State};
 
 pub use server::{Server, serve};
 
@@ -58,7 +58,8 @@ impl SimulatedBoard {
         let config = BoardConfig { simulated: true, ..BoardConfig::default() };
         let mut unique_id = *b"palpate-sim\0";
         unique_id[11] = seed as u8;
-        let identity = Identity { unique_id, reset_cause: ResetCause::PowerOn, build: Build::UNKNOWN };
+        let identity =
+            Identity { unique_id, reset_cause: ResetCause::PowerOn, build: Build::UNKNOWN, last_run: LastRun::NONE };
         SimulatedBoard {
             fast: FastLoop::new(&config.circuit, &config.shunt, config.safety.coil_a),
             tick_us_max: config.safety.tick_us,

@@ -6,12 +6,14 @@
 
 mod board;
 mod identification;
+mod last_run;
 mod setup;
 mod table;
 mod telemetry;
 
 pub use board::{Build, Hello, HelloRequest, Holder, Mode, ModeRequest, ResetCause, State, Status};
 pub use identification::{Estimate, Outcome, Recognition, Verdict};
+pub use last_run::{CHANGES, FILE_LEN, LastRun, RunEnd, StateChange};
 pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor};
 pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
 pub use telemetry::{FaultReport, Raw, Telemetry};
@@ -73,6 +75,8 @@ wire! {
         SchemaMismatch,
         /// Another link holds the motion.
         Held,
+        /// The stop button is pressed.
+        Stopped,
     }
 }
 
@@ -92,6 +96,7 @@ impl Refusal {
             Refusal::TableRejected => "the table did not pass the board's checks",
             Refusal::FlashFailed => "the board could not write its flash",
             Refusal::SchemaMismatch => "tool and firmware were built from different message tables",
+            Refusal::Stopped => "the board's stop button is pressed: release it",
             Refusal::Held => "another link holds the board: stop it there, or set mode idle from here first",
         }
     }
@@ -184,6 +189,8 @@ messages! {
         0x12 TableCommit(Empty),
         /// Answered by [`Report::TableState`]. After a lost link: where to continue.
         0x13 TableQuery(Empty),
+        /// Why the run before this one ended. Answered by [`Report::LastRun`].
+        0x14 GetLastRun(Empty),
     }
     /// From board to host.
     pub enum Report {
@@ -207,6 +214,8 @@ messages! {
         0x89 Calibration(Calibration),
         /// Parameters with standard errors, right before the verdict.
         0x8a Estimate(Estimate),
+        /// Why the run before this one ended.
+        0x8b LastRun(LastRun),
     }
 }
 

@@ -6,14 +6,19 @@ use firmware::flash::RamFlash;
 use firmware::link::LinkId;
 use firmware::sensor::{RawSamples, coil_ratio, fsr_ratio, load_cell_ratio, potentiometer_ratio, probe_ratio};
 use protocol::frame::{Decoder, MAX_FRAME, encode_request};
-use protocol::message::{Build, Empty, Report, Request, ResetCause};
+use protocol::message::{Build, Empty, LastRun, Report, Request, ResetCause};
 use protocol::rescue;
 
 use super::Held;
 
 /// A board with this content of flash bank 2, just started. With too few bytes it has no room for a table.
 pub fn board(bank: Vec<u8>) -> Board<RamFlash<Vec<u8>>> {
-    let identity = Identity { unique_id: *b"robustness 1", reset_cause: ResetCause::PowerOn, build: Build::UNKNOWN };
+    let identity = Identity {
+        unique_id: *b"robustness 1",
+        reset_cause: ResetCause::PowerOn,
+        build: Build::UNKNOWN,
+        last_run: LastRun::NONE,
+    };
     Board::new(BoardConfig::default(), RamFlash::new(bank), identity)
 }
 

@@ -104,6 +104,23 @@ fn a_late_tick_is_counted_and_is_a_fault_only_while_outputs_are_on() {
 }
 
 #[test]
+fn the_stop_button_ends_what_is_under_way_and_refuses_more() {
+    let mut bench = displaying();
+    bench.spoil = |i| i.stop_pressed = true;
+    bench.tick();
+    assert_eq!((bench.outputs, bench.board.state(), bench.faults()), (Outputs::default(), State::Idle, vec![]));
+    assert_eq!(bench.refusal(&set_mode(PALPATE)), Refusal::Stopped);
+    bench.spoil = |_| {};
+    bench.tick();
+    bench.mode(PALPATE);
+    bench.ticks(5);
+    assert!(bench.outputs.arm_run);
+    bench.spoil = |i| i.stop_pressed = true;
+    bench.tick();
+    assert_eq!((bench.outputs.arm_run, bench.board.state()), (false, State::Retract));
+}
+
+#[test]
 fn lateness_is_measured_from_start_to_start() {
     let mut bench = Bench::new();
     bench.spoil = |i| i.period_us = 48_000;

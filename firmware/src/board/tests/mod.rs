@@ -33,7 +33,12 @@ struct Bench {
 
 impl Bench {
     fn with_flash(bytes: Vec<u8>, cause: ResetCause) -> Self {
-        let identity = Identity { unique_id: *b"unit test 01", reset_cause: cause, build: Build::UNKNOWN };
+        let identity = Identity {
+            unique_id: *b"unit test 01",
+            reset_cause: cause,
+            build: Build::UNKNOWN,
+            last_run: LastRun::NONE,
+        };
         let board = Board::new(BoardConfig::default(), RamFlash::new(bytes), identity);
         Bench {
             board,
