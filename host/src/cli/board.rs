@@ -135,6 +135,7 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         holder,
         table_hash,
     } = session.status().into_diagnostic()?;
+    let last_run = session.last_run().into_diagnostic()?;
     let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();
     let [major, minor, patch] = hello.firmware_version;
     let kind = if hello.simulated { "simulated board" } else { "board" };
@@ -165,6 +166,7 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         f64::from(period_max_us) / 1e3,
         holder_text(holder),
     );
+    text.push_str(&super::last_run::text(&last_run));
     if latched.is_empty() {
         text.push_str("\nfaults     none");
     }
@@ -177,6 +179,7 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         "faults": latched.iter().map(|f| f.code()).collect::<Vec<_>>(), "frames_rejected": frames_rejected,
         "frames_dropped": frames_dropped, "tick_max_us": tick_max_us, "deadlines_missed": deadlines_missed,
         "period_max_us": period_max_us, "ticks_late": ticks_late, "holder": holder,
+        "last_run": super::last_run::value(&last_run),
     });
     Ok((value, text))
 }

@@ -187,7 +187,7 @@ fn wait_for_enter(question: &str) -> miette::Result<()> {
     if !std::io::stdin().is_terminal() {
         bail!("`--points` waits for Enter at each value and this is no terminal: give the readings, as VALUE=RATIO");
     }
-    eprintln!("{question}");
+    errln!("{question}");
     std::io::stdin().read_line(&mut String::new()).into_diagnostic()?;
     Ok(())
 }

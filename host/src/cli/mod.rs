@@ -11,6 +11,7 @@ pub mod gain;
 pub mod identify;
 pub mod init;
 mod keep;
+mod last_run;
 pub mod log;
 pub mod lut;
 mod many;

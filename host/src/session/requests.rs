@@ -1,7 +1,7 @@
 //! The requests of the table of messages, one function each.
 
 use protocol::message::{
-    Calibration, Empty, Gains, Mode, ModeRequest, Refusal, Report, Request, Status, TelemetryRate,
+    Calibration, Empty, Gains, LastRun, Mode, ModeRequest, Refusal, Report, Request, Status, TelemetryRate,
 };
 
 use super::{Session, SessionError};
@@ -72,6 +72,17 @@ impl<L: Link> Session<L> {
     /// As [`Session::request`].
     pub fn tare(&mut self) -> Result<(), SessionError> {
         self.request(&Request::Tare(Empty {})).map(|_| ())
+    }
+
+    /// Why the run before this one ended.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn last_run(&mut self) -> Result<LastRun, SessionError> {
+        match self.request(&Request::GetLastRun(Empty {}))? {
+            Report::LastRun(last) => Ok(last),
+            _ => Err(self.no_sense("GetLastRun")),
+        }
     }
 
     /// Clears latched faults.

@@ -273,6 +273,11 @@ impl Chip {
         std::mem::take(&mut self.usart.sent)
     }
 
+    /// Presses the blue button (PC13), or releases it.
+    pub fn press_button(&mut self, pressed: bool) {
+        self.ports[2].drive(13, pressed);
+    }
+
     /// Injected fault: the converter no longer converts.
     pub fn set_adc_dead(&mut self, dead: bool) {
         self.adc.dead = dead;
