@@ -32,7 +32,7 @@ pub struct Arguments {
     record_to: PathBuf,
 }
 
-fn depth(text: &str) -> Result<f32, String> {
+pub(super) fn depth(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(depth) if (0.5..=50.0).contains(&depth) => Ok(depth),
         _ => Err(format!("{text} is not a depth of 0.5 to 50 mm")),
