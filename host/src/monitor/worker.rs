@@ -1,16 +1,16 @@
 //! The conversation with the board, in a thread of its own: the picture never waits for the link.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use protocol::lut::Table;
 use protocol::message::{Hello, Mode, Status};
 
-use super::Recording;
+use super::{OffSwitch, Recording};
 use crate::link::{Link, LinkError};
 use crate::log::LogError;
 use crate::session::{Event, Patience, Session, SessionError, Traffic};
@@ -49,6 +49,8 @@ pub enum Update {
     Done(String),
     /// A command was refused, or failed.
     Refused(String),
+    /// Outputs were switched off without being asked, and why.
+    SwitchedOff(String),
     /// The file that is recorded to; `None` when a recording has ended.
     Recording(Option<PathBuf>),
     /// Bytes of the table sent, of so many.
@@ -76,10 +78,15 @@ pub struct Settings {
 /// The thread, with its two ends. Dropping it switches the outputs off and waits for its end.
 #[derive(Debug)]
 pub struct Worker {
-    commands: Sender<Command>,
+    commands: Sender<Order>,
     updates: Receiver<Update>,
     thread: Option<JoinHandle<()>>,
+    off: OffSwitch,
+    watched: Arc<Mutex<Instant>>,
 }
+
+/// A command, and how often the off switch had been pressed when it was asked for.
+type Order = (u32, Command);
 
 /// Longest wait for a record, s of link time: one tick, so that commands are not left lying.
 const TURN_S: f64 = 0.02;
@@ -90,27 +97,54 @@ const SILENCE_S: f64 = 1.0;
 /// Between two looks at the status, s.
 const STATUS_S: f64 = 0.2;
 
+/// Longest time that outputs stay on while nobody takes updates: the picture stands still, and so do the keys behind it.
+const UNWATCHED: Duration = Duration::from_secs(1);
+
 impl Worker {
     /// Opens the link by `opener` and talks to the board until told to stop.
     pub fn start(opener: Opener, settings: Settings) -> Self {
         let (commands, orders) = channel();
         let (reports, updates) = channel();
-        let thread = std::thread::spawn(move || {
-            Conversation { opener, settings, orders, reports, recording: None, opened_before: false }.run();
-        });
-        Worker { commands, updates, thread: Some(thread) }
+        let (off, watched) = (OffSwitch::default(), Arc::new(Mutex::new(Instant::now())));
+        let mut conversation = Conversation {
+            opener,
+            settings,
+            orders,
+            reports,
+            recording: None,
+            opened_before: false,
+            off: off.clone(),
+            offs_done: 0,
+            watched: Arc::clone(&watched),
+            unwatched: false,
+        };
+        let thread = std::thread::spawn(move || conversation.run());
+        Worker { commands, updates, thread: Some(thread), off, watched }
+    }
+
+    /// A switch that turns outputs off whatever the one who watches is waiting for.
+    pub fn off_switch(&self) -> OffSwitch {
+        self.off.clone()
     }
 
     /// Gives a command; one to a worker that has ended is lost.
     pub fn command(&self, command: Command) {
-        let _ = self.commands.send(command);
+        self.command_after(self.off.presses(), command);
     }
 
-    /// The next update, waiting for at most `patience`; an error when the worker has ended.
+    /// Gives a command that was asked for when the off switch had been pressed `presses` times: a mode that was asked for before the
+    /// last press is no longer wanted.
+    pub fn command_after(&self, presses: u32, command: Command) {
+        let _ = self.commands.send((presses, command));
+    }
+
+    /// The next update, waiting for at most `patience`; an error when the worker has ended. Outputs stay on only as long as this is
+    /// called at least once a second.
     ///
     /// # Errors
     /// [`RecvTimeoutError::Disconnected`] when there will be none any more.
     pub fn update(&self, patience: Duration) -> Result<Option<Update>, RecvTimeoutError> {
+        *self.watched.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
         match self.updates.recv_timeout(patience) {
             Ok(update) => Ok(Some(update)),
             Err(RecvTimeoutError::Timeout) => Ok(None),
@@ -121,7 +155,7 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        let _ = self.commands.send(Command::Stop);
+        self.command(Command::Stop);
         if let Some(thread) = self.thread.take() {
             // A panic in it has been printed by its own thread.
             let _ = thread.join();
@@ -138,10 +172,17 @@ enum End {
 struct Conversation {
     opener: Opener,
     settings: Settings,
-    orders: Receiver<Command>,
+    orders: Receiver<Order>,
     reports: Sender<Update>,
     recording: Option<Recording>,
     opened_before: bool,
+    off: OffSwitch,
+    /// Presses of the off switch that were carried out.
+    offs_done: u32,
+    /// When the one who watches took updates last.
+    watched: Arc<Mutex<Instant>>,
+    /// Outputs were switched off because nobody took updates, and nobody has since.
+    unwatched: bool,
 }
 
 /// Switches the outputs off when the conversation ends, also by a panic. Where the link is gone this fails, and the board does it by itself.
@@ -154,7 +195,7 @@ impl Drop for SafeEnd {
 }
 
 impl Conversation {
-    fn run(mut self) {
+    fn run(&mut self) {
         let mut board: Option<SafeEnd> = None;
         let mut why = String::new();
         loop {
@@ -204,8 +245,8 @@ impl Conversation {
         let until = Instant::now() + self.settings.retry;
         loop {
             match self.orders.recv_timeout(until.saturating_duration_since(Instant::now())) {
-                Ok(Command::Stop) | Err(RecvTimeoutError::Disconnected) => return true,
-                Ok(Command::Record(on)) => self.record(on),
+                Ok((_, Command::Stop)) | Err(RecvTimeoutError::Disconnected) => return true,
+                Ok((_, Command::Record(on))) => self.record(on),
                 Ok(_) => self.say(Update::Refused("no link to the board".into())),
                 Err(RecvTimeoutError::Timeout) => break,
             }
@@ -224,6 +265,7 @@ impl Conversation {
 
     fn talk(&mut self, board: &mut SafeEnd) -> End {
         let session = &mut board.0;
+        self.offs_done = self.off.presses();
         // Whatever was going on when the link was lost, nobody has watched it since.
         if std::mem::replace(&mut self.opened_before, true)
             && let Err(error) = session.set_mode(Mode::Idle)
@@ -242,9 +284,14 @@ impl Conversation {
             if self.is_over() {
                 return End::Stopped;
             }
+            if let Err(error) = self.switch_off_if_asked(session) {
+                return End::Lost(error.to_string());
+            }
             match self.orders.try_recv() {
-                Ok(Command::Stop) | Err(std::sync::mpsc::TryRecvError::Disconnected) => return End::Stopped,
-                Ok(command) => {
+                Ok((_, Command::Stop)) | Err(std::sync::mpsc::TryRecvError::Disconnected) => return End::Stopped,
+                // An off that came after it is carried out before it.
+                Ok((presses, Command::Mode(mode))) if mode != Mode::Idle && presses != self.off.presses() => {}
+                Ok((_, command)) => {
                     if let Err(error) = self.carry_out(command, session) {
                         return End::Lost(error.to_string());
                     }
@@ -274,6 +321,27 @@ impl Conversation {
                 self.say(Update::Status(status.clone()));
             }
         }
+    }
+
+    /// Switches the outputs off when the switch was pressed, or when nobody has watched for [`UNWATCHED`].
+    ///
+    /// # Errors
+    /// That of a link that is gone: the board's lease then ends, because nothing is sent until it is opened again.
+    fn switch_off_if_asked(&mut self, session: &mut Session<Box<dyn Link>>) -> Result<(), SessionError> {
+        let presses = self.off.presses();
+        if std::mem::replace(&mut self.offs_done, presses) != presses {
+            return self.carry_out(Command::Mode(Mode::Idle), session);
+        }
+        let stood_still = self.watched.lock().unwrap_or_else(PoisonError::into_inner).elapsed();
+        let unwatched = stood_still > UNWATCHED;
+        if !std::mem::replace(&mut self.unwatched, unwatched) && unwatched {
+            // What was asked for before this is no longer wanted either.
+            self.off.press();
+            self.offs_done = self.off.presses();
+            session.set_mode(Mode::Idle)?;
+            self.say(Update::SwitchedOff("outputs off: the picture had stood still for a second".into()));
+        }
+        Ok(())
     }
 
     /// Does what was asked for. What the board refuses is told.
