@@ -65,8 +65,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let greeted = match &arguments.board {
         Some(address) => {
-            let link = crate::link::open(address).into_diagnostic()?;
-            Some(flash::greet(link, job.table.as_ref().map(TableImage::hash)).into_diagnostic()?)
+            let hash = job.table.as_ref().map(TableImage::hash);
+            Some(flash::greet(|| crate::link::open(address), hash).into_diagnostic()?)
         }
         None => None,
     };

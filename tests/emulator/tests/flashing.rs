@@ -45,8 +45,8 @@ fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
     let (greeted, other) = board
         .with(move |target| {
             (
-                greet(EmulatedUart::new(target.board()), Some(hash)),
-                greet(EmulatedUart::new(target.board()), Some([1; 16])),
+                greet(|| Ok(EmulatedUart::new(target.board())), Some(hash)),
+                greet(|| Ok(EmulatedUart::new(target.board())), Some([1; 16])),
             )
         })
         .unwrap();
