@@ -28,7 +28,7 @@ pub struct Arguments {
     /// Look-up table, as `palpate lut` writes it
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
-    /// Then greet the board over this link and compare versions: tcp:HOST:PORT or serial:PATH
+    /// Then greet the board over this link and compare versions: auto, tcp:HOST:PORT or serial:PATH
     #[arg(long, value_name = "LINK", value_parser = real_board)]
     board: Option<Address>,
     /// Print one JSON object on standard output
@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 fn real_board(text: &str) -> Result<Address, String> {
     match text.parse() {
         Ok(Address::Simulated) => {
-            Err("the simulated board has no flash to write: expected tcp:HOST:PORT or serial:PATH".into())
+            Err("the simulated board has no flash to write: expected auto, tcp:HOST:PORT or serial:PATH".into())
         }
         Ok(address) => Ok(address),
         Err(error) => Err(error.to_string()),

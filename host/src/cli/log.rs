@@ -17,7 +17,7 @@ use crate::signals;
 /// Which board, and where to write.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The board: sim, tcp:HOST:PORT or serial:PATH
+    /// The board: sim, auto (the one on USB), tcp:HOST:PORT or serial:PATH
     #[arg(long, default_value = "sim")]
     board: Address,
     /// Write a line a record to this file; if it exists, to the next free name: FILE-2, FILE-3

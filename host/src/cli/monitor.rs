@@ -17,7 +17,7 @@ use crate::monitor::{self, Attended, Library, Opener, Settings};
 /// Which board, and where recordings go.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The board: sim, tcp:HOST:PORT or serial:PATH
+    /// The board: sim, auto (the one on USB), tcp:HOST:PORT or serial:PATH
     #[arg(long, default_value = "sim")]
     board: Address,
     /// The board's table, for the names of its materials and for the key that uploads it; the simulated board gets the demo's
