@@ -10,12 +10,17 @@ use miette::IntoDiagnostic;
 use serde_json::json;
 
 use crate::link::{Address, Link};
-use crate::log::{Listening, Recorder, Terms, live_view};
+use crate::log::{About, Listening, Recorder, Terms, live_view};
 use crate::session::{Gap, Patience, Session, Traffic, gap_text};
 use crate::signals;
 
 /// Which board, and where to write.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Times: time_s (CSV) and publish_time (MCAP) are the board's, since its start; utc (CSV) and log_time (MCAP) the wall \
+clock's. Neither goes back when the board restarts.\n\
+Board, firmware, table and calibration stand in the note of the first row (CSV) and in the metadata record `palpate` (MCAP)."
+)]
 pub struct Arguments {
     /// The board: sim, auto (the one on USB), tcp:HOST:PORT or serial:PATH
     #[arg(long, default_value = "sim")]
@@ -58,8 +63,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut opener = || crate::link::open(&arguments.board);
     let (mut session, hello) = Session::open(opener().into_diagnostic()?, Patience::default()).into_diagnostic()?;
     session.set_telemetry(arguments.every).into_diagnostic()?;
+    let about = About::of(&mut session, &hello).into_diagnostic()?;
     // Only now: a board that does not answer must not leave an empty file behind.
-    let recorder = Recorder::create_new(arguments.csv.as_deref(), arguments.mcap.as_deref()).into_diagnostic()?;
+    let mut recorder = Recorder::create_new(arguments.csv.as_deref(), arguments.mcap.as_deref()).into_diagnostic()?;
+    recorder.about(&about).into_diagnostic()?;
     let files = recorder.paths();
     let [csv, mcap] = [recorder.csv_path(), recorder.mcap_path()].map(|path| path.map(Path::to_path_buf));
     let mut view = live_view(session.link().name(), Vec::new());
@@ -79,7 +86,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let finished = recorder.finish();
     let traffic = session.traffic();
     if arguments.json {
-        outln!("{}", json!({ "telemetry": traffic, "seconds": seconds, "csv": csv, "mcap": mcap, "gaps": gaps }));
+        outln!(
+            "{}",
+            json!({ "telemetry": traffic, "seconds": seconds, "csv": csv, "mcap": mcap, "gaps": gaps })
+        );
     } else {
         tell(&traffic, &gaps, &files);
     }

@@ -15,7 +15,7 @@ use super::monitor::depth;
 use super::progress::Progress;
 use crate::demo::{Stage, bench_foams, demo_table};
 use crate::link::{Address, Link, Pace};
-use crate::log::{Recorder, library_names};
+use crate::log::{About, Recorder, library_names};
 use crate::monitor::Attended;
 use crate::session::{Patience, Session};
 use crate::signals;
@@ -75,13 +75,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<u8> {
         None => None,
     };
     let (link, table) = open(arguments, table)?;
-    let (mut session, _) = Session::open(link, Patience::default()).into_diagnostic()?;
+    let (mut session, hello) = Session::open(link, Patience::default()).into_diagnostic()?;
     if let Some(table) = table.as_ref().filter(|_| arguments.board == Address::Simulated) {
         session.upload(table, |_| {}).into_diagnostic()?;
     }
     let library = names(&mut session, table.as_deref())?;
+    let about = About::of(&mut session, &hello).into_diagnostic()?;
     // Only now: a board that does not answer must not leave an empty file behind.
     let mut recorder = Recorder::create_new(arguments.csv.as_deref(), arguments.mcap.as_deref()).into_diagnostic()?;
+    recorder.about(&about).into_diagnostic()?;
     let [csv, mcap] = [recorder.csv_path(), recorder.mcap_path()].map(|path| path.map(Path::to_path_buf));
     let mode = Mode::Palpate { rate_mm_s: arguments.rate, depth_mm: arguments.depth };
     let ended = palpate(&mut session, mode, arguments.timeout, &stop, Some(&mut recorder));

@@ -12,7 +12,7 @@ use protocol::message::{Hello, Mode, Status};
 
 use super::{OffSwitch, Recording};
 use crate::link::{Link, LinkError};
-use crate::log::LogError;
+use crate::log::{About, LogError};
 use crate::session::{Event, Patience, Session, SessionError, Traffic};
 
 /// What a person asks for.
@@ -113,6 +113,7 @@ impl Worker {
             reports,
             recording: None,
             opened_before: false,
+            hello: None,
             off: off.clone(),
             offs_done: 0,
             watched: Arc::clone(&watched),
@@ -176,6 +177,8 @@ struct Conversation {
     reports: Sender<Update>,
     recording: Option<Recording>,
     opened_before: bool,
+    /// What the board said when the link was opened last.
+    hello: Option<Hello>,
     off: OffSwitch,
     /// Presses of the off switch that were carried out.
     offs_done: u32,
@@ -204,8 +207,8 @@ impl Conversation {
             {
                 Ok(hello) => match &mut board {
                     Some(board) => {
-                        self.say(Update::Opened(board.0.link().name().to_owned(), hello));
-                        let end = self.talk(board);
+                        self.say(Update::Opened(board.0.link().name().to_owned(), hello.clone()));
+                        let end = self.talk(board, hello);
                         if let End::Lost(reason) = &end {
                             why.clone_from(reason);
                             self.record_gap(reason);
@@ -263,13 +266,18 @@ impl Conversation {
         self.settings.stop.load(Ordering::Relaxed)
     }
 
-    fn talk(&mut self, board: &mut SafeEnd) -> End {
+    fn talk(&mut self, board: &mut SafeEnd, hello: Hello) -> End {
         let session = &mut board.0;
         self.offs_done = self.off.presses();
         // Whatever was going on when the link was lost, nobody has watched it since.
         if std::mem::replace(&mut self.opened_before, true)
             && let Err(error) = session.set_mode(Mode::Idle)
         {
+            return End::Lost(error.to_string());
+        }
+        self.hello = Some(hello);
+        // A recording that was begun without a link, or one whose board may have been exchanged.
+        if let Err(error) = self.sign(session) {
             return End::Lost(error.to_string());
         }
         if self.settings.upload_at_start {
@@ -356,7 +364,7 @@ impl Conversation {
             Command::Upload => self.upload(session),
             Command::Record(on) => {
                 self.record(on);
-                return Ok(());
+                return self.sign(session);
             }
             // Seen by the caller.
             Command::Stop => return Ok(()),
@@ -385,6 +393,16 @@ impl Conversation {
         self.say(Update::Upload(end, end));
         let state = uploaded?;
         Ok(format!("table of {} bytes is active in slot {:?}", table.len(), state.active))
+    }
+
+    /// Writes into a running recording whose it is.
+    fn sign(&mut self, session: &mut Session<Box<dyn Link>>) -> Result<(), SessionError> {
+        let (Some(recording), Some(hello)) = (&mut self.recording, &self.hello) else { return Ok(()) };
+        let about = About::of(session, hello)?;
+        if let Err(error) = recording.about(&about) {
+            self.give_up_recording(&error);
+        }
+        Ok(())
     }
 
     fn record(&mut self, on: bool) {
