@@ -10,9 +10,12 @@ use miette::IntoDiagnostic;
 use serde_json::json;
 
 use crate::link::{Address, Link};
-use crate::log::{About, Listening, Recorder, Terms, live_view};
+use crate::log::{About, Freeze, Listening, Recorder, Terms, live_view};
 use crate::session::{Gap, Patience, Session, Traffic, gap_text};
 use crate::signals;
+
+/// Where the second before a fault goes when nothing is recorded; otherwise it goes beside the recording.
+const FAULTS: &str = "out/recordings";
 
 /// Which board, and where to write.
 #[derive(Debug, Args)]
@@ -77,10 +80,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         view.note(&file_text(wanted, file));
     }
     let terms = Terms { seconds: arguments.seconds, retry_s: arguments.retry, stop: &stop, opener: &mut opener };
-    let mut listening = Listening::new(session, recorder, view, terms);
+    let beside = files.first().and_then(|file| file.parent()).map_or(Path::new(FAULTS), |folder| folder);
+    let mut listening = Listening::new(session, recorder, Freeze::new(beside), view, terms);
     let outcome = listening.run();
     let seconds = listening.seconds();
-    let Listening { session, recorder, view, gaps, .. } = listening;
+    let Listening { session, recorder, freeze, view, gaps, .. } = listening;
     // Gives the terminal back before anything is printed.
     drop(view);
     let finished = recorder.finish();
@@ -88,10 +92,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.json {
         outln!(
             "{}",
-            json!({ "telemetry": traffic, "seconds": seconds, "csv": csv, "mcap": mcap, "gaps": gaps })
+            json!({ "telemetry": traffic, "seconds": seconds, "csv": csv, "mcap": mcap, "gaps": gaps, "faults": freeze.files() })
         );
     } else {
-        tell(&traffic, &gaps, &files);
+        tell(&traffic, &gaps, &[&files, freeze.files()].concat());
     }
     outcome.into_diagnostic()?;
     finished.into_diagnostic()

@@ -8,6 +8,7 @@
 mod about;
 mod csv;
 mod error;
+mod freeze;
 mod listening;
 mod live;
 mod mcap;
@@ -24,6 +25,8 @@ use protocol::TICK_HZ;
 pub use about::About;
 pub use csv::{COLUMNS, CsvLog};
 pub use error::LogError;
+pub use freeze::Freeze;
+pub(crate) use freeze::frozen_text;
 pub use listening::{ListenError, Listening, Terms};
 pub use live::{LiveView, Plain, Screen, estimate_text, library_names, live_view, verdict_text};
 pub use mcap::{Channel, McapLog};

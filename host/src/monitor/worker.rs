@@ -12,7 +12,7 @@ use protocol::message::{Hello, Mode, Status};
 
 use super::{OffSwitch, Recording};
 use crate::link::{Link, LinkError};
-use crate::log::{About, LogError};
+use crate::log::{About, Freeze, LogError, frozen_text};
 use crate::session::{Event, Patience, Session, SessionError, Traffic};
 
 /// What a person asks for.
@@ -107,6 +107,7 @@ impl Worker {
         let (reports, updates) = channel();
         let (off, watched) = (OffSwitch::default(), Arc::new(Mutex::new(Instant::now())));
         let mut conversation = Conversation {
+            freeze: Freeze::new(&settings.folder),
             opener,
             settings,
             orders,
@@ -176,6 +177,7 @@ struct Conversation {
     orders: Receiver<Order>,
     reports: Sender<Update>,
     recording: Option<Recording>,
+    freeze: Freeze,
     opened_before: bool,
     /// What the board said when the link was opened last.
     hello: Option<Hello>,
@@ -230,7 +232,17 @@ impl Conversation {
         self.record(false);
     }
 
+    fn tell_frozen(&self, frozen: Result<Option<PathBuf>, LogError>) {
+        match frozen {
+            Ok(Some(path)) => self.say(Update::Done(frozen_text(&path))),
+            Ok(None) => {}
+            Err(error) => self.say(Update::Refused(error.to_string())),
+        }
+    }
+
     fn record_gap(&mut self, reason: &str) {
+        let frozen = self.freeze.lost();
+        self.tell_frozen(frozen);
         if let Some(recording) = &mut self.recording
             && let Err(error) = recording.gap_begins(&format!("board lost: {reason}"))
         {
@@ -426,6 +438,8 @@ impl Conversation {
 
     /// Logs; a disk that takes no more ends the recording, not the conversation.
     fn keep(&mut self, event: &Event, session: &mut Session<Box<dyn Link>>) {
+        let frozen = self.freeze.event(event, &session.traffic());
+        self.tell_frozen(frozen);
         let truths = session.link_mut().take_truth();
         let Some(recording) = &mut self.recording else {
             return;
