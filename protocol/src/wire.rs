@@ -107,7 +107,6 @@ mod tests {
     macro_rules! message_of {
         ($module:ident, $inner:ty) => {
             mod $module {
-                use super::super::wire;
                 wire! {
                     /// Inside.
                     pub struct Inner {

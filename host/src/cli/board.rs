@@ -19,7 +19,7 @@ use crate::simulated_board::{SimulatedBoard, serve};
 /// Which board, and what to do with it.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The board: sim, tcp:HOST:PORT or serial:PATH
+    /// The board: sim, auto (the one on USB), tcp:HOST:PORT or serial:PATH
     #[arg(long, default_value = "sim", global = true)]
     board: Address,
     /// Print one JSON object on standard output

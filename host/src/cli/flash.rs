@@ -9,7 +9,7 @@ use miette::IntoDiagnostic;
 use probe_rs::probe::list::Lister;
 use serde_json::json;
 
-use crate::flash::{self, BrownOut, CHIP, Firmware, Greeted, Job, Step, StepProgress, TableImage};
+use crate::flash::{self, BrownOut, CHIP, Expected, Firmware, Greeted, Job, Step, StepProgress, TableImage};
 use crate::link::Address;
 
 /// What to write, and through which probe.
@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Look-up table, as `palpate lut` writes it
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
-    /// Then greet the board over this link and compare versions: tcp:HOST:PORT or serial:PATH
+    /// Then greet the board over this link and compare versions: auto, tcp:HOST:PORT or serial:PATH
     #[arg(long, value_name = "LINK", value_parser = real_board)]
     board: Option<Address>,
     /// Print one JSON object on standard output
@@ -73,9 +73,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let greeted = match &arguments.board {
         Some(address) => {
-            let link = crate::link::open(address).into_diagnostic()?;
-            let crc = job.firmware.as_ref().map(Firmware::crc).transpose().into_diagnostic()?;
-            Some(flash::greet(link, crc, job.table.as_ref().map(TableImage::hash)).into_diagnostic()?)
+            let expected = Expected {
+                image_crc: job.firmware.as_ref().map(Firmware::crc).transpose().into_diagnostic()?,
+                table_hash: job.table.as_ref().map(TableImage::hash),
+            };
+            Some(flash::greet(|| crate::link::open(address), &expected).into_diagnostic()?)
         }
         None => None,
     };
@@ -128,7 +130,7 @@ fn ask(level: u8) -> bool {
 fn real_board(text: &str) -> Result<Address, String> {
     match text.parse() {
         Ok(Address::Simulated) => {
-            Err("the simulated board has no flash to write: expected tcp:HOST:PORT or serial:PATH".into())
+            Err("the simulated board has no flash to write: expected auto, tcp:HOST:PORT or serial:PATH".into())
         }
         Ok(address) => Ok(address),
         Err(error) => Err(error.to_string()),

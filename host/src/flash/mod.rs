@@ -18,7 +18,7 @@ use probe_rs::{Permissions, Session};
 
 pub use brown_out::{BrownOut, OptionRefusal, set_up};
 pub use error::FlashingError;
-pub use greeting::{Greeted, greet};
+pub use greeting::{Expected, Greeted, greet};
 pub use image::{Firmware, TableImage};
 
 /// The chip of the NUCLEO-F429ZI.

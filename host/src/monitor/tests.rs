@@ -83,9 +83,12 @@ fn outputs_go_on_only_after_arming_and_arming_ends_with_every_off() {
     assert_eq!(monitor.key(Key::Char('d')), [Command::Mode(Mode::Display { material: 0 })]);
     for off in [' ', 'o'] {
         monitor.armed = true;
-        assert_eq!(monitor.key(Key::Char(off)), [Command::Mode(Mode::Idle)]);
+        assert!(Key::Char(off).is_off() && monitor.key(Key::Char(off)).is_empty());
         assert!(!monitor.is_armed());
     }
+    monitor.armed = true;
+    monitor.update(Update::SwitchedOff("outputs off: nobody watches".into()));
+    assert_eq!((monitor.is_armed(), monitor.newest()), (false, Some("outputs off: nobody watches")));
 }
 
 #[test]
@@ -186,6 +189,7 @@ fn traces_hold_ten_seconds_and_begin_anew_with_a_restarted_board() {
 fn every_way_out_stops_the_worker() {
     for key in [Key::Char('q'), Key::Escape, Key::Interrupt] {
         let mut monitor = open();
+        assert!(key.is_end());
         assert_eq!(monitor.key(key), [Command::Stop]);
         assert!(monitor.is_done());
     }

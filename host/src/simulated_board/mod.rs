@@ -3,6 +3,8 @@
 //! Time is virtual: [`SimulatedBoard::step`] lets one control tick (20 ms) pass, in which the bench and the firmware's fast loop take
 //! twenty steps of 1 ms and then the firmware its tick. Given a seed everything but the measured duration of a tick repeats exactly.
 
+#[cfg(test)]
+mod samples;
 mod server;
 
 use std::time::Instant;
@@ -18,6 +20,8 @@ use protocol::TICK_HZ;
 use protocol::lut::Table;
 use protocol::message::{Build, LastRun, ResetCause, State};
 
+#[cfg(test)]
+pub(crate) use samples::{foam, press_table, stiffer_foam};
 pub use server::{Server, serve};
 
 use crate::plant::{Bench, Broken, Foam, Input, Jitter, Touch, Truth};

@@ -9,7 +9,7 @@ use emulator::board::LSI_HZ;
 use emulator::chip::{FLASH_LEN, Reset};
 use emulator::debug::{Handle, lister};
 use emulator::link::EmulatedUart;
-use palpate::flash::{CHIP, Firmware, Job, Step, TableImage, greet, write};
+use palpate::flash::{CHIP, Expected, Firmware, Job, Step, TableImage, greet, write};
 use protocol::lut::Table;
 
 #[test]
@@ -45,7 +45,10 @@ fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
     let crc = job.firmware.as_ref().unwrap().crc().unwrap();
     let (greeted, other_table, other_image) = board
         .with(move |target| {
-            let mut greet = |crc, hash| greet(EmulatedUart::new(target.board()), Some(crc), Some(hash));
+            let mut greet = |crc, hash| {
+                let expected = Expected { image_crc: Some(crc), table_hash: Some(hash) };
+                greet(|| Ok(EmulatedUart::new(target.board())), &expected)
+            };
             (greet(crc, hash), greet(crc, [1; 16]), greet(!crc, hash))
         })
         .unwrap();
