@@ -32,10 +32,14 @@ pub struct SafetyConfig {
     pub tick_us: u16,
     /// Ticks without a request while outputs are on.
     pub link_ticks: u16,
-    /// Command that counts as driven at its limit, V, and for how many ticks it may be.
+    /// Command that counts as driven at its limit, V.
     pub stall_v: f32,
-    /// See `stall_v`.
+    /// Ticks at the limit without a motion of `stall_mm`: a stalled shaft.
     pub stall_ticks: u16,
+    /// See `stall_ticks`, mm. A free shaft makes thirty times as much in these ticks.
+    pub stall_mm: f32,
+    /// Ticks at the limit whatever the potentiometer says: the whole stroke at 4 mm/s.
+    pub drive_ticks: u16,
 }
 
 impl Default for SafetyConfig {
@@ -54,6 +58,8 @@ impl Default for SafetyConfig {
             link_ticks: 50,
             stall_v: 4.99,
             stall_ticks: 100,
+            stall_mm: 0.3,
+            drive_ticks: 250,
         }
     }
 }
@@ -104,7 +110,10 @@ pub struct Safety {
     latched: FaultSet,
     present: FaultSet,
     overruns: u8,
+    /// Ticks at the command's limit, those since the shaft has moved, and where it then was, mm.
+    driven: u16,
     stalled: u16,
+    stalled_at_mm: f32,
     silent: u16,
     /// Ticks that took too long.
     pub deadlines_missed: u32,
@@ -123,7 +132,9 @@ impl Safety {
             latched,
             present: FaultSet::NONE,
             overruns: 0,
+            driven: 0,
             stalled: 0,
+            stalled_at_mm: 0.0,
             silent: 0,
             deadlines_missed: 0,
             tick_max_us: 0,
@@ -196,15 +207,22 @@ impl Safety {
             f32::from(config.tick_us),
         );
         see(self.silent > config.link_ticks, Fault::LinkLost, f32::from(self.silent), f32::from(config.link_ticks));
-        see(self.stalled > config.stall_ticks, Fault::ActuatorStall, input.actuator_v, config.stall_v);
+        let stalled = self.stalled > config.stall_ticks || self.driven > config.drive_ticks;
+        see(stalled, Fault::ActuatorStall, input.actuator_v, config.stall_v);
         see(input.not_finite || !m.is_finite() || !input.coil_c.is_finite(), Fault::NotFinite, 0.0, 0.0);
         see(input.table_broken, Fault::TableInvalid, 0.0, 0.0);
     }
 
     fn count(&mut self, config: &SafetyConfig, input: &SafetyInput<'_>) {
         self.overruns = if input.adc_overrun { self.overruns.saturating_add(1) } else { 0 };
-        let stalled = input.outputs_on && input.actuator_v.abs() >= config.stall_v;
-        self.stalled = if stalled { self.stalled.saturating_add(1) } else { 0 };
+        let driven = input.outputs_on && input.actuator_v.abs() >= config.stall_v;
+        self.driven = if driven { self.driven.saturating_add(1) } else { 0 };
+        let still = (input.measured.shaft_mm - self.stalled_at_mm).abs() < config.stall_mm;
+        if driven && still {
+            self.stalled = self.stalled.saturating_add(1);
+        } else {
+            (self.stalled, self.stalled_at_mm) = (0, input.measured.shaft_mm);
+        }
         // Silence counts only while outputs are on: a quiet host is no hazard to a board that does nothing.
         self.silent = if input.outputs_on { self.silent.saturating_add(1) } else { 0 };
         self.tick_max_us = self.tick_max_us.max(input.tick_us);

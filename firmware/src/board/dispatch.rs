@@ -171,7 +171,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
                 self.palpation_rate_mm_s = rate_mm_s;
                 self.contact_ticks = (0, 0, 0);
             }
-            Mode::Display { .. } if !displayed => self.display = Display::default(),
+            Mode::Display { .. } if !displayed => self.display = Display::at(self.measured.shaft_mm),
             _ => {}
         }
         Ok(Answer::Accepted)

@@ -1,5 +1,6 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod end_stop;
 mod hazards;
 mod link;
 mod palpation;
@@ -24,6 +25,8 @@ struct Bench {
     foam: Option<Foam>,
     finger_n: f32,
     shaft_mm: f32,
+    /// What the potentiometer reads too much, mm.
+    shaft_off_mm: f32,
     outputs: Outputs,
     /// Changes the inputs of every tick.
     spoil: fn(&mut Inputs),
@@ -43,6 +46,7 @@ impl Bench {
             foam: None,
             finger_n: 0.0,
             shaft_mm: 0.0,
+            shaft_off_mm: 0.0,
             outputs: Outputs::default(),
             spoil: |_| {},
         }
@@ -66,7 +70,7 @@ impl Bench {
         let raw = RawSamples {
             load_cell: load_cell_ratio(force_n, &c.calibration.load_cell),
             fsr: fsr_ratio(self.finger_n, &c.calibration.fsr),
-            potentiometer: potentiometer_ratio(self.shaft_mm, &c.calibration.potentiometer),
+            potentiometer: potentiometer_ratio(self.shaft_mm + self.shaft_off_mm, &c.calibration.potentiometer),
             probe_position: probe_ratio(self.probe_mm, &c.calibration.probe),
             coil_current: coil_ratio(self.outputs.coil_target_a, &c.shunt),
         };
@@ -76,7 +80,7 @@ impl Bench {
         let step_mm = if self.outputs.arm_run { -self.outputs.arm_rate_mm_s / 50.0 } else { 10.0 / 50.0 };
         self.probe_mm = (self.probe_mm + step_mm).min(self.home_mm);
         // First-order stand-in for the actuator: gain 1 mm/V, 0.25 s.
-        self.shaft_mm += 0.08 * (self.outputs.actuator_v - self.shaft_mm);
+        self.shaft_mm = (self.shaft_mm + 0.08 * (self.outputs.actuator_v - self.shaft_mm)).max(0.0);
         self.collect();
     }
 
@@ -105,7 +109,7 @@ impl Bench {
         let mut buffer = [0; MAX_FRAME];
         let bytes = encode_request(request, self.seq, &mut buffer).unwrap();
         self.board.receive(bytes);
-        self.seq += 1;
+        self.seq = self.seq.wrapping_add(1);
         self.collect();
     }
 
@@ -125,7 +129,7 @@ impl Bench {
 
     fn accept(&mut self, request: &Request) {
         match self.ask(request) {
-            Report::Accepted(Accepted { of, seq }) => assert_eq!((of, seq), (request.kind(), self.seq - 1)),
+            Report::Accepted(Accepted { of, seq }) => assert_eq!((of, seq), (request.kind(), self.seq.wrapping_sub(1))),
             other => panic!("{other:?}"),
         }
     }
