@@ -5,6 +5,7 @@ use crate::coil::thermal::{ThermalConfig, allowed_fraction};
 use crate::number::limit;
 use crate::pid::{Pid, PidState};
 use protocol::lut::Material;
+use protocol::message::Fitted;
 
 /// Limits of the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +62,18 @@ pub struct DisplayInput {
     pub shaft_mm: f32,
     /// Estimated coil temperature, degrees Celsius.
     pub coil_c: f32,
+}
+
+impl DisplayOutput {
+    /// The same with what is not fitted not driven.
+    #[must_use]
+    pub fn fitted(self, fitted: &Fitted) -> Self {
+        DisplayOutput {
+            actuator_v: if fitted.actuator { self.actuator_v } else { 0.0 },
+            coil_target_a: if fitted.coil { self.coil_target_a } else { 0.0 },
+            ..self
+        }
+    }
 }
 
 impl Display {

@@ -60,6 +60,16 @@ faults! {
     WatchdogReset = 14, "the watchdog had reset the board", "read the log, report it";
     /// Actuator driven at its limit for longer than it may be.
     ActuatorStall = 15, "actuator stalled", "free the shaft, then clear the fault";
+    /// The load cell reads what a probe on its way down cannot feel.
+    ForceImplausible = 16, "force contradicts the press", "check the load cell's wiring and tare it; a specimen that slipped or tore reads alike";
+    /// The probe does not move as the arm is told to.
+    ArmDeviates = 17, "probe does not move as commanded", "check the arm, its rate, and the transducer's wiring";
+    /// More current in the coil than its duty gives: the switch does not open.
+    CoilUncommanded = 18, "coil current without a command", "cut the coil's supply: its power switch is shorted";
+    /// Less current in the coil than its duty gives.
+    CoilOpen = 19, "coil driven without current", "check coil, supply and current amplifier";
+    /// The stored calibration does not read back.
+    CalibrationLost = 20, "stored calibration cannot be read", "load a calibration: palpate board calibrate --load FILE";
 }
 
 impl Fault {
@@ -87,6 +97,11 @@ impl Fault {
             Fault::ProbePositionOpen => "probe-position-open",
             Fault::WatchdogReset => "watchdog-reset",
             Fault::ActuatorStall => "actuator-stall",
+            Fault::ForceImplausible => "force-implausible",
+            Fault::ArmDeviates => "arm-deviates",
+            Fault::CoilUncommanded => "coil-uncommanded",
+            Fault::CoilOpen => "coil-open",
+            Fault::CalibrationLost => "calibration-lost",
         }
     }
 }

@@ -9,6 +9,7 @@
 //! fault if outputs are on, because controller and search assume 20 ms between samples.
 
 mod dispatch;
+mod press;
 
 use crate::coil::regulator::CoilPi;
 use crate::coil::thermal;
@@ -21,12 +22,17 @@ use crate::link::{Priority, Receiver, Transmitter};
 use crate::mode::{ModeEvent, ModeInput, ModeState};
 use crate::palpation::{Motion, Palpation, Progress};
 use crate::pid::Pid;
+use crate::plausible::Plausible;
 use crate::safety::{Safety, SafetyInput};
-use crate::sensor::{Measured, RawSamples, calibration_is_usable};
+use crate::sensor::{Measured, RawSamples};
 use crate::telemetry::TelemetryClock;
+use press::setup_at_start;
 use protocol::TICK_S;
+use protocol::fault::Fault;
 use protocol::lut::Table;
-use protocol::message::{Calibration, FaultReport, Mode, Outcome, Report, ResetCause, State, Telemetry};
+use protocol::message::{
+    Calibration, CalibrationState, FaultReport, Fitted, Mode, Outcome, Report, ResetCause, State, Telemetry,
+};
 
 /// What a control tick gets.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -37,8 +43,8 @@ pub struct Inputs {
     pub fresh: bool,
     /// The converter's ring overran since the previous tick.
     pub adc_overrun: bool,
-    /// The fast loop has tripped on over-current since the previous tick.
-    pub coil_tripped: bool,
+    /// Why the fast loop has switched the coil off since the previous tick.
+    pub coil_trip: Option<Fault>,
     /// Duty of the coil that the fast loop applies now, for telemetry.
     pub coil_duty: f32,
     /// Measured duration of the previous tick, us.
@@ -52,7 +58,7 @@ impl Inputs {
             raw: averaged.raw,
             fresh: averaged.count > 0,
             adc_overrun,
-            coil_tripped: averaged.coil_tripped,
+            coil_trip: averaged.coil_trip,
             coil_duty: averaged.coil_duty,
             tick_us,
         }
@@ -98,6 +104,8 @@ pub struct Board<S> {
     /// Sequence number of the `TableBegin` that is answered when the erase has ended.
     begin_seq: Option<u16>,
     calibration: Calibration,
+    calibration_state: CalibrationState,
+    fitted: Fitted,
     pid: Pid,
     coil_pi: CoilPi,
     receiver: Receiver,
@@ -108,6 +116,11 @@ pub struct Board<S> {
     safety: Safety,
     mode: ModeState,
     palpation: Palpation,
+    plausible: Plausible,
+    /// Height of the surface that the next palpation is to find, mm.
+    expected_mm: Option<f32>,
+    /// Lowest height of the probe without contact in this palpation, mm.
+    floor_mm: f32,
     palpations: u32,
     palpation_rate_mm_s: f32,
     /// Sum (us) and number of the ticks in contact, and the longest tick of the palpation.
@@ -127,8 +140,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
     /// A board at start: looks for a table and a calibration in `store`, outputs off.
     pub fn new(config: BoardConfig, mut store: S, identity: Identity) -> Self {
         let (active, table_broken) = find_active(store.bytes());
-        let calibration =
-            store.load_calibration().filter(calibration_is_usable).unwrap_or_else(|| config.calibration.clone());
+        let (setup, calibration_state) = setup_at_start(&config, &mut store);
         Board {
             pid: Pid::build(&config.gains, TICK_S, config.u_max_v),
             coil_pi: CoilPi::build(&config.circuit, 1.0 / FAST_HZ as f32),
@@ -142,13 +154,18 @@ impl<S: TableStore + CalibrationStore> Board<S> {
             table_broken,
             upload: Upload::new(),
             begin_seq: None,
-            calibration,
+            calibration: setup.calibration,
+            calibration_state,
+            fitted: setup.fitted,
             receiver: Receiver::new(),
             transmitter: Transmitter::new(),
             schema_mismatch: false,
             telemetry: TelemetryClock::default(),
             mode: ModeState::new(),
             palpation: Palpation::new(),
+            plausible: Plausible::default(),
+            expected_mm: None,
+            floor_mm: 0.0,
             palpations: 0,
             palpation_rate_mm_s: 0.0,
             contact_ticks: (0, 0, 0),
@@ -231,13 +248,15 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         if inputs.fresh {
             self.age_ticks = 0;
             self.raw = inputs.raw;
-            self.measured = Measured::from_raw(&self.raw, &self.calibration, &self.config.shunt);
+            self.measured = Measured::from_raw(&self.raw, &self.calibration, &self.config.shunt).fitted(&self.fitted);
         } else {
             self.age_ticks = self.age_ticks.saturating_add(1);
         }
         // Heated by the larger of measured and wanted current: an amplifier that reads no current must not hide the heat.
         // (`max` also keeps a reading that is no number out of the temperature.)
-        let heating_a = self.measured.coil_a.max(self.outputs.coil_target_a);
+        // Or by what the duty gives: neither must an amplifier that reads too little.
+        let driven_a = thermal::driven_a(&self.config.thermal, &self.config.circuit, inputs.coil_duty, self.coil_c);
+        let heating_a = self.measured.coil_a.max(self.outputs.coil_target_a).max(driven_a);
         self.coil_c = thermal::step_c(&self.config.thermal, self.coil_c, heating_a, TICK_S);
         if self.mode.state != State::Idle {
             let (sum, count, max) = &mut self.contact_ticks;
@@ -250,13 +269,17 @@ impl<S: TableStore + CalibrationStore> Board<S> {
     }
 
     fn guard(&mut self, inputs: &Inputs) {
+        let contradiction = self.contradiction(inputs);
         let input = SafetyInput {
             raw: &self.raw,
             measured: &self.measured,
             calibration: &self.calibration,
             age_ticks: self.age_ticks,
             adc_overrun: inputs.adc_overrun,
-            coil_tripped: inputs.coil_tripped,
+            coil_trip: inputs.coil_trip,
+            contradiction,
+            fitted: &self.fitted,
+            calibration_lost: self.calibration_state == CalibrationState::Unreadable,
             coil_c: self.coil_c,
             tick_us: inputs.tick_us,
             actuator_v: self.outputs.actuator_v,
@@ -296,6 +319,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
             force_n: self.measured.load_cell_n,
             contact: self.palpation.has_contact(),
             no_slice: progress.refused(),
+            floor_mm: self.floor_mm,
             record_full: progress == Progress::Full,
             analysed,
             faulted: !self.safety.latched().is_empty(),
@@ -344,7 +368,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         let output = self.table().and_then(|table| table.material(usize::from(material))).map(|material| {
             let input =
                 DisplayInput { force_n: self.measured.fsr_n, shaft_mm: self.measured.shaft_mm, coil_c: self.coil_c };
-            display.step(&self.config.display, &self.config.thermal, &self.pid, &material, &input)
+            display.step(&self.config.display, &self.config.thermal, &self.pid, &material, &input).fitted(&self.fitted)
         });
         self.display = display;
         output.unwrap_or_default()

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{Context, IntoDiagnostic};
 use protocol::fault::Fault;
-use protocol::message::{Calibration, Gains, Hello, State, Status};
+use protocol::message::{Calibration, CalibrationState, Fitted, Gains, Hello, State, Status};
 use serde_json::json;
 
 use super::mode::ModeChoice;
@@ -41,6 +41,12 @@ enum Action {
         /// Load a calibration from a TOML file, in the form that this command prints
         #[arg(long, value_name = "FILE")]
         load: Option<PathBuf>,
+    },
+    /// Say which parts are wired to the board: all, or some of palpator, actuator, coil. The others are neither checked nor driven
+    Fit {
+        /// The parts; the FSR belongs to actuator and coil
+        #[arg(required = true, value_enum)]
+        parts: Vec<Part>,
     },
     /// Set what the board does, and stay until it is done
     #[command(subcommand)]
@@ -81,6 +87,19 @@ enum Action {
     },
 }
 
+/// What can be wired to a board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// Arm with load cell and position transducer
+    Palpator,
+    /// Actuator of the display with potentiometer and FSR
+    Actuator,
+    /// Coil of the display with its current amplifier
+    Coil,
+    /// Everything
+    All,
+}
+
 /// Does what was asked for.
 ///
 /// # Errors
@@ -94,6 +113,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let answer = match &arguments.action {
         Action::Status => status(&mut session, &hello)?,
         Action::Calibrate { tare, load } => calibrate(&mut session, *tare, load.as_deref())?,
+        Action::Fit { parts } => fit(&mut session, parts)?,
         Action::Mode(choice) => super::mode::run(&mut session, choice)?,
         Action::Gains { kp, ki, kd, n } => {
             let gains = Gains { kp: *kp, ki: *ki, kd: *kd, n: *n };
@@ -129,6 +149,8 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         deadlines_missed,
         tick_max_us,
         table_hash,
+        calibration,
+        fitted,
     } = session.status().into_diagnostic()?;
     let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();
     let [major, minor, patch] = hello.firmware_version;
@@ -139,12 +161,15 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         "{kind} {} with firmware {major}.{minor}.{patch}, protocol {}, last start: {:?}\n\
          state      {state:?}, mode {mode:?}, up {:.1} s\n\
          table      {table}\n\
+         setup      {}; fitted: {}\n\
          link       {frames_rejected} damaged frames received, {frames_dropped} records not sent\n\
          control    longest tick {tick_max_us} us, {deadlines_missed} deadlines missed",
         hex(&hello.unique_id),
         hello.protocol_version,
         hello.reset_cause,
         f64::from(uptime_ms) / 1e3,
+        calibration_text(calibration),
+        fitted_text(&fitted),
     );
     if latched.is_empty() {
         text.push_str("\nfaults     none");
@@ -157,8 +182,31 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         "unique_id": hex(&hello.unique_id), "uptime_ms": uptime_ms, "state": state, "mode": mode, "table": table,
         "faults": latched.iter().map(|f| f.code()).collect::<Vec<_>>(), "frames_rejected": frames_rejected,
         "frames_dropped": frames_dropped, "tick_max_us": tick_max_us, "deadlines_missed": deadlines_missed,
+        "calibration": calibration, "fitted": fitted,
     });
     Ok((value, text))
+}
+
+fn calibration_text(state: CalibrationState) -> &'static str {
+    match state {
+        CalibrationState::Stored => "calibration stored",
+        CalibrationState::Default => "calibration of the firmware, none is stored",
+        CalibrationState::Unreadable => "calibration of the firmware, the stored one cannot be read",
+    }
+}
+
+fn fitted_text(fitted: &Fitted) -> String {
+    let parts = [("palpator", fitted.palpator), ("actuator", fitted.actuator), ("coil", fitted.coil)];
+    let names: Vec<&str> = parts.iter().filter(|(_, is_fitted)| *is_fitted).map(|(name, _)| *name).collect();
+    if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
+}
+
+fn fit<L: Link>(session: &mut Session<L>, parts: &[Part]) -> miette::Result<Answer> {
+    let has = |part: Part| parts.contains(&part) || parts.contains(&Part::All);
+    let fitted = Fitted { palpator: has(Part::Palpator), actuator: has(Part::Actuator), coil: has(Part::Coil) };
+    session.set_fitted(fitted.clone()).into_diagnostic()?;
+    let text = format!("fitted: {}; stored on the board", fitted_text(&fitted));
+    Ok((json!({ "fitted": fitted }), text))
 }
 
 fn calibrate<L: Link>(session: &mut Session<L>, tare: bool, load: Option<&Path>) -> miette::Result<Answer> {

@@ -2,7 +2,7 @@
 use super::*;
 use crate::session::{Event, Traffic};
 use protocol::fault::{Fault, FaultSet};
-use protocol::message::{FaultReport, Hello, Mode, ResetCause, State, Status, Telemetry};
+use protocol::message::{CalibrationState, FaultReport, Fitted, Hello, Mode, ResetCause, State, Status, Telemetry};
 
 fn record(tick: u32, state: State, faults: &[Fault]) -> Telemetry {
     let mut set = FaultSet::NONE;
@@ -50,6 +50,8 @@ fn status(table_hash: [u8; 16]) -> Status {
         deadlines_missed: 0,
         tick_max_us: 0,
         table_hash,
+        calibration: CalibrationState::Stored,
+        fitted: Fitted { palpator: true, actuator: true, coil: true },
     }
 }
 

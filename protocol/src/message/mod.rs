@@ -10,9 +10,9 @@ mod setup;
 mod table;
 mod telemetry;
 
-pub use board::{Hello, HelloRequest, Mode, ResetCause, State, Status};
+pub use board::{CalibrationState, Fitted, Hello, HelloRequest, Mode, ResetCause, State, Status};
 pub use identification::{Estimate, Outcome, Recognition, Verdict};
-pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor};
+pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor, Surface};
 pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
 pub use telemetry::{FaultReport, Telemetry};
 
@@ -71,6 +71,12 @@ wire! {
         FlashFailed,
         /// Host and board were built from different message tables.
         SchemaMismatch,
+        /// The stored calibration cannot be read: a tare would hide it behind the default.
+        CalibrationLost,
+        /// No palpator is fitted.
+        NoPalpator,
+        /// Neither actuator nor coil of the display are fitted.
+        NoDisplay,
     }
 }
 
@@ -90,6 +96,11 @@ impl Refusal {
             Refusal::TableRejected => "the table did not pass the board's checks",
             Refusal::FlashFailed => "the board could not write its flash",
             Refusal::SchemaMismatch => "tool and firmware were built from different message tables",
+            Refusal::CalibrationLost => {
+                "the stored calibration cannot be read: load one first (palpate board calibrate --load FILE)"
+            }
+            Refusal::NoPalpator => "no palpator is fitted to this board (palpate board fit)",
+            Refusal::NoDisplay => "neither actuator nor coil are fitted to this board (palpate board fit)",
         }
     }
 }
@@ -155,6 +166,8 @@ macro_rules! messages {
             hash = fold(hash, <LoadCell as Wire>::SHAPE);
             hash = fold(hash, <ResistiveSensor as Wire>::SHAPE);
             hash = fold(hash, <ProbePosition as Wire>::SHAPE);
+            hash = fold(hash, <CalibrationState as Wire>::SHAPE);
+            hash = fold(hash, <Fitted as Wire>::SHAPE);
             hash
         };
     };
@@ -181,6 +194,10 @@ messages! {
         0x08 ClearFaults(Empty),
         /// Answered by [`Report::Accepted`].
         0x09 SetTelemetry(TelemetryRate),
+        /// For the next palpation alone. Answered by [`Report::Accepted`]; only in idle.
+        0x0a ExpectSurface(Surface),
+        /// Stored with the calibration. Answered by [`Report::Accepted`]; only in idle.
+        0x0b SetFitted(Fitted),
         /// Erases the inactive slot. Answered by [`Report::TableState`]; only in idle.
         0x10 TableBegin(TableBegin),
         /// Answered by [`Report::TableState`].

@@ -4,6 +4,8 @@ mod end_stop;
 mod hazards;
 mod link;
 mod palpation;
+mod setup;
+mod wires;
 
 use super::*;
 use crate::flash::{BANK_LEN, RamFlash};
@@ -13,6 +15,15 @@ use protocol::frame::{Decoder, MAX_FRAME, encode_request};
 use protocol::message::{Accepted, Empty, Refusal, Refused, Request};
 
 type RamBoard = Board<RamFlash<Vec<u8>>>;
+
+/// What is at the pin of a wire that is off.
+#[derive(Clone, Copy)]
+enum Pin {
+    /// The resistor of the drawing: ground within a tick.
+    Pulled,
+    /// A capacitor, which a leakage carries off so far, as fraction of the reference.
+    Bare { leak: f32 },
+}
 
 /// A board with its surroundings: an arm that presses a foam, a finger, a shaft that follows its command.
 struct Bench {
@@ -28,6 +39,9 @@ struct Bench {
     /// What the potentiometer reads too much, mm.
     shaft_off_mm: f32,
     outputs: Outputs,
+    /// Channel whose wire is off, what is at its pin, and what the pins hold.
+    off: Option<(usize, Pin)>,
+    pins: [f32; 5],
     /// Changes the inputs of every tick.
     spoil: fn(&mut Inputs),
 }
@@ -48,6 +62,8 @@ impl Bench {
             shaft_mm: 0.0,
             shaft_off_mm: 0.0,
             outputs: Outputs::default(),
+            off: None,
+            pins: [0.0; 5],
             spoil: |_| {},
         }
     }
@@ -74,6 +90,7 @@ impl Bench {
             probe_position: probe_ratio(self.probe_mm, &c.calibration.probe),
             coil_current: coil_ratio(self.outputs.coil_target_a, &c.shunt),
         };
+        let raw = self.wired(raw);
         let mut inputs = Inputs { raw, fresh: true, tick_us: 400, ..Inputs::default() };
         (self.spoil)(&mut inputs);
         self.outputs = self.board.tick(&inputs);
@@ -82,6 +99,22 @@ impl Bench {
         // First-order stand-in for the actuator: gain 1 mm/V, 0.25 s.
         self.shaft_mm = (self.shaft_mm + 0.08 * (self.outputs.actuator_v - self.shaft_mm)).max(0.0);
         self.collect();
+    }
+
+    /// A pin whose wire is off follows the channel converted before it with 1.25 s (100 nF and 5 pF at 16 kHz).
+    fn wired(&mut self, raw: RawSamples) -> RawSamples {
+        let (held, mut channels) = (self.pins, raw.channels());
+        if let Some((channel, pin)) = self.off {
+            let rest = match pin {
+                Pin::Pulled => 0.0,
+                Pin::Bare { leak } => {
+                    held[channel] + (1.0 - (-0.02f32 / 1.25).exp()) * (held[(channel + 4) % 5] + leak - held[channel])
+                }
+            };
+            channels[channel] = rest;
+        }
+        self.pins = channels;
+        RawSamples::from_channels(channels)
     }
 
     fn ticks(&mut self, count: usize) {
