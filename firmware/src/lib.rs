@@ -48,6 +48,7 @@ pub mod mode;
 pub mod number;
 pub mod palpation;
 pub mod pid;
+pub mod plausible;
 pub mod press;
 pub mod profile;
 pub mod readings;

@@ -66,6 +66,16 @@ faults! {
     Interlock = 16, "the interlock had switched the outputs off", "read the log, report it";
     /// USB was not started: the chip is older than revision 3, or the 8 MHz clock did not come.
     UsbOff = 17, "USB is off: a chip before revision 3, or no 8 MHz clock", "use the ST-LINK's serial port; the log says which";
+    /// The load cell reads what a probe on its way down cannot feel.
+    ForceImplausible = 18, "force contradicts the press", "check the load cell's wiring and tare it; a specimen that slipped or tore reads alike";
+    /// The probe does not move as the arm is told to.
+    ArmDeviates = 19, "probe does not move as commanded", "check the arm, its rate, and the transducer's wiring";
+    /// More current in the coil than its duty gives: the switch does not open.
+    CoilUncommanded = 20, "coil current without a command", "cut the coil's supply: its power switch is shorted";
+    /// Less current in the coil than its duty gives.
+    CoilOpen = 21, "coil driven without current", "check coil, supply and current amplifier";
+    /// The stored calibration does not read back.
+    CalibrationLost = 22, "stored calibration cannot be read", "load a calibration: palpate board calibrate --load FILE";
 }
 
 impl Fault {
@@ -95,6 +105,11 @@ impl Fault {
             Fault::ActuatorStall => "actuator-stall",
             Fault::Interlock => "interlock",
             Fault::UsbOff => "usb-off",
+            Fault::ForceImplausible => "force-implausible",
+            Fault::ArmDeviates => "arm-deviates",
+            Fault::CoilUncommanded => "coil-uncommanded",
+            Fault::CoilOpen => "coil-open",
+            Fault::CalibrationLost => "calibration-lost",
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The machine behind the links: sensors, safety, modes, identification, display.
 
 use super::lease::Lease;
+use super::press::setup_at_start;
 use super::{Identity, Inputs, Outputs};
 use crate::coil::regulator::CoilPi;
 use crate::coil::thermal;
@@ -14,11 +15,14 @@ use crate::link::LinkId;
 use crate::mode::{ModeEvent, ModeInput, ModeState};
 use crate::palpation::{Motion, Palpation, Progress};
 use crate::pid::Pid;
+use crate::plausible::Plausible;
 use crate::safety::{Safety, SafetyInput};
-use crate::sensor::{Measured, RawSamples, calibration_is_usable};
+use crate::sensor::{Measured, RawSamples};
 use protocol::TICK_S;
 use protocol::lut::Table;
-use protocol::message::{Calibration, FaultReport, Mode, Outcome, Raw, Report, State, Telemetry};
+use protocol::message::{
+    Calibration, CalibrationState, FaultReport, Fitted, Mode, Outcome, Raw, Report, State, Telemetry,
+};
 
 /// The machine; `S` is its flash.
 #[derive(Debug, Clone)]
@@ -32,12 +36,19 @@ pub struct Machine<S> {
     /// Link and sequence number of the `TableBegin` that is answered when the erase has ended.
     pub(super) begun: Option<(LinkId, u16)>,
     pub(super) calibration: Calibration,
+    pub(super) calibration_state: CalibrationState,
+    pub(super) fitted: Fitted,
     pub(super) pid: Pid,
     coil_pi: CoilPi,
     pub(super) safety: Safety,
     pub(super) lease: Lease,
     pub(super) mode: ModeState,
     pub(super) palpation: Palpation,
+    pub(super) plausible: Plausible,
+    /// Height of the surface that the next palpation is to find, mm.
+    pub(super) expected_mm: Option<f32>,
+    /// Lowest height of the probe without contact in this palpation, mm.
+    pub(super) floor_mm: f32,
     pub(super) palpations: u32,
     pub(super) palpation_rate_mm_s: f32,
     /// Sum (us) and number of the ticks in contact, and the longest tick of the palpation.
@@ -49,7 +60,7 @@ pub struct Machine<S> {
     pub(super) measured: Measured,
     pub(super) coil_c: f32,
     outputs: Outputs,
-    shaft_target_mm: f32,
+    pub(super) shaft_target_mm: f32,
     not_finite: bool,
     pub(super) stop_pressed: bool,
 }
@@ -58,8 +69,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
     /// A machine at start: looks for a table and a calibration in `store`, outputs off.
     pub fn new(config: BoardConfig, mut store: S, identity: Identity) -> Self {
         let (active, table_broken) = find_active(store.bytes());
-        let calibration =
-            store.load_calibration().filter(calibration_is_usable).unwrap_or_else(|| config.calibration.clone());
+        let (setup, calibration_state) = setup_at_start(&config, &mut store);
         Machine {
             pid: Pid::build(&config.gains, TICK_S, config.u_max_v),
             coil_pi: CoilPi::build(&config.circuit, 1.0 / FAST_HZ as f32),
@@ -73,10 +83,15 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             table_broken,
             upload: Upload::new(),
             begun: None,
-            calibration,
+            calibration: setup.calibration,
+            calibration_state,
+            fitted: setup.fitted,
             lease: Lease::default(),
             mode: ModeState::new(),
             palpation: Palpation::new(),
+            plausible: Plausible::default(),
+            expected_mm: None,
+            floor_mm: 0.0,
             palpations: 0,
             palpation_rate_mm_s: 0.0,
             contact_ticks: (0, 0, 0),
@@ -131,13 +146,15 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         if inputs.fresh {
             self.age_ticks = 0;
             self.raw = inputs.raw;
-            self.measured = Measured::from_raw(&self.raw, &self.calibration, &self.config.shunt);
+            self.measured = Measured::from_raw(&self.raw, &self.calibration, &self.config.shunt).fitted(&self.fitted);
         } else {
             self.age_ticks = self.age_ticks.saturating_add(1);
         }
         // Heated by the larger of measured and wanted current: an amplifier that reads no current must not hide the heat.
         // (`max` also keeps a reading that is no number out of the temperature.)
-        let heating_a = self.measured.coil_a.max(self.outputs.coil_target_a);
+        // Or by what the duty gives: neither must an amplifier that reads too little.
+        let driven_a = thermal::driven_a(&self.config.thermal, &self.config.circuit, inputs.coil_duty, self.coil_c);
+        let heating_a = self.measured.coil_a.max(self.outputs.coil_target_a).max(driven_a);
         self.coil_c = thermal::step_c(&self.config.thermal, self.coil_c, heating_a, TICK_S);
         if self.mode.state != State::Idle {
             let (sum, count, max) = &mut self.contact_ticks;
@@ -151,13 +168,17 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
 
     fn guard(&mut self, inputs: &Inputs, tell: &mut impl FnMut(&Report)) {
         self.lease.count(self.mode.outputs_on());
+        let contradiction = self.contradiction(inputs);
         let input = SafetyInput {
             raw: &self.raw,
             measured: &self.measured,
             calibration: &self.calibration,
             age_ticks: self.age_ticks,
             adc_overrun: inputs.adc_overrun,
-            coil_tripped: inputs.coil_tripped,
+            coil_trip: inputs.coil_trip,
+            contradiction,
+            fitted: &self.fitted,
+            calibration_lost: self.calibration_state == CalibrationState::Unreadable,
             coil_c: self.coil_c,
             tick_us: inputs.tick_us,
             period_us: inputs.period_us,
@@ -198,6 +219,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             force_n: self.measured.load_cell_n,
             contact: self.palpation.has_contact(),
             no_slice: progress.refused(),
+            floor_mm: self.floor_mm,
             record_full: progress == Progress::Full,
             analysed,
             faulted: !self.safety.latched().is_empty(),
@@ -248,7 +270,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         let output = self.table().and_then(|table| table.material(usize::from(material))).map(|material| {
             let input =
                 DisplayInput { force_n: self.measured.fsr_n, shaft_mm: self.measured.shaft_mm, coil_c: self.coil_c };
-            display.step(&self.config.display, &self.config.thermal, &self.pid, &material, &input)
+            display.step(&self.config.display, &self.config.thermal, &self.pid, &material, &input).fitted(&self.fitted)
         });
         self.display = display;
         output.unwrap_or_default()

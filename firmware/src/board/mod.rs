@@ -14,6 +14,7 @@
 
 mod lease;
 mod machine;
+mod press;
 mod requests;
 mod talk;
 
@@ -23,6 +24,7 @@ use crate::flash::{CalibrationStore, TableStore};
 use crate::interlock::{Power, Trip};
 use crate::link::{LinkId, Priority};
 use crate::sensor::{Measured, RawSamples};
+use protocol::fault::Fault;
 use protocol::lut::Table;
 use protocol::message::{Build, LastRun, Report, ResetCause, State};
 
@@ -39,8 +41,8 @@ pub struct Inputs {
     pub fresh: bool,
     /// The converter's ring overran since the previous tick.
     pub adc_overrun: bool,
-    /// The fast loop has tripped on over-current since the previous tick.
-    pub coil_tripped: bool,
+    /// Why the fast loop has switched the coil off since the previous tick.
+    pub coil_trip: Option<Fault>,
     /// Duty of the coil that the fast loop applies now, for telemetry.
     pub coil_duty: f32,
     /// Measured duration of the previous tick, us.
@@ -60,7 +62,7 @@ impl Inputs {
             raw: averaged.raw,
             fresh: averaged.count > 0,
             adc_overrun,
-            coil_tripped: averaged.coil_tripped,
+            coil_trip: averaged.coil_trip,
             coil_duty: averaged.coil_duty,
             tick_us,
             period_us: 0,
@@ -164,7 +166,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
     }
 
     /// Latches a fault of the start, which a person must learn of.
-    pub fn latch(&mut self, fault: protocol::fault::Fault) {
+    pub fn latch(&mut self, fault: Fault) {
         self.machine.safety.latch(fault);
     }
 

@@ -5,24 +5,27 @@ use super::lease::LEASE_MS;
 use super::machine::Machine;
 use super::talk::Talk;
 use crate::display::Display;
-use crate::flash::{CalibrationStore, SLOT_LEN, TableStore};
+use crate::flash::{CalibrationStore, SLOT_LEN, Setup, TableStore};
 use crate::link::{LinkId, Priority};
 use crate::mode::TableLimits;
 use crate::pid::{Pid, gains_are_usable};
 use crate::search::Slice;
 use crate::sensor::{calibration_is_usable, tared};
 use protocol::message::{
-    Accepted, Calibration, Gains, Hello, Mode, ModeRequest, Refusal, Refused, Report, Request, SCHEMA_HASH, Slot,
-    State, Status, TableBegin, TableState,
+    Accepted, Calibration, CalibrationState, Gains, Hello, Mode, ModeRequest, Refusal, Refused, Report, Request,
+    SCHEMA_HASH, Slot, State, Status, TableBegin, TableState,
 };
 use protocol::{PROTOCOL_VERSION, TICK_HZ, TICK_S};
 
 /// Number of the request that begins an upload.
 const TABLE_BEGIN: u8 = Request::TableBegin(TableBegin { length: 0, crc: 0 }).kind();
 
+/// A zero that has moved by less is the old one: two deviations of the noise of a tick's mean, 0.2 mN.
+const TARE_RATIO: f32 = 2e-5;
+
 /// What a request led to. Lives for one call on the stack, where its size does no harm.
 #[allow(clippy::large_enum_variant)]
-enum Answer {
+pub(super) enum Answer {
     Accepted,
     Report(Report),
     /// Nothing now; the answer follows.
@@ -60,6 +63,8 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
                 talk.set_telemetry(rate.divider);
                 Ok(Answer::Accepted)
             }
+            Request::ExpectSurface(surface) => self.expect_surface(surface),
+            Request::SetFitted(fitted) => self.set_fitted(fitted),
             Request::TableBegin(begin) => {
                 self.outputs_must_be_off()?;
                 self.upload.begin(&mut self.store, &mut self.active, begin)?;
@@ -109,6 +114,8 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             period_max_us: self.safety.period_max_us,
             holder: self.lease.seen_from(link),
             table_hash: self.active.map_or([0; 16], |a| a.checked.hash()),
+            calibration: self.calibration_state,
+            fitted: self.fitted.clone(),
         }
     }
 
@@ -139,17 +146,19 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         if mode != Mode::Idle && !self.safety.latched().is_empty() {
             return Err(Refusal::Faulted);
         }
+        self.is_fitted_for(mode)?;
         let displayed = self.mode.state == State::Display;
         let limits = self.table_limits();
         self.mode.request(&self.config.mode, mode, limits)?;
         match mode {
             Mode::Palpate { rate_mm_s, .. } => {
                 self.palpation.start(rate_mm_s);
+                self.watch_press();
                 self.palpations = self.palpations.wrapping_add(1);
                 self.palpation_rate_mm_s = rate_mm_s;
                 self.contact_ticks = (0, 0, 0);
             }
-            Mode::Display { .. } if !displayed => self.display = Display::default(),
+            Mode::Display { .. } if !displayed => self.display = Display::at(self.measured.shaft_mm),
             _ => {}
         }
         if mode != Mode::Idle {
@@ -182,16 +191,10 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
     }
 
     fn set_calibration(&mut self, calibration: Calibration) -> Result<Answer, Refusal> {
-        self.outputs_must_be_off()?;
-        if self.upload.is_erasing() {
-            return Err(Refusal::Busy);
-        }
         if !calibration_is_usable(&calibration) {
             return Err(Refusal::OutOfRange);
         }
-        self.store.save_calibration(&calibration).map_err(|_| Refusal::FlashFailed)?;
-        self.calibration = calibration;
-        Ok(Answer::Accepted)
+        self.store_setup(Setup { calibration, fitted: self.fitted.clone() })
     }
 
     /// Takes the load cell's last mean reading as zero.
@@ -199,7 +202,14 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         if self.age_ticks > 0 || self.tick == 0 {
             return Err(Refusal::Busy);
         }
+        if self.calibration_state == CalibrationState::Unreadable {
+            return Err(Refusal::CalibrationLost);
+        }
         let mut calibration = self.calibration.clone();
+        if (self.raw.load_cell - calibration.load_cell.zero_ratio).abs() < TARE_RATIO {
+            self.outputs_must_be_off()?;
+            return Ok(Answer::Accepted);
+        }
         calibration.load_cell = tared(&calibration.load_cell, self.raw.load_cell);
         self.set_calibration(calibration)
     }
@@ -212,7 +222,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
     }
 
     /// Idle, or held off by a fault.
-    fn outputs_must_be_off(&self) -> Result<(), Refusal> {
+    pub(super) fn outputs_must_be_off(&self) -> Result<(), Refusal> {
         match self.mode.state {
             State::Idle | State::Fault => Ok(()),
             _ => Err(Refusal::Busy),

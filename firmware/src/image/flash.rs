@@ -8,8 +8,9 @@ use embassy_stm32::pac::flash::regs::Acr;
 use embassy_stm32::pac::flash::vals::Psize;
 use embassy_stm32::peripherals::FLASH;
 use embassy_stm32::{Peri, pac};
-use firmware::flash::{BANK_LEN, CalibrationStore, EraseProgress, FlashError, TableStore, WORD, journal};
-use protocol::message::Calibration;
+use firmware::flash::{
+    BANK_LEN, CalibrationStore, EraseProgress, FlashError, Loaded, Setup, TableStore, WORD, journal,
+};
 
 /// Bank 2 in the address space.
 const BANK_2: usize = 0x0810_0000;
@@ -53,11 +54,8 @@ impl BoardFlash {
 
     /// Moves the latest calibration to the other journal when the one in use is nearly full: written there first, erased here after.
     fn tidy(&mut self) {
+        // What cannot be read is not erased: the board says so, and the first setup that is stored goes behind it.
         let Some(used) = in_use() else {
-            // No record, but not blank either (an older image lay here): make room for the first record.
-            if region(0).iter().any(|b| *b != 0xff) && erase_journal(0).is_err() {
-                defmt::error!("journal could not be erased");
-            }
             return;
         };
         let other = 1 - used;
@@ -66,7 +64,7 @@ impl BoardFlash {
         let Some(latest) = journal::latest(region(used)).filter(|_| low) else {
             return;
         };
-        let blank = region(other).iter().all(|b| *b == 0xff);
+        let blank = journal::is_blank(region(other));
         let ready = blank || erase_journal(other).is_ok();
         if ready && append(other, &latest).is_ok() && erase_journal(used).is_err() {
             defmt::error!("journal could not be erased");
@@ -91,9 +89,9 @@ fn region(number: usize) -> &'static [u8] {
     unsafe { core::slice::from_raw_parts(address as *const u8, JOURNAL_LEN) }
 }
 
-fn append(number: usize, calibration: &Calibration) -> Result<(), FlashError> {
+fn append(number: usize, setup: &Setup) -> Result<(), FlashError> {
     let at = journal::free_place(region(number)).ok_or(FlashError)?;
-    let record = journal::record(calibration).ok_or(FlashError)?;
+    let record = journal::record(setup).ok_or(FlashError)?;
     program(JOURNALS[number & 1].0 + at, &record)
 }
 
@@ -252,11 +250,17 @@ impl TableStore for BoardFlash {
 }
 
 impl CalibrationStore for BoardFlash {
-    fn load_calibration(&mut self) -> Option<Calibration> {
-        in_use().and_then(|used| journal::latest(region(used)))
+    fn load_setup(&mut self) -> Loaded {
+        match in_use().and_then(|used| journal::latest(region(used))) {
+            Some(setup) => Loaded::Stored(setup),
+            None if (0..2).all(|j| journal::is_blank(region(j))) => Loaded::Nothing,
+            None => Loaded::Unreadable,
+        }
     }
 
-    fn save_calibration(&mut self, calibration: &Calibration) -> Result<(), FlashError> {
-        append(in_use().unwrap_or(0), calibration)
+    fn save_setup(&mut self, setup: &Setup) -> Result<(), FlashError> {
+        // Without a record: the first journal with a place, be it behind what cannot be read.
+        let has_place = |j: &usize| journal::free_place(region(*j)).is_some();
+        append(in_use().or_else(|| (0..2).find(has_place)).unwrap_or(0), setup)
     }
 }

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{Context, IntoDiagnostic};
 use protocol::fault::Fault;
-use protocol::message::{Build, Gains, Hello, Holder, State, Status};
+use protocol::message::{Build, CalibrationState, Fitted, Gains, Hello, Holder, State, Status};
 use serde_json::json;
 
 use super::mode::ModeChoice;
@@ -35,6 +35,12 @@ enum Action {
     Status,
     /// Show the calibration, take the load cell's zero, fit a sensor to known points, or load a calibration
     Calibrate(super::calibrate::Choice),
+    /// Say which parts are wired to the board: all, or some of palpator, actuator, coil. The others are neither checked nor driven
+    Fit {
+        /// The parts; the FSR belongs to actuator and coil
+        #[arg(required = true, value_enum)]
+        parts: Vec<Part>,
+    },
     /// Set what the board does, and stay until it is done
     #[command(subcommand)]
     Mode(ModeChoice),
@@ -74,6 +80,19 @@ enum Action {
     },
 }
 
+/// What can be wired to a board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// Arm with load cell and position transducer
+    Palpator,
+    /// Actuator of the display with potentiometer and FSR
+    Actuator,
+    /// Coil of the display with its current amplifier
+    Coil,
+    /// Everything
+    All,
+}
+
 /// Does what was asked for.
 ///
 /// # Errors
@@ -87,6 +106,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let answer = match &arguments.action {
         Action::Status => status(&mut session, &hello)?,
         Action::Calibrate(choice) => super::calibrate::run(&mut session, choice)?,
+        Action::Fit { parts } => fit(&mut session, parts)?,
         Action::Mode(choice) => super::mode::run(&mut session, choice)?,
         Action::Gains { kp, ki, kd, n } => {
             let gains = Gains { kp: *kp, ki: *ki, kd: *kd, n: *n };
@@ -134,6 +154,8 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         period_max_us,
         holder,
         table_hash,
+        calibration,
+        fitted,
     } = session.status().into_diagnostic()?;
     let last_run = session.last_run().into_diagnostic()?;
     let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();
@@ -155,6 +177,7 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
          build      {build}\n\
          state      {state:?}, mode {mode:?}, up {:.1} s\n\
          table      {table}\n\
+         setup      {}; fitted: {}\n\
          link       {frames_rejected} damaged frames received, {frames_dropped} records not sent\n\
          control    longest tick {tick_max_us} us, {deadlines_missed} too long; longest time from tick to tick {:.1} ms, \
          {ticks_late} late\n\
@@ -165,6 +188,8 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         f64::from(uptime_ms) / 1e3,
         f64::from(period_max_us) / 1e3,
         holder_text(holder),
+        calibration_text(calibration),
+        fitted_text(&fitted),
     );
     text.push_str(&super::last_run::text(&last_run));
     if latched.is_empty() {
@@ -180,8 +205,31 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         "frames_dropped": frames_dropped, "tick_max_us": tick_max_us, "deadlines_missed": deadlines_missed,
         "period_max_us": period_max_us, "ticks_late": ticks_late, "holder": holder,
         "last_run": super::last_run::value(&last_run),
+        "calibration": calibration, "fitted": fitted,
     });
     Ok((value, text))
+}
+
+fn calibration_text(state: CalibrationState) -> &'static str {
+    match state {
+        CalibrationState::Stored => "calibration stored",
+        CalibrationState::Default => "calibration of the firmware, none is stored",
+        CalibrationState::Unreadable => "calibration of the firmware, the stored one cannot be read",
+    }
+}
+
+fn fitted_text(fitted: &Fitted) -> String {
+    let parts = [("palpator", fitted.palpator), ("actuator", fitted.actuator), ("coil", fitted.coil)];
+    let names: Vec<&str> = parts.iter().filter(|(_, is_fitted)| *is_fitted).map(|(name, _)| *name).collect();
+    if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
+}
+
+fn fit<L: Link>(session: &mut Session<L>, parts: &[Part]) -> miette::Result<Answer> {
+    let has = |part: Part| parts.contains(&part) || parts.contains(&Part::All);
+    let fitted = Fitted { palpator: has(Part::Palpator), actuator: has(Part::Actuator), coil: has(Part::Coil) };
+    session.set_fitted(fitted.clone()).into_diagnostic()?;
+    let text = format!("fitted: {}; stored on the board", fitted_text(&fitted));
+    Ok((json!({ "fitted": fitted }), text))
 }
 
 fn upload<L: Link>(session: &mut Session<L>, path: &Path) -> miette::Result<Answer> {

@@ -27,6 +27,9 @@ pub enum ModeChoice {
         /// Depth after contact, mm
         #[arg(long, default_value_t = 4.0)]
         depth: f32,
+        /// Height of the specimen's surface above the base plate, mm: a press without contact ends a millimetre below it
+        #[arg(long, value_name = "MM", value_parser = positive_mm)]
+        surface: Option<f32>,
         /// Longest time until the arm is home again, s; then outputs go off
         #[arg(long, default_value_t = 180.0, value_name = "S", value_parser = positive)]
         timeout: f64,
@@ -39,6 +42,10 @@ pub enum ModeChoice {
         #[arg(long, value_name = "S", value_parser = positive)]
         seconds: Option<f64>,
     },
+}
+
+fn positive_mm(text: &str) -> Result<f32, String> {
+    positive(text).map(|mm| mm as f32).map_err(|_| format!("{text} is not a height above 0 mm"))
 }
 
 pub(super) fn positive(text: &str) -> Result<f64, String> {
@@ -161,8 +168,11 @@ pub fn run<L: Link>(session: &mut Session<L>, choice: &ModeChoice) -> miette::Re
             session.set_mode(Mode::Idle).into_diagnostic()?;
             Ok((json!({ "mode": Mode::Idle }), "outputs off".to_owned()))
         }
-        ModeChoice::Palpate { rate, depth, timeout } => {
+        ModeChoice::Palpate { rate, depth, surface, timeout } => {
             signals::stop_on_signals(&stop).into_diagnostic()?;
+            if let Some(height_mm) = surface {
+                session.expect_surface(height_mm).into_diagnostic()?;
+            }
             let mode = Mode::Palpate { rate_mm_s: rate, depth_mm: depth };
             let pressed = palpate(session, mode, timeout, &stop, None).into_diagnostic()?;
             let value = json!({ "mode": mode, "verdict": pressed.verdict, "estimate": pressed.estimate });
@@ -254,7 +264,7 @@ mod tests {
     }
 
     fn press(timeout: f64) -> ModeChoice {
-        ModeChoice::Palpate { rate: 4.0, depth: 4.0, timeout }
+        ModeChoice::Palpate { rate: 4.0, depth: 4.0, surface: None, timeout }
     }
 
     fn is_idle(session: &mut Session<InProcess>) -> bool {
@@ -271,6 +281,17 @@ mod tests {
         assert!(is_idle(&mut session));
     }
 
+    /// Home is at 30 mm: the arm turns a millimetre below the stated surface instead of above the plate.
+    #[test]
+    fn a_press_without_contact_ends_below_the_stated_surface() {
+        let mut session = session();
+        let choice = ModeChoice::Palpate { rate: 4.0, depth: 4.0, surface: Some(25.0), timeout: 180.0 };
+        run(&mut session, &choice).unwrap();
+        let lowest_mm = session.link_mut().board_mut().take_truth().iter().map(|t| t.probe_mm).fold(30.0, f64::min);
+        // A tick of 0.08 mm, and the way in which the arm stops.
+        assert!((23.5..24.1).contains(&lowest_mm), "{lowest_mm} mm");
+    }
+
     #[test]
     fn a_press_that_takes_too_long_is_ended_and_the_arm_brought_home() {
         let mut session = session();
@@ -283,7 +304,7 @@ mod tests {
     #[test]
     fn a_refused_mode_says_why() {
         let mut session = session();
-        let choice = ModeChoice::Palpate { rate: 9.0, depth: 4.0, timeout: 10.0 };
+        let choice = ModeChoice::Palpate { rate: 9.0, depth: 4.0, surface: None, timeout: 10.0 };
         let error = run(&mut session, &choice).unwrap_err().to_string();
         assert_eq!(error, "the simulated board refused SetMode: a value is outside the board's own limits");
         let (value, text) = run(&mut session, &ModeChoice::Idle).unwrap();

@@ -2,7 +2,9 @@
 use super::*;
 use crate::session::{Event, Traffic};
 use protocol::fault::{Fault, FaultSet};
-use protocol::message::{Build, FaultReport, Hello, Holder, Mode, Raw, ResetCause, State, Status, Telemetry};
+use protocol::message::{
+    Build, CalibrationState, FaultReport, Fitted, Hello, Holder, Mode, Raw, ResetCause, State, Status, Telemetry,
+};
 
 fn record(tick: u32, state: State, faults: &[Fault]) -> Telemetry {
     let mut set = FaultSet::NONE;
@@ -55,6 +57,8 @@ fn status(table_hash: [u8; 16]) -> Status {
         period_max_us: 0,
         holder: Holder::Nobody,
         table_hash,
+        calibration: CalibrationState::Stored,
+        fitted: Fitted { palpator: true, actuator: true, coil: true },
     }
 }
 

@@ -1,7 +1,8 @@
 //! The requests of the table of messages, one function each.
 
 use protocol::message::{
-    Calibration, Empty, Gains, LastRun, Mode, ModeRequest, Refusal, Report, Request, Status, TelemetryRate,
+    Calibration, Empty, Fitted, Gains, LastRun, Mode, ModeRequest, Refusal, Report, Request, Status, Surface,
+    TelemetryRate,
 };
 
 use super::{Session, SessionError};
@@ -64,6 +65,22 @@ impl<L: Link> Session<L> {
     /// As [`Session::request`].
     pub fn set_calibration(&mut self, calibration: Calibration) -> Result<(), SessionError> {
         self.request(&Request::SetCalibration(calibration)).map(|_| ())
+    }
+
+    /// Says which parts are wired to the board.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_fitted(&mut self, fitted: Fitted) -> Result<(), SessionError> {
+        self.request(&Request::SetFitted(fitted)).map(|_| ())
+    }
+
+    /// Says where the next palpation is to find its specimen's surface, mm above the base plate.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn expect_surface(&mut self, height_mm: f32) -> Result<(), SessionError> {
+        self.request(&Request::ExpectSurface(Surface { height_mm })).map(|_| ())
     }
 
     /// Takes the load cell's present reading as zero.

@@ -73,6 +73,19 @@ wire! {
         pub holder: Holder,
         /// Hash of the active table, zero without one.
         pub table_hash: [u8; 16],
+        /// Where the calibration in use comes from.
+        pub calibration: CalibrationState,
+        /// What is wired to the board.
+        pub fitted: Fitted,
+    }
+    /// Parts wired to a board. One that is not fitted is neither checked nor driven, and reads 0.
+    pub struct Fitted {
+        /// Arm with load cell and position transducer.
+        pub palpator: bool,
+        /// Actuator of the display with its potentiometer.
+        pub actuator: bool,
+        /// Coil of the display with its current amplifier. The FSR belongs to whichever of both is there.
+        pub coil: bool,
     }
 }
 
@@ -122,6 +135,15 @@ wire! {
         You,
         /// The board's other link.
         Another,
+    }
+    /// Where a calibration comes from.
+    pub enum CalibrationState {
+        /// Stored on this board.
+        Stored,
+        /// The firmware's own: none has been stored yet.
+        Default,
+        /// The firmware's own, because the stored one does not read back; a fault.
+        Unreadable,
     }
     /// Why the board started.
     pub enum ResetCause {

@@ -11,10 +11,12 @@ mod setup;
 mod table;
 mod telemetry;
 
-pub use board::{Build, Hello, HelloRequest, Holder, Mode, ModeRequest, ResetCause, State, Status};
+pub use board::{
+    Build, CalibrationState, Fitted, Hello, HelloRequest, Holder, Mode, ModeRequest, ResetCause, State, Status,
+};
 pub use identification::{Estimate, Outcome, Recognition, Verdict};
 pub use last_run::{CHANGES, FILE_LEN, LastRun, RunEnd, StateChange};
-pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor};
+pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor, Surface};
 pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
 pub use telemetry::{FaultReport, Raw, Telemetry};
 
@@ -77,6 +79,12 @@ wire! {
         Held,
         /// The stop button is pressed.
         Stopped,
+        /// The stored calibration cannot be read: a tare would hide it behind the default.
+        CalibrationLost,
+        /// No palpator is fitted.
+        NoPalpator,
+        /// Neither actuator nor coil of the display are fitted.
+        NoDisplay,
     }
 }
 
@@ -98,6 +106,11 @@ impl Refusal {
             Refusal::SchemaMismatch => "tool and firmware were built from different message tables",
             Refusal::Stopped => "the board's stop button is pressed: release it",
             Refusal::Held => "another link holds the board: stop it there, or set mode idle from here first",
+            Refusal::CalibrationLost => {
+                "the stored calibration cannot be read: load one first (palpate board calibrate --load FILE)"
+            }
+            Refusal::NoPalpator => "no palpator is fitted to this board (palpate board fit)",
+            Refusal::NoDisplay => "neither actuator nor coil are fitted to this board (palpate board fit)",
         }
     }
 }
@@ -181,6 +194,10 @@ messages! {
         0x08 ClearFaults(Empty),
         /// Answered by [`Report::Accepted`].
         0x09 SetTelemetry(TelemetryRate),
+        /// For the next palpation alone. Answered by [`Report::Accepted`]; only in idle.
+        0x0a ExpectSurface(Surface),
+        /// Stored with the calibration. Answered by [`Report::Accepted`]; only in idle.
+        0x0b SetFitted(Fitted),
         /// Erases the inactive slot. Answered by [`Report::TableState`]; only in idle.
         0x10 TableBegin(TableBegin),
         /// Answered by [`Report::TableState`].

@@ -49,7 +49,7 @@ fn every_sensor_and_limit_fault_switches_off_within_its_ticks() {
         (|i| i.raw.potentiometer = 0.3, Fault::StrokeLimit, 1),
         (|i| i.raw.coil_current = 0.95, Fault::CurrentLimit, 1),
         (|i| i.raw.coil_current = 0.0, Fault::CurrentLimit, 1),
-        (|i| i.coil_tripped = true, Fault::CurrentLimit, 1),
+        (|i| i.coil_trip = Some(Fault::CurrentLimit), Fault::CurrentLimit, 1),
         (|i| i.adc_overrun = true, Fault::AdcOverrun, 3),
     ];
     for (spoil, fault, within) in cases {

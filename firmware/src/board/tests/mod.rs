@@ -1,9 +1,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod end_stop;
 mod hazards;
 mod holders;
 mod link;
 mod palpation;
+mod setup;
+mod wires;
 
 use super::*;
 use crate::flash::{BANK_LEN, RamFlash};
@@ -14,6 +17,15 @@ use protocol::frame::{Decoder, MAX_FRAME, encode_request};
 use protocol::message::{Accepted, Build, Empty, Mode, ModeRequest, Outcome, Refusal, Refused, Request, Telemetry};
 
 type RamBoard = Board<RamFlash<Vec<u8>>>;
+
+/// What is at the pin of a wire that is off.
+#[derive(Clone, Copy)]
+enum Pin {
+    /// The resistor of the drawing: ground within a tick.
+    Pulled,
+    /// A capacitor, which a leakage carries off so far, as fraction of the reference.
+    Bare { leak: f32 },
+}
 
 /// A board with its surroundings: an arm that presses a foam, a finger, a shaft that follows its command.
 struct Bench {
@@ -26,7 +38,12 @@ struct Bench {
     foam: Option<Foam>,
     finger_n: f32,
     shaft_mm: f32,
+    /// What the potentiometer reads too much, mm.
+    shaft_off_mm: f32,
     outputs: Outputs,
+    /// Channel whose wire is off, what is at its pin, and what the pins hold.
+    off: Option<(usize, Pin)>,
+    pins: [f32; 5],
     /// Changes the inputs of every tick.
     spoil: fn(&mut Inputs),
 }
@@ -50,7 +67,10 @@ impl Bench {
             foam: None,
             finger_n: 0.0,
             shaft_mm: 0.0,
+            shaft_off_mm: 0.0,
             outputs: Outputs::default(),
+            off: None,
+            pins: [0.0; 5],
             spoil: |_| {},
         }
     }
@@ -73,18 +93,35 @@ impl Bench {
         let raw = RawSamples {
             load_cell: load_cell_ratio(force_n, &c.calibration.load_cell),
             fsr: fsr_ratio(self.finger_n, &c.calibration.fsr),
-            potentiometer: potentiometer_ratio(self.shaft_mm, &c.calibration.potentiometer),
+            potentiometer: potentiometer_ratio(self.shaft_mm + self.shaft_off_mm, &c.calibration.potentiometer),
             probe_position: probe_ratio(self.probe_mm, &c.calibration.probe),
             coil_current: coil_ratio(self.outputs.coil_target_a, &c.shunt),
         };
+        let raw = self.wired(raw);
         let mut inputs = Inputs { raw, fresh: true, tick_us: 400, ..Inputs::default() };
         (self.spoil)(&mut inputs);
         self.outputs = self.board.tick(&inputs);
         let step_mm = if self.outputs.arm_run { -self.outputs.arm_rate_mm_s / 50.0 } else { 10.0 / 50.0 };
         self.probe_mm = (self.probe_mm + step_mm).min(self.home_mm);
         // First-order stand-in for the actuator: gain 1 mm/V, 0.25 s.
-        self.shaft_mm += 0.08 * (self.outputs.actuator_v - self.shaft_mm);
+        self.shaft_mm = (self.shaft_mm + 0.08 * (self.outputs.actuator_v - self.shaft_mm)).max(0.0);
         self.collect();
+    }
+
+    /// A pin whose wire is off follows the channel converted before it with 1.25 s (100 nF and 5 pF at 16 kHz).
+    fn wired(&mut self, raw: RawSamples) -> RawSamples {
+        let (held, mut channels) = (self.pins, raw.channels());
+        if let Some((channel, pin)) = self.off {
+            let rest = match pin {
+                Pin::Pulled => 0.0,
+                Pin::Bare { leak } => {
+                    held[channel] + (1.0 - (-0.02f32 / 1.25).exp()) * (held[(channel + 4) % 5] + leak - held[channel])
+                }
+            };
+            channels[channel] = rest;
+        }
+        self.pins = channels;
+        RawSamples::from_channels(channels)
     }
 
     fn ticks(&mut self, count: usize) {
@@ -112,7 +149,7 @@ impl Bench {
         let mut buffer = [0; MAX_FRAME];
         let bytes = encode_request(request, self.seq, &mut buffer).unwrap();
         self.board.receive(LinkId::Usb, bytes);
-        self.seq += 1;
+        self.seq = self.seq.wrapping_add(1);
         self.collect();
     }
 
@@ -132,7 +169,7 @@ impl Bench {
 
     fn accept(&mut self, request: &Request) {
         match self.ask(request) {
-            Report::Accepted(Accepted { of, seq }) => assert_eq!((of, seq), (request.kind(), self.seq - 1)),
+            Report::Accepted(Accepted { of, seq }) => assert_eq!((of, seq), (request.kind(), self.seq.wrapping_sub(1))),
             other => panic!("{other:?}"),
         }
     }
