@@ -9,8 +9,15 @@ use emulator::board::LSI_HZ;
 use emulator::chip::{FLASH_LEN, Reset};
 use emulator::debug::{Handle, lister};
 use emulator::link::EmulatedUart;
-use palpate::flash::{CHIP, Firmware, Job, Step, TableImage, greet, write};
+use palpate::flash::{CHIP, Firmware, FlashingError, Greeted, Job, Step, TableImage, greet, write};
+use palpate::link::{Link, LinkError};
 use protocol::lut::Table;
+
+/// Greets over a link that is open already.
+fn greet_once(link: impl Link, table_hash: [u8; 16]) -> Result<Greeted, FlashingError> {
+    let mut link = Some(link);
+    greet(|| link.take().ok_or_else(|| LinkError::Closed { link: "the emulated board".into() }), Some(table_hash))
+}
 
 #[test]
 fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
@@ -45,8 +52,8 @@ fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
     let (greeted, other) = board
         .with(move |target| {
             (
-                greet(|| Ok(EmulatedUart::new(target.board())), Some(hash)),
-                greet(|| Ok(EmulatedUart::new(target.board())), Some([1; 16])),
+                greet_once(EmulatedUart::new(target.board()), hash),
+                greet_once(EmulatedUart::new(target.board()), [1; 16]),
             )
         })
         .unwrap();
