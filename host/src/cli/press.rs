@@ -87,7 +87,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<u8> {
     let [csv, mcap] = [recorder.csv_path(), recorder.mcap_path()].map(|path| path.map(Path::to_path_buf));
     let mode = Mode::Palpate { rate_mm_s: arguments.rate, depth_mm: arguments.depth };
     let ended = palpate(&mut session, mode, arguments.timeout, &stop, Some(&mut recorder));
-    let ended = ended.and_then(|pressed| Ok(recorder.finish().map(|()| pressed)?));
+    // Whatever has happened: what was said until then is the recording.
+    let finished = recorder.finish();
+    let ended = ended.and_then(|pressed| Ok(finished.map(|()| pressed)?));
     if let Err(Unfinished::Refused(error)) = ended {
         return Err(error).into_diagnostic();
     }

@@ -9,8 +9,15 @@ use emulator::board::LSI_HZ;
 use emulator::chip::{FLASH_LEN, Reset};
 use emulator::debug::{Handle, lister};
 use emulator::link::EmulatedUart;
-use palpate::flash::{CHIP, Expected, Firmware, Job, Step, TableImage, greet, write};
+use palpate::flash::{CHIP, Expected, Firmware, FlashingError, Greeted, Job, Step, TableImage, greet, write};
+use palpate::link::{Link, LinkError};
 use protocol::lut::Table;
+
+/// Greets over a link that is open already.
+fn greet_once(link: impl Link, table_expected: &Expected) -> Result<Greeted, FlashingError> {
+    let mut link = Some(link);
+    greet(|| link.take().ok_or_else(|| LinkError::Closed { link: "the emulated board".into() }), Some(table_hash))
+}
 
 #[test]
 fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
@@ -47,7 +54,7 @@ fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
         .with(move |target| {
             let mut greet = |crc, hash| {
                 let expected = Expected { image_crc: Some(crc), table_hash: Some(hash) };
-                greet(|| Ok(EmulatedUart::new(target.board())), &expected)
+                greet_once(EmulatedUart::new(target.board()), &expected)
             };
             (greet(crc, hash), greet(crc, [1; 16]), greet(!crc, hash))
         })
