@@ -14,9 +14,9 @@ use palpate::link::{Link, LinkError};
 use protocol::lut::Table;
 
 /// Greets over a link that is open already.
-fn greet_once(link: impl Link, table_expected: &Expected) -> Result<Greeted, FlashingError> {
+fn greet_once(link: impl Link, expected: &Expected) -> Result<Greeted, FlashingError> {
     let mut link = Some(link);
-    greet(|| link.take().ok_or_else(|| LinkError::Closed { link: "the emulated board".into() }), Some(table_hash))
+    greet(|| link.take().ok_or_else(|| LinkError::Closed { link: "the emulated board".into() }), expected)
 }
 
 #[test]
