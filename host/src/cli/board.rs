@@ -9,6 +9,7 @@ use protocol::fault::Fault;
 use protocol::message::{Build, CalibrationState, Fitted, Gains, Hello, Holder, State, Status};
 use serde_json::json;
 
+use super::answer::Answer;
 use super::mode::ModeChoice;
 use crate::demo::bench_foams;
 use crate::link::{Address, IDLE_TOUCH, Link};
@@ -127,9 +128,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     Ok(())
 }
-
-/// An answer for programs and for people.
-pub(super) type Answer = (serde_json::Value, String);
 
 /// Who holds the motion, in words.
 const fn holder_text(holder: Holder) -> &'static str {

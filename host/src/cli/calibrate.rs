@@ -9,7 +9,7 @@ use miette::{Context, IntoDiagnostic, bail};
 use protocol::message::{Calibration, Raw};
 use serde_json::json;
 
-use super::board::Answer;
+use super::answer::Answer;
 use crate::link::Link;
 use crate::session::{Event, Session};
 
@@ -253,6 +253,6 @@ mod tests {
         // Ten times the sensitivity is not this cell: the board refuses, and the line is told.
         let points = vec![Point { value: 0.0, ratio: Some(0.1) }, Point { value: 50.0, ratio: Some(0.6) }];
         let error = run(&mut session, &Choice { sensor: Some(Sensor::LoadCell), points, tare: false, load: None });
-        assert!(format!("{:?}", error.unwrap_err()).contains("100.0000 N a reference voltage"));
+        assert!(error.unwrap_err().to_string().contains("100.0000 N a reference voltage"));
     }
 }

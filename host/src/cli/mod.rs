@@ -1,5 +1,6 @@
 //! The commands of `palpate`.
 
+mod answer;
 pub mod board;
 mod calibrate;
 pub mod demo;

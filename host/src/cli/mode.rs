@@ -9,7 +9,7 @@ use miette::IntoDiagnostic;
 use protocol::message::{Estimate, FaultReport, Mode, State, Verdict};
 use serde_json::{Value, json};
 
-use super::board::Answer;
+use super::answer::Answer;
 use crate::link::Link;
 use crate::log::{LogError, Recorder, estimate_text, verdict_text};
 use crate::session::{Event, Gap, Session, SessionError, fault_text, gap_text};
