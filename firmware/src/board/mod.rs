@@ -1,4 +1,4 @@
-//! The board as one object: a [`Talk`] for each link, and the [`Machine`] behind them.
+//! The board as one object: a talk for each link, and the machine behind them.
 //!
 //! The image feeds it from embassy tasks, the host's simulated board from a plant; both run this very code.
 //! A control tick is [`Board::tick`] with the readings of [`crate::fast::FastLoop::take`]; bytes of a link go in by [`Board::receive`] and
