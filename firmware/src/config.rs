@@ -6,6 +6,7 @@ use crate::display::DisplayConfig;
 use crate::mode::ModeConfig;
 use crate::palpation::PalpationConfig;
 use crate::pid::{DEFAULT_GAINS, U_MAX_V};
+use crate::plausible::PlausibleConfig;
 use crate::safety::SafetyConfig;
 use crate::sensor::{CoilShunt, DEFAULT_CALIBRATION};
 use protocol::message::{Calibration, Gains};
@@ -15,6 +16,8 @@ use protocol::message::{Calibration, Gains};
 pub struct BoardConfig {
     /// Limits and faults.
     pub safety: SafetyConfig,
+    /// Readings that contradict a press.
+    pub plausible: PlausibleConfig,
     /// Motion.
     pub mode: ModeConfig,
     /// Identification.
@@ -41,6 +44,7 @@ impl Default for BoardConfig {
     fn default() -> Self {
         BoardConfig {
             safety: SafetyConfig::default(),
+            plausible: PlausibleConfig::default(),
             mode: ModeConfig::default(),
             palpation: PalpationConfig::default(),
             display: DisplayConfig::default(),

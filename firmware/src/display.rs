@@ -5,6 +5,7 @@ use crate::coil::thermal::{ThermalConfig, allowed_fraction};
 use crate::number::limit;
 use crate::pid::{Pid, PidState};
 use protocol::lut::Material;
+use protocol::message::Fitted;
 
 /// Limits of the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,13 +14,24 @@ pub struct DisplayConfig {
     pub target_max_mm: f32,
     /// Fastest change of the target, mm/s.
     pub target_rate_mm_s: f32,
+    /// Fastest change of a target that lies outside what is displayed, mm/s: the way home at the start.
+    pub homing_rate_mm_s: f32,
+    /// Within this of the end of the stroke the shaft counts as at its stop, mm: three times the zero error
+    /// that the bring-up accepts. Nothing is integrated into the stop (`docs/decisions/0011-end-stop.md`).
+    pub end_zone_mm: f32,
     /// Highest coil current, A (thesis Table 6 ends there).
     pub coil_max_a: f32,
 }
 
 impl Default for DisplayConfig {
     fn default() -> Self {
-        DisplayConfig { target_max_mm: 4.5, target_rate_mm_s: 40.0, coil_max_a: 2.5 }
+        DisplayConfig {
+            target_max_mm: 4.5,
+            target_rate_mm_s: 40.0,
+            homing_rate_mm_s: 5.0,
+            end_zone_mm: 0.3,
+            coil_max_a: 2.5,
+        }
     }
 }
 
@@ -52,7 +64,24 @@ pub struct DisplayInput {
     pub coil_c: f32,
 }
 
+impl DisplayOutput {
+    /// The same with what is not fitted not driven.
+    #[must_use]
+    pub fn fitted(self, fitted: &Fitted) -> Self {
+        DisplayOutput {
+            actuator_v: if fitted.actuator { self.actuator_v } else { 0.0 },
+            coil_target_a: if fitted.coil { self.coil_target_a } else { 0.0 },
+            ..self
+        }
+    }
+}
+
 impl Display {
+    /// At rest with the shaft where it is: the first command is no step home.
+    pub fn at(shaft_mm: f32) -> Self {
+        Display { target_mm: shaft_mm, ..Display::default() }
+    }
+
     /// One tick with the material that is displayed.
     pub fn step(
         &mut self,
@@ -63,9 +92,16 @@ impl Display {
         input: &DisplayInput,
     ) -> DisplayOutput {
         let wanted_mm = limit(material.displacement_mm(input.force_n), 0.0, config.target_max_mm);
-        let step_mm = config.target_rate_mm_s * protocol::TICK_S;
+        let displayed = self.target_mm <= config.target_max_mm;
+        let rate_mm_s = if displayed { config.target_rate_mm_s } else { config.homing_rate_mm_s };
+        let step_mm = rate_mm_s * protocol::TICK_S;
         self.target_mm = limit(wanted_mm, self.target_mm - step_mm, self.target_mm + step_mm);
-        let actuator_v = pid.step(&mut self.pid, self.target_mm - input.shaft_mm);
+        let error_mm = self.target_mm - input.shaft_mm;
+        let actuator_v = if input.shaft_mm <= config.end_zone_mm {
+            pid.step_above(&mut self.pid, error_mm, 0.0)
+        } else {
+            pid.step(&mut self.pid, error_mm)
+        };
         // Hyperfoam with nu = 0: E = 2 mu.
         let current_a = coil::control_curve_a(input.force_n, 2.0 * material.mu_mpa);
         let allowed_a = config.coil_max_a * allowed_fraction(thermal, input.coil_c);

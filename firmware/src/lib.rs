@@ -24,6 +24,7 @@
 //! | [`safety`] | limits and latched faults |
 //! | [`flash`] | table slots, upload, power cuts |
 //! | [`link`] | frames in, frames out, bounded queue |
+//! | [`trace`] | what the last run left behind in RAM: states, why it ended |
 //! | [`config`] | every number the board owns, in one place |
 //!
 //! Nothing allocates, nothing panics, and outputs are off unless a mode turns them on. Units are mm, N, MPa, s,
@@ -40,12 +41,14 @@ pub mod display;
 pub mod fast;
 pub mod fingerprint;
 pub mod flash;
+pub mod interlock;
 pub mod kalman;
 pub mod link;
 pub mod mode;
 pub mod number;
 pub mod palpation;
 pub mod pid;
+pub mod plausible;
 pub mod press;
 pub mod profile;
 pub mod readings;
@@ -57,3 +60,4 @@ pub mod surface;
 pub mod telemetry;
 #[cfg(test)]
 mod testbed;
+pub mod trace;

@@ -4,6 +4,20 @@ use protocol::frame::{self, Decoder, Frame, FrameError, MAX_FRAME};
 use protocol::message::Report;
 use protocol::rescue;
 
+/// The board's links.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LinkId {
+    /// CDC-ACM on the user's USB port.
+    Usb,
+    /// USART3 to the ST-LINK's serial port.
+    Uart,
+}
+
+impl LinkId {
+    /// Both.
+    pub const ALL: [LinkId; 2] = [LinkId::Usb, LinkId::Uart];
+}
+
 /// Bytes of the transmit queue: 40 ticks of telemetry.
 pub const QUEUE_LEN: usize = 4096;
 

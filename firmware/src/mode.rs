@@ -13,6 +13,12 @@ pub struct ModeConfig {
     pub depth_min_mm: f32,
     /// The probe never goes below this height above the base plate, mm.
     pub travel_min_mm: f32,
+    /// How far below the expected surface a press without contact ends, mm: the reach of the table's heights.
+    pub blind_mm: f32,
+    /// How far below the lowest surface that the table serves a press ends without contact, mm.
+    pub below_table_mm: f32,
+    /// Highest place of the probe above the base plate, mm.
+    pub travel_max_mm: f32,
     /// Force that ends a palpation, N; below the fault limit of the load cell.
     pub force_end_n: f32,
     /// The probe has returned when it is this far above the specimen (without contact: above its lowest point), mm.
@@ -31,6 +37,9 @@ impl Default for ModeConfig {
             rate_mm_s: (1.0, 4.0),
             depth_min_mm: 0.5,
             travel_min_mm: 1.0,
+            travel_max_mm: 90.0,
+            blind_mm: 1.0,
+            below_table_mm: 2.0,
             force_end_n: 7.5,
             clearance_mm: 1.0,
             // 90 mm of travel at 1 mm/s and 50 Hz; 8 mm likewise; 90 mm at 4 mm/s and some.
@@ -73,6 +82,8 @@ pub struct ModeInput {
     pub contact: bool,
     /// Contact was found, but no slice of the table serves specimen or rate: how the palpation ends.
     pub no_slice: Option<Outcome>,
+    /// Without contact the probe does not go below this height, mm.
+    pub floor_mm: f32,
     /// No more samples can be taken.
     pub record_full: bool,
     /// The analysis of the record has ended.
@@ -195,7 +206,7 @@ impl ModeState {
             self.retract(outcome, input.probe_mm);
         } else if input.contact {
             self.enter(State::Contact);
-        } else if input.probe_mm <= config.travel_min_mm || self.ticks > config.approach_ticks {
+        } else if input.probe_mm <= input.floor_mm.max(config.travel_min_mm) || self.ticks > config.approach_ticks {
             self.retract(Outcome::NoContact, input.probe_mm);
         }
     }
@@ -258,6 +269,7 @@ mod tests {
         force_n: 0.0,
         contact: false,
         no_slice: None,
+        floor_mm: 0.0,
         record_full: false,
         analysed: true,
         faulted: false,

@@ -3,9 +3,10 @@
 //! Every tick all causes are looked at; a cause that is present latches its fault. Latched faults keep all outputs off
 //! until the host clears them, which succeeds only when no cause is present.
 
+use crate::plausible::Contradiction;
 use crate::sensor::{Measured, RawSamples, at_rail, resistance_kohm};
 use protocol::fault::{Fault, FaultSet};
-use protocol::message::{Calibration, ResetCause};
+use protocol::message::{Calibration, Fitted, ResetCause};
 
 /// The board's own limits. They are no part of any message: the host cannot widen them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,7 +15,8 @@ pub struct SafetyConfig {
     pub force_n: f32,
     /// Shaft position, mm.
     pub shaft_mm: (f32, f32),
-    /// Coil current, A: the commanded limit of 2.5 A and 15 % for ripple and noise.
+    /// Coil current, A: the commanded limit of 2.5 A, 5 % of the regulator's overshoot, and 3 % for ripple and noise.
+    /// A cold coil at the whole supply has 2.77 A; what a warm one then has is told by its duty ([`crate::fast`]).
     pub coil_a: f32,
     /// Coil temperature, degrees Celsius.
     pub coil_c: f32,
@@ -30,12 +32,16 @@ pub struct SafetyConfig {
     pub overrun_ticks: u8,
     /// Longest tick, us.
     pub tick_us: u16,
-    /// Ticks without a request while outputs are on.
-    pub link_ticks: u16,
-    /// Command that counts as driven at its limit, V, and for how many ticks it may be.
+    /// Longest time between the starts of two ticks, us.
+    pub period_us: u32,
+    /// Command that counts as driven at its limit, V.
     pub stall_v: f32,
-    /// See `stall_v`.
+    /// Ticks at the limit without a motion of `stall_mm`: a stalled shaft.
     pub stall_ticks: u16,
+    /// See `stall_ticks`, mm. A free shaft makes thirty times as much in these ticks.
+    pub stall_mm: f32,
+    /// Ticks at the limit whatever the potentiometer says: the whole stroke at 4 mm/s.
+    pub drive_ticks: u16,
 }
 
 impl Default for SafetyConfig {
@@ -43,7 +49,7 @@ impl Default for SafetyConfig {
         SafetyConfig {
             force_n: 8.0,
             shaft_mm: (-1.0, 20.5),
-            coil_a: 2.875,
+            coil_a: 2.7,
             coil_c: 105.0,
             fsr_short_kohm: 0.2,
             stale_ticks: 3,
@@ -51,9 +57,11 @@ impl Default for SafetyConfig {
             shaft_slew_mm_per_s: 15.0,
             overrun_ticks: 3,
             tick_us: 18_000,
-            link_ticks: 50,
+            period_us: 30_000,
             stall_v: 4.99,
             stall_ticks: 100,
+            stall_mm: 0.3,
+            drive_ticks: 250,
         }
     }
 }
@@ -71,12 +79,24 @@ pub struct SafetyInput<'a> {
     pub age_ticks: u16,
     /// The converter's ring overran since the previous tick.
     pub adc_overrun: bool,
-    /// The fast loop has tripped on over-current since the previous tick.
-    pub coil_tripped: bool,
+    /// Why the fast loop has switched the coil off since the previous tick.
+    pub coil_trip: Option<Fault>,
+    /// What the readings of a press contradict.
+    pub contradiction: Contradiction,
+    /// Parts that are wired: the others are not looked at.
+    pub fitted: &'a Fitted,
+    /// The stored calibration does not read back.
+    pub calibration_lost: bool,
     /// Estimated coil temperature, degrees Celsius.
     pub coil_c: f32,
     /// Duration of the previous tick, us.
     pub tick_us: u16,
+    /// Time from the start of the previous tick to the start of this one, us.
+    pub period_us: u32,
+    /// The interlock has ended or refused a permit.
+    pub interlock: Option<crate::interlock::Trip>,
+    /// Ticks without a request from the link that holds the motion, and how many its lease allows.
+    pub silence: (u16, u16),
     /// Actuator command of the previous tick, V.
     pub actuator_v: f32,
     /// True if any output is on.
@@ -104,12 +124,18 @@ pub struct Safety {
     latched: FaultSet,
     present: FaultSet,
     overruns: u8,
+    /// Ticks at the command's limit, those since the shaft has moved, and where it then was, mm.
+    driven: u16,
     stalled: u16,
-    silent: u16,
+    stalled_at_mm: f32,
     /// Ticks that took too long.
     pub deadlines_missed: u32,
     /// Longest tick, us.
     pub tick_max_us: u16,
+    /// Ticks that began late.
+    pub ticks_late: u32,
+    /// Longest time between the starts of two ticks, us.
+    pub period_max_us: u32,
 }
 
 impl Safety {
@@ -123,10 +149,13 @@ impl Safety {
             latched,
             present: FaultSet::NONE,
             overruns: 0,
+            driven: 0,
             stalled: 0,
-            silent: 0,
+            stalled_at_mm: 0.0,
             deadlines_missed: 0,
             tick_max_us: 0,
+            ticks_late: 0,
+            period_max_us: 0,
         }
     }
 
@@ -135,9 +164,9 @@ impl Safety {
         self.latched
     }
 
-    /// A request has come in: the link is alive.
-    pub fn link_alive(&mut self) {
-        self.silent = 0;
+    /// Latches a fault that was there before the first tick.
+    pub fn latch(&mut self, fault: Fault) {
+        self.latched.insert(fault);
     }
 
     /// Forgets the latched faults if no cause is present; false if one is.
@@ -163,7 +192,7 @@ impl Safety {
                 report(Trip { fault, value, limit });
             }
         };
-        let (raw, m) = (input.raw, input.measured);
+        let (raw, m, fitted) = (input.raw, input.measured, input.fitted);
         // A stale reading may hide the worst that can have happened since.
         let age_s = f32::from(input.age_ticks) * protocol::TICK_S;
         let worst_n = m.load_cell_n + age_s * config.force_slew_n_per_s;
@@ -172,15 +201,25 @@ impl Safety {
         let reach_mm = if input.outputs_on { age_s * config.shaft_slew_mm_per_s } else { 0.0 };
         see(m.shaft_mm + reach_mm > shaft_high, Fault::StrokeLimit, m.shaft_mm, shaft_high);
         see(m.shaft_mm - reach_mm < shaft_low, Fault::StrokeLimit, m.shaft_mm, shaft_low);
-        see(m.coil_a > config.coil_a || input.coil_tripped, Fault::CurrentLimit, m.coil_a, config.coil_a);
+        see(m.coil_a > config.coil_a, Fault::CurrentLimit, m.coil_a, config.coil_a);
+        if let Some(fault) = input.coil_trip.filter(|_| fitted.coil) {
+            see(true, fault, m.coil_a, config.coil_a);
+        }
         // An amplifier that reads nothing would let the regulator drive the coil as hard as the supply can.
-        see(at_rail(raw.coil_current), Fault::CurrentLimit, m.coil_a, config.coil_a);
+        see(fitted.coil && at_rail(raw.coil_current), Fault::CurrentLimit, m.coil_a, config.coil_a);
         see(input.coil_c >= config.coil_c, Fault::CoilHot, input.coil_c, config.coil_c);
-        see(at_rail(raw.load_cell), Fault::LoadCellOpen, raw.load_cell, 0.0);
+        see(fitted.palpator && at_rail(raw.load_cell), Fault::LoadCellOpen, raw.load_cell, 0.0);
         let fsr_kohm = resistance_kohm(raw.fsr, input.calibration.fsr.divider_kohm);
-        see(fsr_kohm < config.fsr_short_kohm, Fault::FsrShort, fsr_kohm, config.fsr_short_kohm);
-        see(at_rail(raw.potentiometer), Fault::PotentiometerOpen, raw.potentiometer, 0.0);
-        see(at_rail(raw.probe_position), Fault::ProbePositionOpen, raw.probe_position, 0.0);
+        let fsr_short = (fitted.actuator || fitted.coil) && fsr_kohm < config.fsr_short_kohm;
+        see(fsr_short, Fault::FsrShort, fsr_kohm, config.fsr_short_kohm);
+        see(fitted.actuator && at_rail(raw.potentiometer), Fault::PotentiometerOpen, raw.potentiometer, 0.0);
+        see(fitted.palpator && at_rail(raw.probe_position), Fault::ProbePositionOpen, raw.probe_position, 0.0);
+        if let Some((force_n, bound_n)) = input.contradiction.force_n {
+            see(true, Fault::ForceImplausible, force_n, bound_n);
+        }
+        if let Some((slip_mm, bound_mm)) = input.contradiction.slip_mm {
+            see(true, Fault::ArmDeviates, slip_mm, bound_mm);
+        }
         let (age, stale) = (input.age_ticks, config.stale_ticks);
         see(age >= stale, Fault::SensorStale, f32::from(age), f32::from(stale));
         see(
@@ -195,21 +234,40 @@ impl Safety {
             f32::from(input.tick_us),
             f32::from(config.tick_us),
         );
-        see(self.silent > config.link_ticks, Fault::LinkLost, f32::from(self.silent), f32::from(config.link_ticks));
-        see(self.stalled > config.stall_ticks, Fault::ActuatorStall, input.actuator_v, config.stall_v);
+        see(
+            input.outputs_on && input.period_us > config.period_us,
+            Fault::DeadlineMissed,
+            input.period_us as f32,
+            config.period_us as f32,
+        );
+        let interlock = input.interlock.map_or(0, |trip| trip.number());
+        see(input.interlock.is_some(), Fault::Interlock, f32::from(interlock), 0.0);
+        let (silent, lease) = input.silence;
+        see(silent > lease, Fault::LinkLost, f32::from(silent), f32::from(lease));
+        let stalled = self.stalled > config.stall_ticks || self.driven > config.drive_ticks;
+        see(stalled, Fault::ActuatorStall, input.actuator_v, config.stall_v);
         see(input.not_finite || !m.is_finite() || !input.coil_c.is_finite(), Fault::NotFinite, 0.0, 0.0);
         see(input.table_broken, Fault::TableInvalid, 0.0, 0.0);
+        see(input.calibration_lost, Fault::CalibrationLost, 0.0, 0.0);
     }
 
     fn count(&mut self, config: &SafetyConfig, input: &SafetyInput<'_>) {
         self.overruns = if input.adc_overrun { self.overruns.saturating_add(1) } else { 0 };
-        let stalled = input.outputs_on && input.actuator_v.abs() >= config.stall_v;
-        self.stalled = if stalled { self.stalled.saturating_add(1) } else { 0 };
-        // Silence counts only while outputs are on: a quiet host is no hazard to a board that does nothing.
-        self.silent = if input.outputs_on { self.silent.saturating_add(1) } else { 0 };
+        let driven = input.outputs_on && input.actuator_v.abs() >= config.stall_v;
+        self.driven = if driven { self.driven.saturating_add(1) } else { 0 };
+        let still = (input.measured.shaft_mm - self.stalled_at_mm).abs() < config.stall_mm;
+        if driven && still {
+            self.stalled = self.stalled.saturating_add(1);
+        } else {
+            (self.stalled, self.stalled_at_mm) = (0, input.measured.shaft_mm);
+        }
         self.tick_max_us = self.tick_max_us.max(input.tick_us);
         if input.tick_us > config.tick_us {
             self.deadlines_missed = self.deadlines_missed.saturating_add(1);
+        }
+        self.period_max_us = self.period_max_us.max(input.period_us);
+        if input.period_us > config.period_us {
+            self.ticks_late = self.ticks_late.saturating_add(1);
         }
     }
 }

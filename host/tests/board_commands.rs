@@ -68,7 +68,7 @@ fn boards_that_are_not_there_are_named() {
     assert_eq!(error.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&error.stderr).contains("cannot open serial:/dev/no-such-port"));
     let error = palpate(&["board", "status", "--board", "usb"]);
-    assert!(String::from_utf8_lossy(&error.stderr).contains("expected sim, tcp:HOST:PORT or serial:PATH"));
+    assert!(String::from_utf8_lossy(&error.stderr).contains("expected sim, auto, tcp:HOST:PORT or serial:PATH"));
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Faults: codes that board and host both know. The board latches them; only an explicit
 //! [`Request::ClearFaults`](crate::message::Request::ClearFaults) with the cause gone clears them.
 
+use crate::wire::{FNV_BASIS, Wire, fold, fold_number};
+
 macro_rules! faults {
     ($($(#[$doc:meta])* $name:ident = $bit:literal, $what:literal, $action:literal;)*) => {
         /// A latched departure from safe operation. The number is the bit in a [`FaultSet`]
@@ -60,6 +62,20 @@ faults! {
     WatchdogReset = 14, "the watchdog had reset the board", "read the log, report it";
     /// Actuator driven at its limit for longer than it may be.
     ActuatorStall = 15, "actuator stalled", "free the shaft, then clear the fault";
+    /// The interlock had switched the outputs off: its permit had ended.
+    Interlock = 16, "the interlock had switched the outputs off", "read the log, report it";
+    /// USB was not started: the chip is older than revision 3, or the 8 MHz clock did not come.
+    UsbOff = 17, "USB is off: a chip before revision 3, or no 8 MHz clock", "use the ST-LINK's serial port; the log says which";
+    /// The load cell reads what a probe on its way down cannot feel.
+    ForceImplausible = 18, "force contradicts the press", "check the load cell's wiring and tare it; a specimen that slipped or tore reads alike";
+    /// The probe does not move as the arm is told to.
+    ArmDeviates = 19, "probe does not move as commanded", "check the arm, its rate, and the transducer's wiring";
+    /// More current in the coil than its duty gives: the switch does not open.
+    CoilUncommanded = 20, "coil current without a command", "cut the coil's supply: its power switch is shorted";
+    /// Less current in the coil than its duty gives.
+    CoilOpen = 21, "coil driven without current", "check coil, supply and current amplifier";
+    /// The stored calibration does not read back.
+    CalibrationLost = 22, "stored calibration cannot be read", "load a calibration: palpate board calibrate --load FILE";
 }
 
 impl Fault {
@@ -87,9 +103,19 @@ impl Fault {
             Fault::ProbePositionOpen => "probe-position-open",
             Fault::WatchdogReset => "watchdog-reset",
             Fault::ActuatorStall => "actuator-stall",
+            Fault::Interlock => "interlock",
+            Fault::UsbOff => "usb-off",
+            Fault::ForceImplausible => "force-implausible",
+            Fault::ArmDeviates => "arm-deviates",
+            Fault::CoilUncommanded => "coil-uncommanded",
+            Fault::CoilOpen => "coil-open",
+            Fault::CalibrationLost => "calibration-lost",
         }
     }
 }
+
+/// The number whose bits are faults.
+type Bits = u32;
 
 /// A set of faults, one bit each, as it travels in status and telemetry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -97,8 +123,20 @@ impl Fault {
 #[serde(transparent)]
 pub struct FaultSet(
     /// Bit n is the fault whose number is n.
-    pub u32,
+    pub Bits,
 );
+
+impl Wire for FaultSet {
+    const SHAPE: u64 = {
+        let mut hash = fold_number(FNV_BASIS, Bits::SHAPE);
+        let mut i = 0;
+        while i < Fault::ALL.len() {
+            hash = fold(hash, Fault::ALL[i].code());
+            i += 1;
+        }
+        hash
+    };
+}
 
 impl FaultSet {
     /// No fault.

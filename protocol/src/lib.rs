@@ -22,7 +22,7 @@ pub mod rescue;
 mod wire;
 
 /// Version of the message set. Messages are append-only within a version.
-pub const PROTOCOL_VERSION: u16 = 1;
+pub const PROTOCOL_VERSION: u16 = 2;
 
 /// Control and telemetry rate of the board, 1/s.
 pub const TICK_HZ: u32 = 50;

@@ -10,17 +10,20 @@ pub fn requests() -> Vec<Request> {
     vec![
         Request::Hello(HelloRequest { protocol_version: 1, schema_hash: 0x0123_4567_89ab_cdef }),
         Request::Status(Empty {}),
-        Request::SetMode(Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 }),
+        Request::SetMode(ModeRequest { mode: Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 }, lease_ms: 750 }),
         Request::SetGains(Gains { kp: 1.5, ki: 2.5, kd: 0.25, n: 7.5 }),
         Request::GetCalibration(Empty {}),
         Request::SetCalibration(calibration()),
         Request::Tare(Empty {}),
         Request::ClearFaults(Empty {}),
         Request::SetTelemetry(TelemetryRate { divider: 2 }),
+        Request::ExpectSurface(Surface { height_mm: 25.5 }),
+        Request::SetFitted(Fitted { palpator: true, actuator: false, coil: true }),
         Request::TableBegin(TableBegin { length: 36_000, crc: 0xcbf4_3926 }),
         Request::TableChunk(TableChunk { offset: 192, data }),
         Request::TableCommit(Empty {}),
         Request::TableQuery(Empty {}),
+        Request::GetLastRun(Empty {}),
     ]
 }
 
@@ -34,6 +37,7 @@ pub fn reports() -> Vec<Report> {
             schema_hash: 0x0123_4567_89ab_cdef,
             firmware_version: [0, 1, 0],
             unique_id: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12],
+            build: Build { commit: *b"0123abcd", modified: true, image_crc: 0x89ab_cdef },
             simulated: true,
             slot_len: 524_288,
             reset_cause: ResetCause::Watchdog,
@@ -47,7 +51,12 @@ pub fn reports() -> Vec<Report> {
             frames_dropped: 2,
             deadlines_missed: 3,
             tick_max_us: 456,
+            ticks_late: 4,
+            period_max_us: 20_123,
+            holder: Holder::Another,
             table_hash: [7; 16],
+            calibration: CalibrationState::Unreadable,
+            fitted: Fitted { palpator: false, actuator: true, coil: false },
         }),
         Report::Accepted(Accepted { of: 3, seq: 77 }),
         Report::Refused(Refused { of: 16, seq: 78, reason: Refusal::TooLarge }),
@@ -57,6 +66,15 @@ pub fn reports() -> Vec<Report> {
         Report::TableState(TableState { active: Slot::B, hash: [9; 16], next_offset: 384, length: 36_000 }),
         Report::Calibration(calibration()),
         Report::Estimate(estimate()),
+        Report::LastRun(LastRun {
+            known: true,
+            end: RunEnd::HardFault { pc: 0x0800_1234, lr: 0x0800_4321, cfsr: 1 << 9 },
+            file: b"image/mod.rs".iter().copied().collect(),
+            changes: [(20, State::Idle), (70_000, State::Display)]
+                .into_iter()
+                .map(|(time_ms, state)| StateChange { time_ms, state })
+                .collect(),
+        }),
     ]
 }
 
@@ -87,6 +105,7 @@ fn telemetry(faults: FaultSet) -> Telemetry {
         coil_c: 25.0,
         search_error_n: 0.0625,
         tick_us: 90,
+        raw: Raw { load_cell: 6_554, fsr: 17, potentiometer: 40_000, probe_position: 30_001, coil_current: 3_277 },
     }
 }
 

@@ -1,4 +1,4 @@
-//! The bytes of protocol version 1 and of table layout version 1. A released board depends on them.
+//! The bytes of protocol version 2 and of table layout version 1. A released board depends on them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use protocol::frame::{Decoder, MAX_FRAME, encode, encode_report, encode_request};
@@ -35,7 +35,7 @@ fn every_message_keeps_its_bytes() {
     assert_eq!(frames.len(), Request::TABLE.len() + Report::TABLE.len() + 1, "a message without a sample");
     let mut text: String = frames.iter().map(|(name, bytes)| format!("{name} {}\n", golden::hex(bytes))).collect();
     text += &format!("schema hash {:016x}\n", protocol::message::SCHEMA_HASH);
-    golden::compare("frames-v1.txt", &text).unwrap();
+    golden::compare("frames-v2.txt", &text).unwrap();
 }
 
 #[test]

@@ -274,12 +274,12 @@ fn boards_of_other_versions_are_recognised_by_the_rescue_message() {
         Session::open(foreign, Patience::default()).err().unwrap().to_string()
     };
     assert_eq!(
-        open(2),
-        "serial:/dev/ttyACM0 runs firmware 2.3.4 with protocol version 2, this tool speaks version 1: use a newer palpate"
+        open(7),
+        "serial:/dev/ttyACM0 runs firmware 2.3.4 with protocol version 7, this tool speaks version 2: use a newer palpate"
     );
     assert_eq!(
         open(0),
-        "serial:/dev/ttyACM0 runs firmware 2.3.4 with protocol version 0, this tool speaks version 1: \
+        "serial:/dev/ttyACM0 runs firmware 2.3.4 with protocol version 0, this tool speaks version 2: \
          write newer firmware with `palpate flash`"
     );
     assert!(

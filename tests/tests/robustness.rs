@@ -2,6 +2,7 @@
 //! valid ones cut short. More of the same by fuzzing: docs/robustness.md.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use firmware::link::LinkId;
 use palpate::session::{Patience, Session};
 use proptest::prelude::*;
 use protocol::frame::{Decoder, MAX_FRAME, encode_report, encode_request};
@@ -36,7 +37,7 @@ fn ten_million_random_bytes_leave_the_board_as_it_was() {
     let mut board = blank_board();
     let before = Portrait::of(&mut board).unwrap();
     for bytes in garbage(1) {
-        board.receive(&bytes);
+        board.receive(LinkId::Usb, &bytes);
         // `Portrait::of` sends a zero and then a request, and wants its answer.
         assert_eq!(Portrait::of(&mut board).unwrap(), before);
     }
@@ -88,8 +89,8 @@ fn no_flipped_bit_of_a_golden_frame_reaches_the_board() {
             let mut broken = frame.clone();
             broken[bit / 8] ^= 1 << (bit % 8);
             broken.push(0);
-            board.receive(&broken);
-            assert_eq!(board.take_transmit(&mut [0; 512]), 0, "bit {bit} of {frame:02x?} was answered");
+            board.receive(LinkId::Usb, &broken);
+            assert_eq!(board.take_transmit(LinkId::Usb, &mut [0; 512]), 0, "bit {bit} of {frame:02x?} was answered");
             assert_eq!(Portrait::of(&mut board).unwrap(), before, "bit {bit} of {frame:02x?}");
             flips += 1;
         }

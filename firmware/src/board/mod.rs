@@ -1,32 +1,36 @@
-//! The board as one object: link, modes, identification, display, safety, telemetry.
+//! The board as one object: a talk for each link, and the machine behind them.
 //!
 //! The image feeds it from embassy tasks, the host's simulated board from a plant; both run this very code.
-//! A control tick is [`Board::tick`] with the readings of [`crate::fast::FastLoop::take`]; bytes of the link go in by [`Board::receive`] and
+//! A control tick is [`Board::tick`] with the readings of [`crate::fast::FastLoop::take`]; bytes of a link go in by [`Board::receive`] and
 //! come out by [`Board::take_transmit`] at any time between ticks.
 //!
+//! # Links and owners
+//! Each link has its own decoder, queue, schema and telemetry. The link that asks for a motion holds it by a
+//! lease, which only its own requests renew; the other one may stop it, but not change it.
+//!
 //! # Deadline
-//! A tick has 20 ms. One that takes longer delays the next one by as much (ticks do not pile up); it is counted, and latched as a
-//! fault if outputs are on, because controller and search assume 20 ms between samples.
+//! A tick has 20 ms. One that takes longer, or begins late, is counted, and latched as a fault if outputs are on, because
+//! controller and search assume 20 ms between samples. Ticks do not pile up.
 
-mod dispatch;
+mod lease;
+mod machine;
+mod press;
+mod requests;
+mod talk;
 
-use crate::coil::regulator::CoilPi;
-use crate::coil::thermal;
 use crate::config::BoardConfig;
-use crate::contact::Sample;
-use crate::display::{Display, DisplayInput, DisplayOutput};
-use crate::fast::{Averaged, FAST_HZ};
-use crate::flash::{ActiveTable, CalibrationStore, TableStore, Upload, find_active};
-use crate::link::{Priority, Receiver, Transmitter};
-use crate::mode::{ModeEvent, ModeInput, ModeState};
-use crate::palpation::{Motion, Palpation, Progress};
-use crate::pid::Pid;
-use crate::safety::{Safety, SafetyInput};
-use crate::sensor::{Measured, RawSamples, calibration_is_usable};
-use crate::telemetry::TelemetryClock;
-use protocol::TICK_S;
+use crate::fast::Averaged;
+use crate::flash::{CalibrationStore, TableStore};
+use crate::interlock::{Power, Trip};
+use crate::link::{LinkId, Priority};
+use crate::sensor::{Measured, RawSamples};
+use protocol::fault::Fault;
 use protocol::lut::Table;
-use protocol::message::{Calibration, FaultReport, Mode, Outcome, Report, ResetCause, State, Telemetry};
+use protocol::message::{Build, LastRun, Report, ResetCause, State};
+
+pub use lease::LEASE_MS;
+use machine::Machine;
+use talk::Talk;
 
 /// What a control tick gets.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -37,12 +41,18 @@ pub struct Inputs {
     pub fresh: bool,
     /// The converter's ring overran since the previous tick.
     pub adc_overrun: bool,
-    /// The fast loop has tripped on over-current since the previous tick.
-    pub coil_tripped: bool,
+    /// Why the fast loop has switched the coil off since the previous tick.
+    pub coil_trip: Option<Fault>,
     /// Duty of the coil that the fast loop applies now, for telemetry.
     pub coil_duty: f32,
     /// Measured duration of the previous tick, us.
     pub tick_us: u16,
+    /// Measured time from the start of the previous tick to the start of this one, us.
+    pub period_us: u32,
+    /// The stop button is pressed.
+    pub stop_pressed: bool,
+    /// The interlock has ended or refused a permit since the board rested.
+    pub interlock: Option<Trip>,
 }
 
 impl Inputs {
@@ -52,9 +62,12 @@ impl Inputs {
             raw: averaged.raw,
             fresh: averaged.count > 0,
             adc_overrun,
-            coil_tripped: averaged.coil_tripped,
+            coil_trip: averaged.coil_trip,
             coil_duty: averaged.coil_duty,
             tick_us,
+            period_us: 0,
+            stop_pressed: false,
+            interlock: None,
         }
     }
 }
@@ -62,6 +75,8 @@ impl Inputs {
 /// What a control tick wants. `Default` is everything off.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Outputs {
+    /// Which outputs may be on at all: what the interlock is asked for.
+    pub power: Power,
     /// Command of the display's actuator, V, positive pulls the cap in; to the H-bridge as duty over its supply.
     pub actuator_v: f32,
     /// Desired coil current, A, for the fast loop.
@@ -81,6 +96,10 @@ pub struct Identity {
     pub unique_id: [u8; 12],
     /// Why it last started.
     pub reset_cause: ResetCause,
+    /// What it runs.
+    pub build: Build,
+    /// What the run before this one left behind.
+    pub last_run: LastRun,
 }
 
 /// Firmware version: major, minor, patch.
@@ -89,299 +108,107 @@ pub const FIRMWARE_VERSION: [u8; 3] = [0, 1, 0];
 /// The board; `S` is its flash.
 #[derive(Debug, Clone)]
 pub struct Board<S> {
-    config: BoardConfig,
-    store: S,
-    identity: Identity,
-    active: Option<ActiveTable>,
-    table_broken: bool,
-    upload: Upload,
-    /// Sequence number of the `TableBegin` that is answered when the erase has ended.
-    begin_seq: Option<u16>,
-    calibration: Calibration,
-    pid: Pid,
-    coil_pi: CoilPi,
-    receiver: Receiver,
-    transmitter: Transmitter,
-    /// The host was built from another message table.
-    schema_mismatch: bool,
-    telemetry: TelemetryClock,
-    safety: Safety,
-    mode: ModeState,
-    palpation: Palpation,
-    palpations: u32,
-    palpation_rate_mm_s: f32,
-    /// Sum (us) and number of the ticks in contact, and the longest tick of the palpation.
-    contact_ticks: (u32, u32, u16),
-    display: Display,
-    tick: u32,
-    age_ticks: u16,
-    raw: RawSamples,
-    measured: Measured,
-    coil_c: f32,
-    outputs: Outputs,
-    shaft_target_mm: f32,
-    not_finite: bool,
+    machine: Machine<S>,
+    talks: [Talk; LinkId::ALL.len()],
 }
 
 impl<S: TableStore + CalibrationStore> Board<S> {
     /// A board at start: looks for a table and a calibration in `store`, outputs off.
-    pub fn new(config: BoardConfig, mut store: S, identity: Identity) -> Self {
-        let (active, table_broken) = find_active(store.bytes());
-        let calibration =
-            store.load_calibration().filter(calibration_is_usable).unwrap_or_else(|| config.calibration.clone());
-        Board {
-            pid: Pid::build(&config.gains, TICK_S, config.u_max_v),
-            coil_pi: CoilPi::build(&config.circuit, 1.0 / FAST_HZ as f32),
-            safety: Safety::new(&identity.reset_cause),
-            // How hot the coil was before the reset is not known: assume the hottest that needs no caution.
-            coil_c: config.thermal.derate_c,
-            config,
-            store,
-            identity,
-            active,
-            table_broken,
-            upload: Upload::new(),
-            begin_seq: None,
-            calibration,
-            receiver: Receiver::new(),
-            transmitter: Transmitter::new(),
-            schema_mismatch: false,
-            telemetry: TelemetryClock::default(),
-            mode: ModeState::new(),
-            palpation: Palpation::new(),
-            palpations: 0,
-            palpation_rate_mm_s: 0.0,
-            contact_ticks: (0, 0, 0),
-            display: Display::default(),
-            tick: 0,
-            age_ticks: 0,
-            raw: RawSamples::default(),
-            measured: Measured::default(),
-            outputs: Outputs::default(),
-            shaft_target_mm: 0.0,
-            not_finite: false,
-        }
+    pub fn new(config: BoardConfig, store: S, identity: Identity) -> Self {
+        Board { machine: Machine::new(config, store, identity), talks: core::array::from_fn(|_| Talk::default()) }
     }
 
-    /// Takes bytes from the link and carries out what they ask for.
-    pub fn receive(&mut self, bytes: &[u8]) {
+    /// Takes bytes from a link and carries out what they ask for.
+    pub fn receive(&mut self, link: LinkId, bytes: &[u8]) {
+        let [usb, uart] = &mut self.talks;
+        let talk = match link {
+            LinkId::Usb => usb,
+            LinkId::Uart => uart,
+        };
         for byte in bytes {
-            self.receive_byte(*byte);
+            if let Some((request, seq)) = talk.push(*byte) {
+                self.machine.carry_out(link, talk, &request, seq);
+            }
         }
     }
 
-    /// Moves bytes for the link into `out`; returns how many.
-    pub fn take_transmit(&mut self, out: &mut [u8]) -> usize {
-        self.transmitter.take(out)
+    /// Moves bytes for a link into `out`; returns how many.
+    pub fn take_transmit(&mut self, link: LinkId, out: &mut [u8]) -> usize {
+        self.talk(link).take_transmit(out)
+    }
+
+    fn talk(&mut self, link: LinkId) -> &mut Talk {
+        let [usb, uart] = &mut self.talks;
+        match link {
+            LinkId::Usb => usb,
+            LinkId::Uart => uart,
+        }
     }
 
     /// One control tick.
     pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
-        self.tick = self.tick.wrapping_add(1);
-        self.sense(inputs);
-        self.guard(inputs);
-        self.poll_upload();
-        let event = if self.upload.is_erasing() { ModeEvent::None } else { self.palpate(inputs) };
-        if let ModeEvent::Ended(outcome) = event {
-            self.send_verdict(outcome);
-        }
-        self.outputs = self.drive();
-        self.not_finite = !outputs_are_finite(&self.outputs);
-        if self.not_finite {
-            self.outputs = Outputs::default();
-        }
-        if self.telemetry.step() {
-            let record = Report::Telemetry(self.record(inputs));
-            self.transmitter.report(&record, Priority::Telemetry);
-        }
-        self.outputs
-    }
-
-    /// What the board is doing.
-    pub const fn state(&self) -> State {
-        self.mode.state
-    }
-
-    /// Quantities of the last tick.
-    pub const fn measured(&self) -> &Measured {
-        &self.measured
-    }
-
-    /// The flash.
-    pub const fn store(&self) -> &S {
-        &self.store
-    }
-
-    /// The flash, e.g. to cut its power in a test.
-    pub fn store_mut(&mut self) -> &mut S {
-        &mut self.store
-    }
-
-    /// Gives the flash back, as a restart would find it.
-    pub fn into_store(self) -> S {
-        self.store
-    }
-
-    /// The table in use, if there is one.
-    pub fn table(&self) -> Option<Table<'_>> {
-        open(&self.active, &self.store)
-    }
-
-    fn sense(&mut self, inputs: &Inputs) {
-        if inputs.fresh {
-            self.age_ticks = 0;
-            self.raw = inputs.raw;
-            self.measured = Measured::from_raw(&self.raw, &self.calibration, &self.config.shunt);
-        } else {
-            self.age_ticks = self.age_ticks.saturating_add(1);
-        }
-        // Heated by the larger of measured and wanted current: an amplifier that reads no current must not hide the heat.
-        // (`max` also keeps a reading that is no number out of the temperature.)
-        let heating_a = self.measured.coil_a.max(self.outputs.coil_target_a);
-        self.coil_c = thermal::step_c(&self.config.thermal, self.coil_c, heating_a, TICK_S);
-        if self.mode.state != State::Idle {
-            let (sum, count, max) = &mut self.contact_ticks;
-            *max = (*max).max(inputs.tick_us);
-            if self.mode.state == State::Contact {
-                *sum = sum.saturating_add(u32::from(inputs.tick_us));
-                *count = count.saturating_add(1);
+        let Board { machine, talks } = self;
+        let outputs = machine.tick(inputs, |report| {
+            for talk in talks.iter_mut() {
+                talk.report(report, Priority::Answer);
             }
-        }
-    }
-
-    fn guard(&mut self, inputs: &Inputs) {
-        let input = SafetyInput {
-            raw: &self.raw,
-            measured: &self.measured,
-            calibration: &self.calibration,
-            age_ticks: self.age_ticks,
-            adc_overrun: inputs.adc_overrun,
-            coil_tripped: inputs.coil_tripped,
-            coil_c: self.coil_c,
-            tick_us: inputs.tick_us,
-            actuator_v: self.outputs.actuator_v,
-            outputs_on: self.mode.outputs_on(),
-            not_finite: self.not_finite,
-            table_broken: self.table_broken,
-        };
-        let (tick, transmitter) = (self.tick, &mut self.transmitter);
-        self.safety.step(&self.config.safety, &input, |trip| {
-            let report =
-                Report::Fault(FaultReport { tick, fault: trip.fault as u8, value: trip.value, limit: trip.limit });
-            transmitter.report(&report, Priority::Answer);
         });
-    }
-
-    /// Palpation and mode machine.
-    fn palpate(&mut self, inputs: &Inputs) -> ModeEvent {
-        // Not `self.table()`: the palpation beside it is changed while the table is open.
-        let table = open(&self.active, &self.store);
-        let mut progress = Progress::Approaching;
-        let mut analysed = true;
-        if let Some(table) = &table {
-            match self.mode.state {
-                State::Approach | State::Contact if inputs.fresh => {
-                    let sample = Sample { probe_mm: self.measured.probe_mm, force_n: self.measured.load_cell_n };
-                    progress = self.palpation.step(&self.config.palpation, table, sample);
-                }
-                State::Retract if self.mode.ended() == Outcome::Identified => {
-                    analysed = self.palpation.analyse(&self.config.palpation, table);
-                }
-                _ => {}
-            }
+        if let Some((link, report)) = self.machine.poll_upload() {
+            self.talk(link).report(&report, Priority::Answer);
         }
-        let input = ModeInput {
-            probe_mm: self.measured.probe_mm,
-            depth_mm: self.palpation.depth_mm(self.measured.probe_mm),
-            force_n: self.measured.load_cell_n,
-            contact: self.palpation.has_contact(),
-            no_slice: progress.refused(),
-            record_full: progress == Progress::Full,
-            analysed,
-            faulted: !self.safety.latched().is_empty(),
-        };
-        self.mode.step(&self.config.mode, &input)
-    }
-
-    fn send_verdict(&mut self, outcome: Outcome) {
-        let (sum, count, tick_max_us) = self.contact_ticks;
-        let motion = Motion {
-            number: self.palpations,
-            rate_mm_s: self.palpation_rate_mm_s,
-            tick_max_us,
-            tick_mean_us: if count > 0 { sum as f32 / count as f32 } else { 0.0 },
-        };
-        let (estimate, verdict) = self.palpation.report(&self.config.palpation, self.table().as_ref(), outcome, motion);
-        if let Some(estimate) = estimate {
-            self.transmitter.report(&Report::Estimate(estimate), Priority::Answer);
-        }
-        self.transmitter.report(&Report::Verdict(verdict), Priority::Answer);
-    }
-
-    /// Outputs of the state: off unless the state turns them on.
-    fn drive(&mut self) -> Outputs {
-        let mut outputs = Outputs::default();
-        self.shaft_target_mm = 0.0;
-        match (self.mode.state, self.mode.commanded) {
-            (State::Approach | State::Contact, Mode::Palpate { rate_mm_s, .. }) => {
-                outputs.arm_run = true;
-                outputs.arm_rate_mm_s = rate_mm_s;
+        let Board { machine, talks } = self;
+        for talk in talks {
+            if talk.record_is_due() {
+                talk.report(&Report::Telemetry(machine.record(inputs)), Priority::Telemetry);
             }
-            (State::Display, Mode::Display { material }) => {
-                let wanted = self.show(material);
-                self.shaft_target_mm = wanted.target_mm;
-                outputs.actuator_v = wanted.actuator_v;
-                outputs.coil_target_a = wanted.coil_target_a;
-                outputs.coil_duty = self.coil_pi.steady_duty(wanted.coil_target_a);
-            }
-            _ => {}
         }
         outputs
     }
 
-    fn show(&mut self, material: u8) -> DisplayOutput {
-        let mut display = self.display;
-        let output = self.table().and_then(|table| table.material(usize::from(material))).map(|material| {
-            let input =
-                DisplayInput { force_n: self.measured.fsr_n, shaft_mm: self.measured.shaft_mm, coil_c: self.coil_c };
-            display.step(&self.config.display, &self.config.thermal, &self.pid, &material, &input)
-        });
-        self.display = display;
-        output.unwrap_or_default()
+    /// Latches a fault of the start, which a person must learn of.
+    pub fn latch(&mut self, fault: Fault) {
+        self.machine.safety.latch(fault);
     }
 
-    fn record(&mut self, inputs: &Inputs) -> Telemetry {
-        let contact = matches!(self.mode.state, State::Contact | State::Retract);
-        let depth_mm = self.palpation.depth_mm(self.measured.probe_mm);
-        Telemetry {
-            tick: self.tick,
-            state: self.mode.state,
-            faults: self.safety.latched(),
-            probe_mm: self.measured.probe_mm,
-            depth_mm: if contact && depth_mm > 0.0 { depth_mm } else { 0.0 },
-            load_cell_n: self.measured.load_cell_n,
-            fsr_n: self.measured.fsr_n,
-            shaft_mm: self.measured.shaft_mm,
-            shaft_target_mm: self.shaft_target_mm,
-            actuator_v: self.outputs.actuator_v,
-            coil_a: self.measured.coil_a,
-            coil_target_a: self.outputs.coil_target_a,
-            coil_duty: inputs.coil_duty,
-            coil_c: self.coil_c,
-            search_error_n: if self.mode.state == State::Contact { self.palpation.error_n() } else { 0.0 },
-            tick_us: inputs.tick_us,
-        }
+    /// True if a tick of this duration may be followed by a permit for the outputs.
+    pub const fn is_punctual(&self, tick_us: u16) -> bool {
+        tick_us <= self.machine.config.safety.tick_us
     }
-}
 
-/// The table in a store, if one is active.
-fn open<'a>(active: &Option<ActiveTable>, store: &'a impl TableStore) -> Option<Table<'a>> {
-    let active = active.as_ref()?;
-    active.checked.open(store.bytes().get(crate::flash::slot_range(active.slot))?)
-}
+    /// True while a fault is latched.
+    pub const fn is_faulted(&self) -> bool {
+        !self.machine.safety.latched().is_empty()
+    }
 
-fn outputs_are_finite(outputs: &Outputs) -> bool {
-    [outputs.actuator_v, outputs.coil_target_a, outputs.coil_duty, outputs.arm_rate_mm_s].iter().all(|x| x.is_finite())
+    /// What the board is doing.
+    pub const fn state(&self) -> State {
+        self.machine.state()
+    }
+
+    /// Quantities of the last tick.
+    pub const fn measured(&self) -> &Measured {
+        &self.machine.measured
+    }
+
+    /// The flash.
+    pub const fn store(&self) -> &S {
+        &self.machine.store
+    }
+
+    /// The flash, e.g. to cut its power in a test.
+    pub fn store_mut(&mut self) -> &mut S {
+        &mut self.machine.store
+    }
+
+    /// Gives the flash back, as a restart would find it.
+    pub fn into_store(self) -> S {
+        self.machine.store
+    }
+
+    /// The table in use, if there is one.
+    pub fn table(&self) -> Option<Table<'_>> {
+        self.machine.table()
+    }
 }
 
 #[cfg(test)]

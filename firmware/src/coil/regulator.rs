@@ -11,6 +11,11 @@ pub struct CoilCircuit {
     pub inductance_mh: f32,
     /// Supply of the half bridge, V.
     pub supply_v: f32,
+    /// Resistance of the hottest coil at the lowest supply, over its own: copper at 105 degrees has 1.33 of it, a supply
+    /// 10 % low makes that 1.48, and tolerances the rest.
+    pub highest: f32,
+    /// The same of a coil at 0 degrees at a supply 10 % high, with tolerances.
+    pub lowest: f32,
     /// Bandwidth of the closed loop, rad/s.
     pub bandwidth_rad_s: f32,
     /// Highest duty; below 1 so that the bootstrap of the high side refreshes.
@@ -20,7 +25,15 @@ pub struct CoilCircuit {
 impl Default for CoilCircuit {
     /// 13 ohm and 3 mH from 36 V: the 2.5 A limit needs 32.5 V cold. 200 rad/s is a fifth of what 1 kHz sampling bears.
     fn default() -> Self {
-        CoilCircuit { resistance_ohm: 13.0, inductance_mh: 3.0, supply_v: 36.0, bandwidth_rad_s: 200.0, duty_max: 0.98 }
+        CoilCircuit {
+            resistance_ohm: 13.0,
+            inductance_mh: 3.0,
+            supply_v: 36.0,
+            highest: 1.65,
+            lowest: 0.8,
+            bandwidth_rad_s: 200.0,
+            duty_max: 0.98,
+        }
     }
 }
 
@@ -33,6 +46,8 @@ pub struct CoilPi {
     ki: f32,
     /// Duty an A in steady state: the cold resistance over the supply.
     steady: f32,
+    /// The same in the hottest coil.
+    steady_most: f32,
     duty_max: f32,
 }
 
@@ -40,6 +55,14 @@ pub struct CoilPi {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CoilPiState {
     integral: f32,
+}
+
+impl CoilCircuit {
+    /// Least and most current that a duty can give, A.
+    pub fn current_a(&self, duty: f32) -> (f32, f32) {
+        let a = duty * self.supply_v / self.resistance_ohm;
+        (a / self.highest, a / self.lowest)
+    }
 }
 
 impl CoilPi {
@@ -50,6 +73,7 @@ impl CoilPi {
             kp: circuit.bandwidth_rad_s * circuit.inductance_mh * 1e-3 / circuit.supply_v,
             ki: circuit.bandwidth_rad_s * circuit.resistance_ohm / circuit.supply_v * period_s,
             steady: circuit.resistance_ohm / circuit.supply_v,
+            steady_most: circuit.highest * circuit.resistance_ohm / circuit.supply_v,
             duty_max: circuit.duty_max,
         }
     }
@@ -59,16 +83,17 @@ impl CoilPi {
         limit(self.steady * target_a, 0.0, self.duty_max)
     }
 
-    /// One step: duty, 0 to the highest duty. A target of 0 (or NaN) switches off and forgets the integral, which is held between
-    /// the duty's limits and so cannot wind up.
+    /// One step: duty, 0 to what the hottest coil needs for the target, whatever the reading says. A target of 0 (or NaN)
+    /// switches off and forgets the integral, which is held between the duty's limits and so cannot wind up.
     pub fn step(&self, state: &mut CoilPiState, target_a: f32, measured_a: f32) -> f32 {
         if !(target_a > 0.0) {
             *state = CoilPiState::default();
             return 0.0;
         }
         let error_a = target_a - measured_a;
-        state.integral = limit(state.integral + self.ki * error_a, 0.0, self.duty_max);
-        limit(state.integral + self.kp * error_a, 0.0, self.duty_max)
+        let most = limit(self.steady_most * target_a, 0.0, self.duty_max);
+        state.integral = limit(state.integral + self.ki * error_a, 0.0, most);
+        limit(state.integral + self.kp * error_a, 0.0, most)
     }
 }
 

@@ -1,5 +1,7 @@
 //! How hot the winding is: one heat capacity, one resistance to the surroundings.
 
+use crate::coil::regulator::CoilCircuit;
+
 /// Thermal model of the winding and its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThermalConfig {
@@ -36,6 +38,11 @@ const COPPER_PER_K: f32 = 0.003_93;
 /// Resistance of the winding at a temperature, ohm.
 pub fn winding_ohm(config: &ThermalConfig, coil_c: f32) -> f32 {
     config.winding_ohm * (1.0 + COPPER_PER_K * (coil_c - 20.0))
+}
+
+/// Current that a duty gives in the winding at a temperature, A.
+pub fn driven_a(config: &ThermalConfig, circuit: &CoilCircuit, duty: f32, coil_c: f32) -> f32 {
+    duty * circuit.supply_v / winding_ohm(config, coil_c)
 }
 
 /// Temperature after a step of `period_s` with `current_a`, degrees Celsius.

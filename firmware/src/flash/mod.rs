@@ -14,7 +14,7 @@ pub use ram::{PowerCut, RamFlash};
 pub use upload::Upload;
 
 use protocol::lut::{Checked, HEADER_LEN, MAGIC, Table};
-use protocol::message::{Calibration, Slot};
+use protocol::message::{Calibration, Fitted, Slot};
 
 /// Bytes of bank 2.
 pub const BANK_LEN: usize = 1024 * 1024;
@@ -97,16 +97,36 @@ pub trait TableStore {
     fn write(&mut self, offset: usize, data: &[u8]) -> Result<(), FlashError>;
 }
 
-/// Where a calibration survives a restart.
-pub trait CalibrationStore {
-    /// The calibration stored last, if there is one that reads back whole.
-    fn load_calibration(&mut self) -> Option<Calibration>;
+/// What a board is set up for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// Laws of its sensors.
+    pub calibration: Calibration,
+    /// Parts that are wired.
+    pub fitted: Fitted,
+}
 
-    /// Stores a calibration; after a power cut the old or the new one is there.
+/// What a store holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Loaded {
+    /// Nothing was ever stored.
+    Nothing,
+    /// The setup stored last that reads back whole.
+    Stored(Setup),
+    /// Something that does not read back.
+    Unreadable,
+}
+
+/// Where a calibration and what goes with it survive a restart.
+pub trait CalibrationStore {
+    /// The setup stored last.
+    fn load_setup(&mut self) -> Loaded;
+
+    /// Stores a setup; after a power cut the old or the new one is there.
     ///
     /// # Errors
     /// [`FlashError`] when it could not be stored; the old one stays.
-    fn save_calibration(&mut self, calibration: &Calibration) -> Result<(), FlashError>;
+    fn save_setup(&mut self, setup: &Setup) -> Result<(), FlashError>;
 }
 
 /// The table in use.

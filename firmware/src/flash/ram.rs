@@ -1,8 +1,6 @@
 //! Flash bank 2 in RAM, for the simulated board and for tests: as strict as the real one.
 
-use protocol::message::Calibration;
-
-use super::{BANK_LEN, CalibrationStore, EraseProgress, FlashError, TableStore, WORD, sector_range};
+use super::{BANK_LEN, CalibrationStore, EraseProgress, FlashError, Loaded, Setup, TableStore, WORD, sector_range};
 
 /// What a simulated flash does when its power is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,14 +19,14 @@ pub struct RamFlash<B> {
     power: PowerCut,
     refused: u32,
     operations: u32,
-    calibration: Option<Calibration>,
+    setup: Loaded,
 }
 
 impl<B: AsRef<[u8]> + AsMut<[u8]>> RamFlash<B> {
     /// Flash that holds `bytes`: [`BANK_LEN`] of them (erased flash is all `0xff`); shorter ones make every access
     /// beyond them fail.
     pub const fn new(bytes: B) -> Self {
-        RamFlash { bytes, power: PowerCut::Never, refused: 0, operations: 0, calibration: None }
+        RamFlash { bytes, power: PowerCut::Never, refused: 0, operations: 0, setup: Loaded::Nothing }
     }
 
     /// Cuts the power after some more operations, or restores it.
@@ -44,6 +42,11 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> RamFlash<B> {
     /// Words written and sectors erased so far.
     pub const fn operations(&self) -> u32 {
         self.operations
+    }
+
+    /// Makes what was stored of the setup unreadable.
+    pub fn tear_setup(&mut self) {
+        self.setup = Loaded::Unreadable;
     }
 
     /// The bytes, e.g. to keep them over a simulated restart.
@@ -113,13 +116,13 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> TableStore for RamFlash<B> {
 }
 
 impl<B: AsRef<[u8]> + AsMut<[u8]>> CalibrationStore for RamFlash<B> {
-    fn load_calibration(&mut self) -> Option<Calibration> {
-        self.calibration.clone()
+    fn load_setup(&mut self) -> Loaded {
+        self.setup.clone()
     }
 
-    fn save_calibration(&mut self, calibration: &Calibration) -> Result<(), FlashError> {
+    fn save_setup(&mut self, setup: &Setup) -> Result<(), FlashError> {
         self.spend()?;
-        self.calibration = Some(calibration.clone());
+        self.setup = Loaded::Stored(setup.clone());
         Ok(())
     }
 }

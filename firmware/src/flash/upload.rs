@@ -1,6 +1,6 @@
 //! Upload of a table over the link: pieces in order, header last.
 
-use super::{ActiveTable, EraseProgress, SLOT_LEN, TableStore, WORD, sector_of, slot_for, slot_range};
+use super::{ActiveTable, EraseProgress, SLOT_LEN, TableStore, WORD, find_active, sector_of, slot_for, slot_range};
 use protocol::lut::{HEADER_LEN, MAGIC, Table, VERSION};
 use protocol::message::{Refusal, Slot, TableBegin, TableChunk};
 
@@ -177,8 +177,9 @@ impl Upload {
     /// was lost), it succeeds again and changes nothing.
     ///
     /// # Errors
-    /// [`Refusal::OutOfOrder`] without a complete upload; [`Refusal::TableRejected`] if it does not pass its checks, [`Refusal::FlashFailed`];
-    /// after these two the upload is gone and the old table stays.
+    /// [`Refusal::OutOfOrder`] without a complete upload; [`Refusal::TableRejected`] if it does not pass its checks, after which the upload is
+    /// gone and the old table stays; [`Refusal::FlashFailed`], after which the upload is gone and the table in use is the one that a restart
+    /// would find: if the old one could not be retired, that of slot A, old or new.
     pub fn commit<S: TableStore>(&mut self, store: &mut S, active: &mut Option<ActiveTable>) -> Result<(), Refusal> {
         if self.phase == Phase::None && self.committed {
             return Ok(());
@@ -191,19 +192,33 @@ impl Upload {
         if !upload.header_is_plausible() || !upload.crc_is_as_announced(store.bytes(), base) {
             return Err(Refusal::TableRejected);
         }
-        store.write(base, &upload.header).map_err(|_| Refusal::FlashFailed)?;
+        let done = upload.activate(store, active, base);
+        if done == Err(Refusal::FlashFailed) {
+            *active = find_active(store.bytes()).0;
+        }
+        self.committed = done.is_ok();
+        done
+    }
+
+    /// Header last, then the old table's end.
+    fn activate<S: TableStore>(
+        &self,
+        store: &mut S,
+        active: &mut Option<ActiveTable>,
+        base: usize,
+    ) -> Result<(), Refusal> {
+        store.write(base, &self.header).map_err(|_| Refusal::FlashFailed)?;
         let parsed =
-            store.bytes().get(slot_range(upload.slot)).and_then(|bytes| Table::parse(bytes).ok().map(|t| t.checked()));
+            store.bytes().get(slot_range(self.slot)).and_then(|bytes| Table::parse(bytes).ok().map(|t| t.checked()));
         let Some(checked) = parsed else {
             retire(store, base)?;
             return Err(Refusal::TableRejected);
         };
-        self.committed = true;
-        let old = active.replace(ActiveTable { slot: upload.slot, checked });
+        let old = active.replace(ActiveTable { slot: self.slot, checked });
         match old {
-            Some(old) if old.slot != upload.slot => retire(store, slot_range(old.slot).start)?,
+            Some(old) if old.slot != self.slot => retire(store, slot_range(old.slot).start)?,
             // Without an active table the other slot may still hold an older one that was not chosen.
-            None if upload.slot != Slot::Whole => {
+            None if self.slot != Slot::Whole => {
                 let other = SLOT_LEN - base;
                 let has_table = store.bytes().get(other..other + MAGIC.len()) == Some(&MAGIC[..]);
                 if has_table {

@@ -1,11 +1,16 @@
 //! The microcontroller's flash: tables in bank 2, calibrations in the last two sectors of bank 1.
+//!
+//! Why not embassy's driver, and why the data cache stays off:
+//! `docs/decisions/0009-flash-and-caches.md`.
 #![allow(unsafe_code)]
 
+use embassy_stm32::pac::flash::regs::Acr;
 use embassy_stm32::pac::flash::vals::Psize;
 use embassy_stm32::peripherals::FLASH;
 use embassy_stm32::{Peri, pac};
-use firmware::flash::{BANK_LEN, CalibrationStore, EraseProgress, FlashError, TableStore, WORD, journal};
-use protocol::message::Calibration;
+use firmware::flash::{
+    BANK_LEN, CalibrationStore, EraseProgress, FlashError, Loaded, Setup, TableStore, WORD, journal,
+};
 
 /// Bank 2 in the address space.
 const BANK_2: usize = 0x0810_0000;
@@ -23,26 +28,34 @@ const PLACES_LOW: usize = 64;
 /// Keys of RM0090 section 3.6.1.
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 
+/// Instruction cache and prefetch on: what hides the 5 wait states of 168 MHz. The data cache stays
+/// off.
+pub fn accelerate() {
+    pac::FLASH.acr().modify(|w| {
+        w.set_icen(true);
+        w.set_prften(true);
+    });
+}
+
 /// The only owner of the flash controller.
 pub struct BoardFlash {
     _flash: Peri<'static, FLASH>,
+    /// Of the erase that is polled.
+    erasing: Option<DataCacheOff>,
 }
 
 impl BoardFlash {
     /// Takes the flash and tidies the journals; an erase here takes 1 to 2 s, before the watchdog runs and with all outputs off.
     pub fn take(flash: Peri<'static, FLASH>) -> Self {
-        let mut flash = BoardFlash { _flash: flash };
+        let mut flash = BoardFlash { _flash: flash, erasing: None };
         flash.tidy();
         flash
     }
 
     /// Moves the latest calibration to the other journal when the one in use is nearly full: written there first, erased here after.
     fn tidy(&mut self) {
+        // What cannot be read is not erased: the board says so, and the first setup that is stored goes behind it.
         let Some(used) = in_use() else {
-            // No record, but not blank either (an older image lay here): make room for the first record.
-            if region(0).iter().any(|b| *b != 0xff) && erase_journal(0).is_err() {
-                defmt::error!("journal could not be erased");
-            }
             return;
         };
         let other = 1 - used;
@@ -51,7 +64,7 @@ impl BoardFlash {
         let Some(latest) = journal::latest(region(used)).filter(|_| low) else {
             return;
         };
-        let blank = region(other).iter().all(|b| *b == 0xff);
+        let blank = journal::is_blank(region(other));
         let ready = blank || erase_journal(other).is_ok();
         if ready && append(other, &latest).is_ok() && erase_journal(used).is_err() {
             defmt::error!("journal could not be erased");
@@ -76,17 +89,18 @@ fn region(number: usize) -> &'static [u8] {
     unsafe { core::slice::from_raw_parts(address as *const u8, JOURNAL_LEN) }
 }
 
-fn append(number: usize, calibration: &Calibration) -> Result<(), FlashError> {
+fn append(number: usize, setup: &Setup) -> Result<(), FlashError> {
     let at = journal::free_place(region(number)).ok_or(FlashError)?;
-    let record = journal::record(calibration).ok_or(FlashError)?;
+    let record = journal::record(setup).ok_or(FlashError)?;
     program(JOURNALS[number & 1].0 + at, &record)
 }
 
 /// Blocks for 1 to 2 s: code runs from the same bank.
 fn erase_journal(number: usize) -> Result<(), FlashError> {
+    let cache = DataCacheOff::begin();
     start_erase(JOURNALS[number & 1].1);
     while pac::FLASH.sr().read().bsy() {}
-    finish_erase()
+    finish_erase(cache)
 }
 
 fn unlock() {
@@ -114,12 +128,36 @@ fn succeeded() -> bool {
     !(sr.pgserr() || sr.pgperr() || sr.pgaerr() || sr.wrperr() || sr.operr())
 }
 
-/// The data cache may hold what was there before.
-fn drop_data_cache() {
-    pac::FLASH.acr().modify(|w| w.set_dcen(false));
-    pac::FLASH.acr().modify(|w| w.set_dcrst(true));
-    pac::FLASH.acr().modify(|w| w.set_dcrst(false));
-    pac::FLASH.acr().modify(|w| w.set_dcen(true));
+/// The data cache is off while the controller erases or programs: a read of one bank while the
+/// other is written may corrupt it (ES0206 section 2.2.12). Holds what the access control register
+/// was before.
+#[must_use]
+struct DataCacheOff(Acr);
+
+impl DataCacheOff {
+    fn begin() -> Self {
+        let before = pac::FLASH.acr().read();
+        pac::FLASH.acr().modify(|w| w.set_dcen(false));
+        DataCacheOff(before)
+    }
+
+    /// Empties both caches of what has changed, which they allow only while they are off (RM0090
+    /// section 3.6.4), and puts the register back.
+    fn end(self) {
+        pac::FLASH.acr().modify(|w| {
+            w.set_dcen(false);
+            w.set_icen(false);
+        });
+        pac::FLASH.acr().modify(|w| {
+            w.set_dcrst(true);
+            w.set_icrst(true);
+        });
+        pac::FLASH.acr().modify(|w| {
+            w.set_dcrst(false);
+            w.set_icrst(false);
+        });
+        pac::FLASH.acr().write_value(self.0);
+    }
 }
 
 fn start_erase(sector: u8) {
@@ -133,18 +171,19 @@ fn start_erase(sector: u8) {
     pac::FLASH.cr().modify(|w| w.set_strt(true));
 }
 
-fn finish_erase() -> Result<(), FlashError> {
+fn finish_erase(cache: DataCacheOff) -> Result<(), FlashError> {
     let succeeded = succeeded();
     pac::FLASH.cr().modify(|w| {
         w.set_ser(false);
         w.set_lock(true);
     });
-    drop_data_cache();
+    cache.end();
     if succeeded { Ok(()) } else { Err(FlashError) }
 }
 
 /// Writes words and reads them back; 16 us each.
 fn program(address: usize, data: &[u8]) -> Result<(), FlashError> {
+    let cache = DataCacheOff::begin();
     unlock();
     clear_errors();
     pac::FLASH.cr().modify(|w| {
@@ -166,7 +205,7 @@ fn program(address: usize, data: &[u8]) -> Result<(), FlashError> {
         w.set_pg(false);
         w.set_lock(true);
     });
-    drop_data_cache();
+    cache.end();
     for (i, word) in data.as_chunks::<WORD>().0.iter().enumerate() {
         // SAFETY: as above; reading flash is always allowed.
         let stored = unsafe { ((address + i * WORD) as *const u32).read_volatile() };
@@ -187,6 +226,7 @@ impl TableStore for BoardFlash {
         if firmware::flash::sector_range(sector).is_none() {
             return Err(FlashError);
         }
+        self.erasing.get_or_insert_with(DataCacheOff::begin);
         start_erase(BANK_2_SECTORS + sector);
         Ok(())
     }
@@ -195,7 +235,8 @@ impl TableStore for BoardFlash {
         if pac::FLASH.sr().read().bsy() {
             return Ok(EraseProgress::Busy);
         }
-        finish_erase().map(|()| EraseProgress::Done)
+        let cache = self.erasing.take().unwrap_or_else(DataCacheOff::begin);
+        finish_erase(cache).map(|()| EraseProgress::Done)
     }
 
     fn write(&mut self, offset: usize, data: &[u8]) -> Result<(), FlashError> {
@@ -209,11 +250,17 @@ impl TableStore for BoardFlash {
 }
 
 impl CalibrationStore for BoardFlash {
-    fn load_calibration(&mut self) -> Option<Calibration> {
-        in_use().and_then(|used| journal::latest(region(used)))
+    fn load_setup(&mut self) -> Loaded {
+        match in_use().and_then(|used| journal::latest(region(used))) {
+            Some(setup) => Loaded::Stored(setup),
+            None if (0..2).all(|j| journal::is_blank(region(j))) => Loaded::Nothing,
+            None => Loaded::Unreadable,
+        }
     }
 
-    fn save_calibration(&mut self, calibration: &Calibration) -> Result<(), FlashError> {
-        append(in_use().unwrap_or(0), calibration)
+    fn save_setup(&mut self, setup: &Setup) -> Result<(), FlashError> {
+        // Without a record: the first journal with a place, be it behind what cannot be read.
+        let has_place = |j: &usize| journal::free_place(region(*j)).is_some();
+        append(in_use().or_else(|| (0..2).find(has_place)).unwrap_or(0), setup)
     }
 }

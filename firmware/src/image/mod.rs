@@ -1,14 +1,23 @@
 //! Start of the image: clocks, pins, tasks.
 
+mod clock;
 mod control;
+mod crash;
+mod debugger;
 mod flash;
+mod identity;
+mod interlock;
+mod lamp;
 mod outputs;
+mod panel;
+mod record;
 mod reset;
+mod revision;
 mod sampling;
 mod serial;
 mod stop;
+mod supply;
 mod usb;
-mod watchdog;
 
 use core::cell::RefCell;
 
@@ -16,7 +25,7 @@ use embassy_executor::{InterruptExecutor, Spawner};
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::{Config, adc, bind_interrupts, dma, peripherals, rcc, time::Hertz, usart};
+use embassy_stm32::{adc, bind_interrupts, dma, peripherals, usart};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
@@ -24,10 +33,13 @@ use embassy_sync::pipe::Pipe;
 use firmware::board::{Board, Identity};
 use firmware::config::BoardConfig;
 use firmware::fast::FastLoop;
+use firmware::interlock::Task;
+use firmware::link::LinkId;
+use protocol::fault::Fault;
+use protocol::message::ResetCause;
 use static_cell::StaticCell;
 
 use self::flash::BoardFlash;
-use self::watchdog::Watchdog;
 
 bind_interrupts!(struct Irqs {
     DMA2_STREAM0 => dma::InterruptHandler<peripherals::DMA2_CH0>;
@@ -39,16 +51,9 @@ bind_interrupts!(struct Irqs {
 type SharedFast = Mutex<CriticalSectionRawMutex, RefCell<Option<FastLoop>>>;
 static FAST: SharedFast = Mutex::new(RefCell::new(None));
 
-/// Which link bytes came from.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Link {
-    Usb,
-    Uart,
-}
-
 /// Bytes from a link.
 struct Packet {
-    link: Link,
+    link: LinkId,
     bytes: heapless::Vec<u8, PACKET_LEN>,
 }
 
@@ -69,46 +74,66 @@ fn UART5() {
     unsafe { SAMPLING.on_interrupt() }
 }
 
-/// 168 MHz from the ST-LINK's 8 MHz clock, 48 MHz for USB, 84 MHz for the converters and the PWM timers' bus.
-fn clocks() -> Config {
-    let mut config = Config::default();
-    config.rcc.hse = Some(rcc::Hse { freq: Hertz(8_000_000), mode: rcc::HseMode::Bypass });
-    config.rcc.pll_src = rcc::PllSource::HSE;
-    config.rcc.pll = Some(rcc::Pll {
-        prediv: rcc::PllPreDiv::DIV4,
-        mul: rcc::PllMul::MUL168,
-        divp: Some(rcc::PllPDiv::DIV2),
-        divq: Some(rcc::PllQDiv::DIV7),
-        divr: None,
-    });
-    config.rcc.ahb_pre = rcc::AHBPrescaler::DIV1;
-    config.rcc.apb1_pre = rcc::APBPrescaler::DIV4;
-    config.rcc.apb2_pre = rcc::APBPrescaler::DIV2;
-    config.rcc.sys = rcc::Sysclk::PLL1_P;
-    config.rcc.mux.clk48sel = rcc::mux::Clk48sel::PLL1_Q;
-    config
+/// Writes to the log what this start found.
+fn tell_start(reset_cause: ResetCause, external: bool) {
+    defmt::info!("start: reset cause {=u8}, chip revision {=u16:#x}", reset_cause as u8, revision::code());
+    record::log();
+    if !external {
+        defmt::error!("no 8 MHz clock: running from the internal one, USB off");
+    }
+    if revision::is_old() {
+        defmt::error!("chip before revision 3: USB off");
+    }
 }
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let reset_cause = reset::cause();
-    let p = embassy_stm32::init(clocks());
+    record::begin();
+    let external = clock::start_external();
+    let p = embassy_stm32::init(clock::config(external));
+    flash::accelerate();
     // Off before anything else can go wrong.
-    let arm_run = Output::new(p.PD14, Level::Low, Speed::Low);
+    // Stays an output for ever; its level is the interlock's.
+    core::mem::forget(Output::new(p.PD14, Level::Low, Speed::Low));
     let coil = outputs::Coil::new(p.TIM8, p.PC6);
     let actuator = outputs::Actuator::new(p.TIM1, p.PE9, p.PE11);
-    let arm = outputs::Arm::new(arm_run, p.TIM4, p.PD15);
+    let arm = outputs::Arm::new(p.TIM4, p.PD15);
+    // The drivers have enabled their main outputs, at a duty of nothing.
+    interlock::outputs_off();
+
+    supply::guard();
+    tell_start(reset_cause, external);
+    if external {
+        clock::guard();
+    }
+    let usb_pin = if external && !revision::is_old() {
+        Some(p.PA12)
+    } else {
+        revision::quieten(p.PA12);
+        None
+    };
 
     let config = BoardConfig::default();
     let fast = FastLoop::new(&config.circuit, &config.shunt, config.safety.coil_a);
     FAST.lock(|cell| cell.replace(Some(fast)));
 
     static BOARD: StaticCell<Board<BoardFlash>> = StaticCell::new();
-    let identity = Identity { unique_id: embassy_stm32::uid::uid(), reset_cause };
+    let identity = Identity {
+        unique_id: embassy_stm32::uid::uid(),
+        reset_cause,
+        build: identity::build(),
+        last_run: record::last_run(),
+    };
     let board = BOARD.init_with(|| Board::new(config, BoardFlash::take(p.FLASH), identity));
+    if usb_pin.is_none() {
+        board.latch(Fault::UsbOff);
+    }
+
+    let panel = panel::Panel::new(p.PB0, p.PB7, p.PB14, p.PC13);
 
     interrupt::UART5.set_priority(Priority::P6);
-    let sampling = sampling::Sampling::start(
+    let sampling = sampling::Sampling::new(
         adc::Adc::new(p.ADC1),
         p.DMA2_CH0,
         p.TIM3,
@@ -120,22 +145,32 @@ async fn main(spawner: Spawner) {
             coil_current: p.PB1,
         },
     );
-    let watchdog = Watchdog::take(p.IWDG);
-    let usb = usb::start(p.USB_OTG_FS, p.PA12, p.PA11);
+    let usb = usb_pin.map(|pin| usb::start(p.USB_OTG_FS, pin, p.PA11));
     let uart = serial::start(p.USART3, p.PD9, p.PD8);
 
-    let has_uart = uart.is_some();
+    let absent: &[Task] = match (&usb, &uart) {
+        (Some(_), Some(_)) => &[],
+        (None, Some(_)) => &[Task::UsbSend],
+        (Some(_), None) => &[Task::UartReceive, Task::UartSend],
+        (None, None) => &[Task::UsbSend, Task::UartReceive, Task::UartSend],
+    };
+    interlock::start(p.TIM7, p.IWDG, absent);
     let spawned = (|| {
         SAMPLING.start(interrupt::UART5).spawn(sampling::run(sampling, coil)?);
-        spawner.spawn(usb::device(usb.device)?);
-        spawner.spawn(usb::receive(usb.receiver)?);
-        spawner.spawn(usb::send(usb.sender)?);
+        match usb {
+            Some(usb) => {
+                spawner.spawn(usb::device(usb.device)?);
+                spawner.spawn(usb::receive(usb.receiver)?);
+                spawner.spawn(usb::send(usb.sender)?);
+            }
+            None => spawner.spawn(usb::absent()?),
+        }
         // Without a UART (its baud rate cannot be wrong here) USB alone still serves.
         if let Some((tx, rx)) = uart {
             spawner.spawn(serial::receive(rx)?);
             spawner.spawn(serial::send(tx)?);
         }
-        spawner.spawn(control::run(board, actuator, arm, watchdog, has_uart)?);
+        spawner.spawn(control::run(board, actuator, arm, panel)?);
         Ok::<(), embassy_executor::SpawnError>(())
     })();
     if spawned.is_err() {

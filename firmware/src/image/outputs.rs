@@ -1,7 +1,8 @@
-//! Power outputs: coil, actuator, arm. All start off.
+//! How much the power outputs give: duties of coil and actuator, rate of the arm. Whether they are on at all is the
+//! interlock's.
 
 use embassy_stm32::Peri;
-use embassy_stm32::gpio::{Output, OutputType};
+use embassy_stm32::gpio::OutputType;
 use embassy_stm32::peripherals::{PC6, PD15, PE9, PE11, TIM1, TIM4, TIM8};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::low_level::CountingMode;
@@ -70,24 +71,20 @@ impl Actuator {
     }
 }
 
-/// Palpation arm: PD14 high lets it press, low brings it home; PD15 (TIM4 channel 4) is the set point of its rate.
-pub struct Arm {
-    run: Output<'static>,
-    rate: SimplePwm<'static, TIM4>,
-}
+/// Set point of the palpation arm's rate: PD15 (TIM4 channel 4).
+pub struct Arm(SimplePwm<'static, TIM4>);
 
 impl Arm {
-    pub fn new(run: Output<'static>, timer: Peri<'static, TIM4>, rate: Peri<'static, PD15>) -> Self {
+    pub fn new(timer: Peri<'static, TIM4>, rate: Peri<'static, PD15>) -> Self {
         let rate = PwmPin::new(rate, OutputType::PushPull);
         let mut pwm = SimplePwm::new(timer, None, None, None, Some(rate), PWM_HZ, CountingMode::EdgeAlignedUp);
         pwm.ch4().set_duty_cycle_fully_off();
         pwm.ch4().enable();
-        Arm { run, rate: pwm }
+        Arm(pwm)
     }
 
-    /// Presses at a rate, or returns.
-    pub fn set(&mut self, run: bool, rate_mm_s: f32) {
-        set(&mut self.rate.ch4(), rate_mm_s / ARM_FULL_RATE_MM_S);
-        self.run.set_level(run.into());
+    /// Sets the rate.
+    pub fn set_rate(&mut self, rate_mm_s: f32) {
+        set(&mut self.0.ch4(), rate_mm_s / ARM_FULL_RATE_MM_S);
     }
 }

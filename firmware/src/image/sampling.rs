@@ -4,7 +4,7 @@
 //! half that is not fetched within another millisecond is overwritten: the ring reports an overrun, which is counted, told to the control
 //! loop, and sampling goes on with the next half.
 
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use embassy_stm32::adc::{Adc, AdcChannel, Exten, RingBufferedAdc, SampleTime};
 use embassy_stm32::peripherals::{ADC1, DMA2_CH0, PA3, PB1, PC0, PC2, PC3, TIM3};
@@ -13,11 +13,12 @@ use embassy_stm32::timer::low_level::{MasterMode, RoundTo, Timer};
 use embassy_stm32::{Peri, pac, triggers};
 use embassy_time::{Duration, with_timeout};
 use firmware::fast::FAST_HZ;
+use firmware::interlock::Task;
 use firmware::sensor::RawSamples;
 use static_cell::StaticCell;
 
 use super::outputs::Coil;
-use super::{FAST, Irqs};
+use super::{FAST, Irqs, interlock};
 
 /// Channels of a scan, and scans of a half ring.
 const CHANNELS: usize = 5;
@@ -29,10 +30,6 @@ const FULL_SCALE: f32 = 4096.0;
 
 /// A half ring comes every millisecond; without one for this long the trigger or the converter has stopped.
 const PATIENCE: Duration = Duration::from_millis(5);
-
-/// Turns of the task, with readings or without: the control task sees by it that sampling lives. That no readings come is another matter, which the
-/// board latches as a fault: a reset would not bring a dead converter back, and nobody would be told.
-pub static TURNS: AtomicU32 = AtomicU32::new(0);
 
 /// Set when the ring overran or no reading came; the control task takes it.
 pub static OVERRUN: AtomicBool = AtomicBool::new(false);
@@ -49,17 +46,12 @@ pub struct Pins {
 /// Converter and its trigger.
 pub struct Sampling {
     ring: RingBufferedAdc<'static, ADC1>,
-    /// Runs as long as this lives.
-    _trigger: Timer<'static, TIM3>,
+    trigger: Timer<'static, TIM3>,
 }
 
 impl Sampling {
-    pub fn start(
-        adc: Adc<'static, ADC1>,
-        dma: Peri<'static, DMA2_CH0>,
-        timer: Peri<'static, TIM3>,
-        pins: Pins,
-    ) -> Self {
+    /// Prepares both; [`run`] lets them go.
+    pub fn new(adc: Adc<'static, ADC1>, dma: Peri<'static, DMA2_CH0>, timer: Peri<'static, TIM3>, pins: Pins) -> Self {
         static RING: StaticCell<[u16; 2 * HALF]> = StaticCell::new();
         // 84 + 12 clocks of 21 MHz a channel: 23 us a scan.
         let sequence = [
@@ -81,8 +73,13 @@ impl Sampling {
         let trigger = Timer::new(timer);
         trigger.set_frequency(Hertz(FAST_HZ * SCANS as u32), RoundTo::Slower);
         trigger.set_master_mode(MasterMode::UPDATE);
-        trigger.start();
-        Sampling { ring, _trigger: trigger }
+        Sampling { ring, trigger }
+    }
+
+    /// The ring first: a scan that finds its stream off overruns the converter.
+    fn begin(&mut self) {
+        self.ring.start();
+        self.trigger.start();
     }
 
     /// After a stop of the converter (its overrun flag blocks DMA): starts converter and ring from their beginnings.
@@ -124,10 +121,12 @@ fn mean(half: &[u16; HALF]) -> RawSamples {
     RawSamples::from_channels(sums.map(|sum| sum as f32 / (SCANS as f32 * FULL_SCALE)))
 }
 
-/// Deadline 1 ms. A late step leaves the duty as it is for that long; without steps the duty goes off after 5 ms.
+/// Deadline 1 ms. A late step leaves the duty as it is for that long; a lost half of the ring sets it to 0, as does a
+/// converter that says nothing for 5 ms.
 #[embassy_executor::task]
 pub async fn run(mut sampling: Sampling, mut coil: Coil) -> ! {
     let mut half = [0u16; HALF];
+    sampling.begin();
     loop {
         match with_timeout(PATIENCE, sampling.ring.read(&mut half)).await {
             Ok(Ok(_)) => {
@@ -136,6 +135,8 @@ pub async fn run(mut sampling: Sampling, mut coil: Coil) -> ! {
                 coil.set(duty);
             }
             Ok(Err(_)) => {
+                // Whatever the current is now, nobody has looked at it.
+                coil.set(0.0);
                 OVERRUN.store(true, Ordering::Relaxed);
                 defmt::warn!("converter ring overran");
             }
@@ -146,6 +147,7 @@ pub async fn run(mut sampling: Sampling, mut coil: Coil) -> ! {
                 sampling.restart();
             }
         }
-        TURNS.fetch_add(1, Ordering::Relaxed);
+        // Readings or not: that none come is latched as a fault; a reset would not bring a dead converter back.
+        interlock::turn(Task::Sampling);
     }
 }

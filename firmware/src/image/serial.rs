@@ -1,16 +1,15 @@
 //! UART link: USART3 to the ST-LINK's virtual serial port, 115200 8N1.
 
-use core::sync::atomic::Ordering;
-
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::{PD8, PD9, USART3};
 use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
 use embassy_time::{Duration, Instant, with_timeout};
 use embedded_io_async::{Read, Write};
+use firmware::interlock::Task;
+use firmware::link::LinkId;
 use static_cell::StaticCell;
 
-use super::control::UART_TURNS;
-use super::{Irqs, Link, PACKET_LEN, Packet, RECEIVED, TO_UART};
+use super::{Irqs, PACKET_LEN, Packet, RECEIVED, TO_UART, interlock};
 
 /// Idle wait before the task shows that it lives.
 const TURN: Duration = Duration::from_millis(50);
@@ -39,9 +38,9 @@ pub async fn receive(mut rx: BufferedUartRx<'static>) -> ! {
         if let Ok(Ok(count)) = with_timeout(TURN, rx.read(&mut buffer)).await
             && let Some(bytes) = buffer.get(..count).and_then(|b| heapless::Vec::from_slice(b).ok())
         {
-            RECEIVED.send(Packet { link: Link::Uart, bytes }).await;
+            RECEIVED.send(Packet { link: LinkId::Uart, bytes }).await;
         }
-        UART_TURNS.fetch_add(1, Ordering::Relaxed);
+        interlock::turn(Task::UartReceive);
     }
 }
 
@@ -49,13 +48,18 @@ pub async fn receive(mut rx: BufferedUartRx<'static>) -> ! {
 pub async fn send(mut tx: BufferedUartTx<'static>) -> ! {
     let mut buffer = [0; PACKET_LEN];
     loop {
-        let count = TO_UART.read(&mut buffer).await;
+        interlock::turn(Task::UartSend);
+        // Woken now and then, to show that the task lives.
+        let Ok(count) = with_timeout(TURN, TO_UART.read(&mut buffer)).await else {
+            continue;
+        };
         let Some(bytes) = buffer.get(..count) else {
             continue;
         };
         let until = Instant::now() + STUCK;
         // Whole or not at all: a packet is no larger than the driver's buffer.
         while with_timeout(ROOM, Write::write(&mut tx, bytes)).await.is_err() {
+            interlock::turn(Task::UartSend);
             if Instant::now() > until {
                 defmt::warn!("UART does not send");
                 break;

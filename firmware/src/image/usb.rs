@@ -1,17 +1,16 @@
 //! USB link: a CDC-ACM serial port on the full-speed device (PA11, PA12).
 
-use core::sync::atomic::Ordering;
-
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::{PA11, PA12, USB_OTG_FS};
 use embassy_stm32::usb::{Config as OtgConfig, Driver};
 use embassy_time::{Duration, with_timeout};
 use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
 use embassy_usb::{Builder, Config, UsbDevice};
+use firmware::interlock::Task;
+use firmware::link::LinkId;
 use static_cell::StaticCell;
 
-use super::control::USB_TURNS;
-use super::{Irqs, Link, PACKET_LEN, Packet, RECEIVED, TO_USB};
+use super::{Irqs, PACKET_LEN, Packet, RECEIVED, TO_USB, interlock};
 
 type Otg = Driver<'static, USB_OTG_FS>;
 
@@ -21,8 +20,8 @@ const PRODUCT: u16 = 0x0001;
 
 const TURN: Duration = Duration::from_millis(50);
 
-/// A host that does not fetch a packet for this long has closed the port.
-const STUCK: Duration = Duration::from_millis(200);
+/// A host that does not fetch a packet for so many turns has closed the port.
+const STUCK_TURNS: u32 = 4;
 
 /// The parts that become tasks.
 pub struct Usb {
@@ -56,6 +55,16 @@ pub async fn device(mut device: UsbDevice<'static, Otg>) -> ! {
     device.run().await
 }
 
+/// In place of the three tasks where USB is off: nothing arrives, and what is sent there is lost.
+#[embassy_executor::task]
+pub async fn absent() -> ! {
+    let mut buffer = [0; PACKET_LEN];
+    loop {
+        let _ = with_timeout(TURN, TO_USB.read(&mut buffer)).await;
+        interlock::turn(Task::UsbReceive);
+    }
+}
+
 #[embassy_executor::task]
 pub async fn receive(mut receiver: Receiver<'static, Otg>) -> ! {
     let mut buffer = [0; PACKET_LEN];
@@ -63,7 +72,7 @@ pub async fn receive(mut receiver: Receiver<'static, Otg>) -> ! {
         match with_timeout(TURN, receiver.read_packet(&mut buffer)).await {
             Ok(Ok(count)) => {
                 if let Some(bytes) = buffer.get(..count).and_then(|b| heapless::Vec::from_slice(b).ok()) {
-                    RECEIVED.send(Packet { link: Link::Usb, bytes }).await;
+                    RECEIVED.send(Packet { link: LinkId::Usb, bytes }).await;
                 }
             }
             // Not connected: wait for it, but no longer than a turn.
@@ -72,7 +81,7 @@ pub async fn receive(mut receiver: Receiver<'static, Otg>) -> ! {
             }
             Err(_) => {}
         }
-        USB_TURNS.fetch_add(1, Ordering::Relaxed);
+        interlock::turn(Task::UsbReceive);
     }
 }
 
@@ -80,16 +89,28 @@ pub async fn receive(mut receiver: Receiver<'static, Otg>) -> ! {
 pub async fn send(mut sender: Sender<'static, Otg>) -> ! {
     let mut buffer = [0; PACKET_LEN];
     loop {
-        let count = TO_USB.read(&mut buffer).await;
+        interlock::turn(Task::UsbSend);
+        // Woken now and then, to show that the task lives.
+        let Ok(count) = with_timeout(TURN, TO_USB.read(&mut buffer)).await else {
+            continue;
+        };
         let Some(bytes) = buffer.get(..count) else {
             continue;
         };
-        // Without a listener the bytes are lost, which the sequence numbers tell.
-        if let Ok(Ok(())) = with_timeout(STUCK, sender.write_packet(bytes)).await
-            && count == PACKET_LEN
-        {
-            // A full packet must be followed by an empty one for the host to see the end of the transfer.
-            let _ = with_timeout(STUCK, sender.write_packet(&[])).await;
+        // A full packet must be followed by an empty one for the host to see the end of the transfer.
+        if write(&mut sender, bytes).await && count == PACKET_LEN {
+            write(&mut sender, &[]).await;
         }
     }
+}
+
+/// Writes one packet; false if nobody fetches it. Without a listener the bytes are lost, which the sequence numbers tell.
+async fn write(sender: &mut Sender<'static, Otg>, packet: &[u8]) -> bool {
+    for _ in 0..STUCK_TURNS {
+        match with_timeout(TURN, sender.write_packet(packet)).await {
+            Ok(written) => return written.is_ok(),
+            Err(_) => interlock::turn(Task::UsbSend),
+        }
+    }
+    false
 }

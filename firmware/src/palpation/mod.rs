@@ -153,6 +153,11 @@ impl Palpation {
         self.point.map_or(0.0, |p| p.height_mm - probe_mm)
     }
 
+    /// Noise of the force before contact, N, once there is contact.
+    pub fn contact_noise_n(&self) -> Option<f32> {
+        self.point.map(|p| p.noise_n)
+    }
+
     /// Mean absolute difference of the best column so far, N.
     pub fn error_n(&mut self) -> f32 {
         self.slice.as_ref().map_or(0.0, |slice| self.search.error_n(slice))

@@ -17,7 +17,7 @@ pub use load_cell::{load_cell_n, load_cell_ratio, tared};
 pub use potentiometer::{potentiometer_ratio, shaft_mm};
 pub use probe::{probe_mm, probe_ratio};
 
-use protocol::message::{Calibration, LoadCell, ProbePosition, ResistiveSensor};
+use protocol::message::{Calibration, Fitted, LoadCell, ProbePosition, Raw, ResistiveSensor};
 
 /// One oversampled reading of every channel, as fractions of the reference voltage, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -44,6 +44,16 @@ impl RawSamples {
     pub const fn from_channels(channels: [f32; 5]) -> Self {
         let [load_cell, fsr, potentiometer, probe_position, coil_current] = channels;
         RawSamples { load_cell, fsr, potentiometer, probe_position, coil_current }
+    }
+}
+
+/// Readings as they travel: 65,535ths of the reference voltage, 0 for what is no number.
+impl From<&RawSamples> for Raw {
+    fn from(raw: &RawSamples) -> Self {
+        let [load_cell, fsr, potentiometer, probe_position, coil_current] =
+            // The cast keeps to the range, and makes 0 of a NaN.
+            raw.channels().map(|ratio| (ratio * 65_535.0 + 0.5) as u16);
+        Raw { load_cell, fsr, potentiometer, probe_position, coil_current }
     }
 }
 
@@ -74,6 +84,19 @@ impl Measured {
         }
     }
 
+    /// The same with what is not fitted read as 0.
+    #[must_use]
+    pub fn fitted(self, fitted: &Fitted) -> Self {
+        let kept = |x: f32, is_fitted: bool| if is_fitted { x } else { 0.0 };
+        Measured {
+            load_cell_n: kept(self.load_cell_n, fitted.palpator),
+            fsr_n: kept(self.fsr_n, fitted.actuator || fitted.coil),
+            shaft_mm: kept(self.shaft_mm, fitted.actuator),
+            probe_mm: kept(self.probe_mm, fitted.palpator),
+            coil_a: kept(self.coil_a, fitted.coil),
+        }
+    }
+
     /// True if every quantity is a number.
     pub fn is_finite(&self) -> bool {
         [self.load_cell_n, self.fsr_n, self.shaft_mm, self.probe_mm, self.coil_a].iter().all(|x| x.is_finite())
@@ -101,6 +124,9 @@ pub const DEFAULT_CALIBRATION: Calibration = Calibration {
     potentiometer: ResistiveSensor { slope: -0.080_279, offset: 2.5829, divider_kohm: 1.6 },
     probe: ProbePosition { zero_ratio: 0.1, mm_per_ratio: 100.0 },
 };
+
+/// The whole board of `docs/board.md`.
+pub const ALL_FITTED: Fitted = Fitted { palpator: true, actuator: true, coil: true };
 
 /// True if a calibration can be used: every number finite, and near enough to the default that the limits of [`crate::safety`], which are
 /// compared in N and mm, keep their meaning whatever a host sends.

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{Context, IntoDiagnostic};
 use protocol::fault::Fault;
-use protocol::message::{Calibration, Gains, Hello, State, Status};
+use protocol::message::{Build, CalibrationState, Fitted, Gains, Hello, Holder, State, Status};
 use serde_json::json;
 
+use super::answer::Answer;
 use super::mode::ModeChoice;
 use crate::demo::bench_foams;
 use crate::link::{Address, IDLE_TOUCH, Link};
@@ -19,7 +20,7 @@ use crate::simulated_board::{SimulatedBoard, serve};
 /// Which board, and what to do with it.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The board: sim, tcp:HOST:PORT or serial:PATH
+    /// The board: sim, auto (the one on USB), tcp:HOST:PORT or serial:PATH
     #[arg(long, default_value = "sim", global = true)]
     board: Address,
     /// Print one JSON object on standard output
@@ -33,14 +34,13 @@ pub struct Arguments {
 enum Action {
     /// Who the board is and what it is doing
     Status,
-    /// Show the calibration, take the load cell's zero, or load a calibration
-    Calibrate {
-        /// Take the load cell's present reading as zero
-        #[arg(long)]
-        tare: bool,
-        /// Load a calibration from a TOML file, in the form that this command prints
-        #[arg(long, value_name = "FILE")]
-        load: Option<PathBuf>,
+    /// Show the calibration, take the load cell's zero, fit a sensor to known points, or load a calibration
+    Calibrate(super::calibrate::Choice),
+    /// Say which parts are wired to the board: all, or some of palpator, actuator, coil. The others are neither checked nor driven
+    Fit {
+        /// The parts; the FSR belongs to actuator and coil
+        #[arg(required = true, value_enum)]
+        parts: Vec<Part>,
     },
     /// Set what the board does, and stay until it is done
     #[command(subcommand)]
@@ -81,6 +81,19 @@ enum Action {
     },
 }
 
+/// What can be wired to a board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// Arm with load cell and position transducer
+    Palpator,
+    /// Actuator of the display with potentiometer and FSR
+    Actuator,
+    /// Coil of the display with its current amplifier
+    Coil,
+    /// Everything
+    All,
+}
+
 /// Does what was asked for.
 ///
 /// # Errors
@@ -93,7 +106,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let (mut session, hello) = Session::open(link, Patience::default()).into_diagnostic()?;
     let answer = match &arguments.action {
         Action::Status => status(&mut session, &hello)?,
-        Action::Calibrate { tare, load } => calibrate(&mut session, *tare, load.as_deref())?,
+        Action::Calibrate(choice) => super::calibrate::run(&mut session, choice)?,
+        Action::Fit { parts } => fit(&mut session, parts)?,
         Action::Mode(choice) => super::mode::run(&mut session, choice)?,
         Action::Gains { kp, ki, kd, n } => {
             let gains = Gains { kp: *kp, ki: *ki, kd: *kd, n: *n };
@@ -115,8 +129,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-/// An answer for programs and for people.
-pub(super) type Answer = (serde_json::Value, String);
+/// Who holds the motion, in words.
+const fn holder_text(holder: Holder) -> &'static str {
+    match holder {
+        Holder::Nobody => "held by nobody",
+        Holder::You => "held by this link",
+        Holder::Another => "held by the board's other link",
+    }
+}
 
 fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<Answer> {
     let Status {
@@ -128,24 +148,48 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         frames_dropped,
         deadlines_missed,
         tick_max_us,
+        ticks_late,
+        period_max_us,
+        holder,
         table_hash,
+        calibration,
+        fitted,
     } = session.status().into_diagnostic()?;
+    let last_run = session.last_run().into_diagnostic()?;
     let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();
     let [major, minor, patch] = hello.firmware_version;
     let kind = if hello.simulated { "simulated board" } else { "board" };
     let table = if table_hash == [0; 16] { "none".to_owned() } else { hex(&table_hash) };
     let latched: Vec<Fault> = faults.iter().collect();
+    let Build { commit, modified, image_crc } = &hello.build;
+    let build = match std::str::from_utf8(commit) {
+        Ok(commit) if *image_crc != 0 => {
+            let modified = if *modified { ", with changes" } else { "" };
+            let commit = if commit.starts_with('\0') { "unknown" } else { commit };
+            format!("commit {commit}{modified}, CRC of the image {image_crc:08x}")
+        }
+        _ => "no image: the firmware's library runs in this program".to_owned(),
+    };
     let mut text = format!(
         "{kind} {} with firmware {major}.{minor}.{patch}, protocol {}, last start: {:?}\n\
+         build      {build}\n\
          state      {state:?}, mode {mode:?}, up {:.1} s\n\
          table      {table}\n\
+         setup      {}; fitted: {}\n\
          link       {frames_rejected} damaged frames received, {frames_dropped} records not sent\n\
-         control    longest tick {tick_max_us} us, {deadlines_missed} deadlines missed",
+         control    longest tick {tick_max_us} us, {deadlines_missed} too long; longest time from tick to tick {:.1} ms, \
+         {ticks_late} late\n\
+         motion     {}",
         hex(&hello.unique_id),
         hello.protocol_version,
         hello.reset_cause,
         f64::from(uptime_ms) / 1e3,
+        f64::from(period_max_us) / 1e3,
+        holder_text(holder),
+        calibration_text(calibration),
+        fitted_text(&fitted),
     );
+    text.push_str(&super::last_run::text(&last_run));
     if latched.is_empty() {
         text.push_str("\nfaults     none");
     }
@@ -153,30 +197,37 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
         text.push_str(&format!("\nfault      {}: {}; {}", fault.code(), fault.describe(), fault.advice()));
     }
     let value = json!({
-        "simulated": hello.simulated, "firmware": hello.firmware_version, "protocol": hello.protocol_version,
+        "simulated": hello.simulated, "build": hello.build, "firmware": hello.firmware_version, "protocol": hello.protocol_version,
         "unique_id": hex(&hello.unique_id), "uptime_ms": uptime_ms, "state": state, "mode": mode, "table": table,
         "faults": latched.iter().map(|f| f.code()).collect::<Vec<_>>(), "frames_rejected": frames_rejected,
         "frames_dropped": frames_dropped, "tick_max_us": tick_max_us, "deadlines_missed": deadlines_missed,
+        "period_max_us": period_max_us, "ticks_late": ticks_late, "holder": holder,
+        "last_run": super::last_run::value(&last_run),
+        "calibration": calibration, "fitted": fitted,
     });
     Ok((value, text))
 }
 
-fn calibrate<L: Link>(session: &mut Session<L>, tare: bool, load: Option<&Path>) -> miette::Result<Answer> {
-    if let Some(path) = load {
-        let text = std::fs::read_to_string(path).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
-        let calibration: Calibration =
-            toml::from_str(&text).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
-        session.set_calibration(calibration).into_diagnostic()?;
+fn calibration_text(state: CalibrationState) -> &'static str {
+    match state {
+        CalibrationState::Stored => "calibration stored",
+        CalibrationState::Default => "calibration of the firmware, none is stored",
+        CalibrationState::Unreadable => "calibration of the firmware, the stored one cannot be read",
     }
-    if tare {
-        // The mean of the readings before the request is taken, so there must be some.
-        let until_s = session.link().now_s() + 0.1;
-        while session.poll(until_s).into_diagnostic()?.is_some() {}
-        session.tare().into_diagnostic()?;
-    }
-    let calibration = session.calibration().into_diagnostic()?;
-    let text = toml::to_string(&calibration).into_diagnostic()?;
-    Ok((json!({ "calibration": calibration }), text.trim_end().to_owned()))
+}
+
+fn fitted_text(fitted: &Fitted) -> String {
+    let parts = [("palpator", fitted.palpator), ("actuator", fitted.actuator), ("coil", fitted.coil)];
+    let names: Vec<&str> = parts.iter().filter(|(_, is_fitted)| *is_fitted).map(|(name, _)| *name).collect();
+    if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
+}
+
+fn fit<L: Link>(session: &mut Session<L>, parts: &[Part]) -> miette::Result<Answer> {
+    let has = |part: Part| parts.contains(&part) || parts.contains(&Part::All);
+    let fitted = Fitted { palpator: has(Part::Palpator), actuator: has(Part::Actuator), coil: has(Part::Coil) };
+    session.set_fitted(fitted.clone()).into_diagnostic()?;
+    let text = format!("fitted: {}; stored on the board", fitted_text(&fitted));
+    Ok((json!({ "fitted": fitted }), text))
 }
 
 fn upload<L: Link>(session: &mut Session<L>, path: &Path) -> miette::Result<Answer> {

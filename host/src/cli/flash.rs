@@ -1,5 +1,6 @@
 //! `palpate flash`.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -8,7 +9,7 @@ use miette::IntoDiagnostic;
 use probe_rs::probe::list::Lister;
 use serde_json::json;
 
-use crate::flash::{self, CHIP, Firmware, Greeted, Job, Step, StepProgress, TableImage};
+use crate::flash::{self, BrownOut, CHIP, Expected, Firmware, Greeted, Job, Step, StepProgress, TableImage};
 use crate::link::Address;
 
 /// What to write, and through which probe.
@@ -23,12 +24,16 @@ pub struct Arguments {
     /// The chip
     #[arg(long, default_value = CHIP)]
     chip: String,
+    /// Set the chip up, once for each board: reset below 2.8 V (brown-out level 3); asks first, and
+    /// writes nothing else
+    #[arg(long, conflicts_with_all = ["list", "elf", "table", "board"])]
+    setup: bool,
     /// Firmware, an ELF file
     elf: Option<PathBuf>,
     /// Look-up table, as `palpate lut` writes it
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
-    /// Then greet the board over this link and compare versions: tcp:HOST:PORT or serial:PATH
+    /// Then greet the board over this link and compare versions: auto, tcp:HOST:PORT or serial:PATH
     #[arg(long, value_name = "LINK", value_parser = real_board)]
     board: Option<Address>,
     /// Print one JSON object on standard output
@@ -44,6 +49,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let lister = Lister::new();
     if arguments.list {
         return list(&lister, arguments.json);
+    }
+    if arguments.setup {
+        return set_up(&lister, arguments);
     }
     let job = Job {
         probe: arguments.probe.clone(),
@@ -65,8 +73,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let greeted = match &arguments.board {
         Some(address) => {
-            let link = crate::link::open(address).into_diagnostic()?;
-            Some(flash::greet(link, job.table.as_ref().map(TableImage::hash)).into_diagnostic()?)
+            let expected = Expected {
+                image_crc: job.firmware.as_ref().map(Firmware::crc).transpose().into_diagnostic()?,
+                table_hash: job.table.as_ref().map(TableImage::hash),
+            };
+            Some(flash::greet(|| crate::link::open(address), &expected).into_diagnostic()?)
         }
         None => None,
     };
@@ -83,11 +94,43 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
+/// Sets the brown-out level after a yes.
+fn set_up(lister: &Lister, arguments: &Arguments) -> miette::Result<()> {
+    let terminal = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    let agreed = |level: u8| terminal && ask(level);
+    let outcome = flash::set_up(lister, arguments.probe.as_deref(), &arguments.chip, agreed).into_diagnostic()?;
+    if arguments.json {
+        outln!("{}", json!({ "brown_out": outcome }));
+        return Ok(());
+    }
+    outln!(
+        "{}",
+        match outcome {
+            BrownOut::Already => "brown-out level 3 is set already: nothing was written",
+            BrownOut::Written => "brown-out level 3 is set and read back",
+            BrownOut::Declined if terminal => "nothing was written",
+            BrownOut::Declined => "nothing was written: it is asked first, so run this in a terminal",
+        }
+    );
+    Ok(())
+}
+
+/// The question; anything but a yes is a no.
+fn ask(level: u8) -> bool {
+    let now = if level == 0 { "no brown-out reset".into() } else { format!("brown-out level {level}") };
+    errln!(
+        "The chip has {now}. Set level 3 (reset below 2.8 V)?\n\
+         This writes its option bytes; read protection and write protection stay as they are. Keep it powered. [y/N]"
+    );
+    let mut answer = String::new();
+    std::io::stdin().read_line(&mut answer).is_ok() && matches!(answer.trim(), "y" | "Y" | "yes")
+}
+
 /// A board that a probe can write.
 fn real_board(text: &str) -> Result<Address, String> {
     match text.parse() {
         Ok(Address::Simulated) => {
-            Err("the simulated board has no flash to write: expected tcp:HOST:PORT or serial:PATH".into())
+            Err("the simulated board has no flash to write: expected auto, tcp:HOST:PORT or serial:PATH".into())
         }
         Ok(address) => Ok(address),
         Err(error) => Err(error.to_string()),

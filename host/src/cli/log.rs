@@ -10,14 +10,22 @@ use miette::IntoDiagnostic;
 use serde_json::json;
 
 use crate::link::{Address, Link};
-use crate::log::{Listening, Recorder, Terms, live_view};
+use crate::log::{About, Freeze, Listening, Recorder, Terms, live_view};
 use crate::session::{Gap, Patience, Session, Traffic, gap_text};
 use crate::signals;
 
+/// Where the second before a fault goes when nothing is recorded; otherwise it goes beside the recording.
+const FAULTS: &str = "out/recordings";
+
 /// Which board, and where to write.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Times: time_s (CSV) and publish_time (MCAP) are the board's, since its start; utc (CSV) and log_time (MCAP) the wall \
+clock's. Neither goes back when the board restarts.\n\
+Board, firmware, table and calibration stand in the note of the first row (CSV) and in the metadata record `palpate` (MCAP)."
+)]
 pub struct Arguments {
-    /// The board: sim, tcp:HOST:PORT or serial:PATH
+    /// The board: sim, auto (the one on USB), tcp:HOST:PORT or serial:PATH
     #[arg(long, default_value = "sim")]
     board: Address,
     /// Write a line a record to this file; if it exists, to the next free name: FILE-2, FILE-3
@@ -58,8 +66,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut opener = || crate::link::open(&arguments.board);
     let (mut session, hello) = Session::open(opener().into_diagnostic()?, Patience::default()).into_diagnostic()?;
     session.set_telemetry(arguments.every).into_diagnostic()?;
+    let about = About::of(&mut session, &hello).into_diagnostic()?;
     // Only now: a board that does not answer must not leave an empty file behind.
-    let recorder = Recorder::create_new(arguments.csv.as_deref(), arguments.mcap.as_deref()).into_diagnostic()?;
+    let mut recorder = Recorder::create_new(arguments.csv.as_deref(), arguments.mcap.as_deref()).into_diagnostic()?;
+    recorder.about(&about).into_diagnostic()?;
     let files = recorder.paths();
     let [csv, mcap] = [recorder.csv_path(), recorder.mcap_path()].map(|path| path.map(Path::to_path_buf));
     let mut view = live_view(session.link().name(), Vec::new());
@@ -70,18 +80,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         view.note(&file_text(wanted, file));
     }
     let terms = Terms { seconds: arguments.seconds, retry_s: arguments.retry, stop: &stop, opener: &mut opener };
-    let mut listening = Listening::new(session, recorder, view, terms);
+    let beside = files.first().and_then(|file| file.parent()).map_or(Path::new(FAULTS), |folder| folder);
+    let mut listening = Listening::new(session, recorder, Freeze::new(beside), view, terms);
     let outcome = listening.run();
     let seconds = listening.seconds();
-    let Listening { session, recorder, view, gaps, .. } = listening;
+    let Listening { session, recorder, freeze, view, gaps, .. } = listening;
     // Gives the terminal back before anything is printed.
     drop(view);
     let finished = recorder.finish();
     let traffic = session.traffic();
     if arguments.json {
-        outln!("{}", json!({ "telemetry": traffic, "seconds": seconds, "csv": csv, "mcap": mcap, "gaps": gaps }));
+        outln!(
+            "{}",
+            json!({ "telemetry": traffic, "seconds": seconds, "csv": csv, "mcap": mcap, "gaps": gaps, "faults": freeze.files() })
+        );
     } else {
-        tell(&traffic, &gaps, &files);
+        tell(&traffic, &gaps, &[&files, freeze.files()].concat());
     }
     outcome.into_diagnostic()?;
     finished.into_diagnostic()

@@ -1,6 +1,8 @@
 //! The commands of `palpate`.
 
+mod answer;
 pub mod board;
+mod calibrate;
 pub mod demo;
 pub mod diagnose;
 pub mod field;
@@ -10,12 +12,14 @@ pub mod gain;
 pub mod identify;
 pub mod init;
 mod keep;
+mod last_run;
 pub mod log;
 pub mod lut;
 mod many;
 mod mode;
 pub mod monitor;
 pub mod plan;
+pub mod press;
 pub mod progress;
 pub mod simulate;
 pub mod study;
@@ -46,6 +50,8 @@ enum Command {
     Monitor(monitor::Arguments),
     /// Ask a board, set it up, send it a table; or run the simulated one over TCP
     Board(board::Arguments),
+    /// Make one palpation on a board and print what was touched
+    Press(press::Arguments),
     /// Write firmware and table through a debug probe
     Flash(flash::Arguments),
     /// Look at recordings and write the experiment.toml that reads them
@@ -74,11 +80,13 @@ pub const BAD_INPUT: u8 = 2;
 /// Parses the command line, runs the command and prints its error, if any, to standard error.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
+    let mut status = 0;
     let done = match cli.command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Log(arguments) => log::run(&arguments),
         Command::Monitor(arguments) => monitor::run(&arguments),
         Command::Board(arguments) => board::run(&arguments),
+        Command::Press(arguments) => press::run(&arguments).map(|told| status = told),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Init(arguments) => init::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
@@ -92,7 +100,7 @@ pub fn main() -> ExitCode {
     };
     let printed = crate::print::finish().into_diagnostic().wrap_err("standard output");
     match done.and(printed) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => ExitCode::from(status),
         Err(error) => {
             errln!("{error:?}");
             ExitCode::from(BAD_INPUT)

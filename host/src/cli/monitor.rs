@@ -17,7 +17,7 @@ use crate::monitor::{self, Attended, Library, Opener, Settings};
 /// Which board, and where recordings go.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The board: sim, tcp:HOST:PORT or serial:PATH
+    /// The board: sim, auto (the one on USB), tcp:HOST:PORT or serial:PATH
     #[arg(long, default_value = "sim")]
     board: Address,
     /// The board's table, for the names of its materials and for the key that uploads it; the simulated board gets the demo's
@@ -32,7 +32,7 @@ pub struct Arguments {
     record_to: PathBuf,
 }
 
-fn depth(text: &str) -> Result<f32, String> {
+pub(super) fn depth(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(depth) if (0.5..=50.0).contains(&depth) => Ok(depth),
         _ => Err(format!("{text} is not a depth of 0.5 to 50 mm")),

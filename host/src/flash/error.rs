@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use protocol::lut::TableError;
 
+use super::OptionRefusal;
 use crate::session::SessionError;
 
 /// A board could not be written.
@@ -71,6 +72,9 @@ pub enum FlashingError {
         /// What fits.
         limit: u64,
     },
+    /// The option bytes stay as they are.
+    #[error(transparent)]
+    Options(#[from] OptionRefusal),
     /// The chip or the probe failed.
     #[error("{chip}: cannot {what}: {source}")]
     Chip {

@@ -2,6 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use object::Endianness;
+use object::elf;
+use object::read::elf::{ElfFile32, ProgramHeader};
+use protocol::frame::CRC32;
 use protocol::lut::Table;
 
 use super::{BANK_2_LEN, FlashingError};
@@ -45,7 +49,39 @@ impl Firmware {
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
+
+    /// CRC-32 of what it puts into flash, from the start of bank 1 to its last byte, as the board finds it at its start.
+    ///
+    /// # Errors
+    /// [`FlashingError::Firmware`] for an ELF file that puts nothing there.
+    pub fn crc(&self) -> Result<u32, FlashingError> {
+        let wrong = |reason: String| FlashingError::Firmware { path: self.path.clone(), reason };
+        let elf = ElfFile32::<Endianness>::parse(&*self.bytes).map_err(|error| wrong(error.to_string()))?;
+        let mut image = Vec::new();
+        for header in elf.elf_program_headers() {
+            let (begin, data) = (header.p_paddr(elf.endian()), header.data(elf.endian(), &*self.bytes));
+            let data = data.map_err(|()| wrong("a segment lies beyond its end".into()))?;
+            let offset = begin.checked_sub(BANK_1).map(|offset| offset as usize);
+            if header.p_type(elf.endian()) != elf::PT_LOAD || data.is_empty() {
+                continue;
+            }
+            let Some(offset) = offset.filter(|offset| offset + data.len() <= BANK_1_LEN) else {
+                return Err(wrong(format!("it loads to {begin:#010x}, which is not in bank 1")));
+            };
+            // Flash between two segments is erased.
+            image.resize(image.len().max(offset + data.len()), 0xff);
+            image[offset..offset + data.len()].copy_from_slice(data);
+        }
+        if image.is_empty() {
+            return Err(wrong("it puts nothing into flash".into()));
+        }
+        Ok(CRC32.checksum(&image))
+    }
 }
+
+/// Bank 1 of the flash, where the image lies.
+const BANK_1: u32 = 0x0800_0000;
+const BANK_1_LEN: usize = 1 << 20;
 
 /// A look-up table that has passed its checks.
 #[derive(Debug, Clone, PartialEq, Eq)]

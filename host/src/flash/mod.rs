@@ -4,6 +4,7 @@
 //! same checks as on the board. Every byte is read back, and [`greet`] asks the board that then starts who it is. [`probe_rs::probe::list::Lister`] is a parameter so that the whole
 //! path also runs on an emulated probe.
 
+mod brown_out;
 mod error;
 mod greeting;
 mod image;
@@ -15,8 +16,9 @@ use probe_rs::probe::DebugProbeInfo;
 use probe_rs::probe::list::{Accessibility, Lister};
 use probe_rs::{Permissions, Session};
 
+pub use brown_out::{BrownOut, OptionRefusal, set_up};
 pub use error::FlashingError;
-pub use greeting::{Greeted, greet};
+pub use greeting::{Expected, Greeted, greet};
 pub use image::{Firmware, TableImage};
 
 /// The chip of the NUCLEO-F429ZI.

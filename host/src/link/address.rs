@@ -1,4 +1,4 @@
-//! `--board sim | tcp:HOST:PORT | serial:PATH`.
+//! `--board sim | auto | tcp:HOST:PORT | serial:PATH`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,6 +8,8 @@ use std::str::FromStr;
 pub enum Address {
     /// Simulated, in this process.
     Simulated,
+    /// The one board that is plugged in, found by its USB numbers.
+    Auto,
     /// Host and port.
     Tcp(String),
     /// Device path of a serial port.
@@ -16,7 +18,7 @@ pub enum Address {
 
 /// Text that is not an [`Address`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("board `{found}`: expected sim, tcp:HOST:PORT or serial:PATH")]
+#[error("board `{found}`: expected sim, auto, tcp:HOST:PORT or serial:PATH")]
 pub struct BadAddress {
     /// The text.
     pub found: String,
@@ -29,6 +31,7 @@ impl FromStr for Address {
         let bad = || BadAddress { found: text.into() };
         match text.split_once(':') {
             None if text == "sim" => Ok(Address::Simulated),
+            None if text == "auto" => Ok(Address::Auto),
             Some(("tcp", place)) => match place.rsplit_once(':') {
                 Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(Address::Tcp(place.into())),
                 _ => Err(bad()),
@@ -43,6 +46,7 @@ impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Address::Simulated => f.write_str("sim"),
+            Address::Auto => f.write_str("auto"),
             Address::Tcp(place) => write!(f, "tcp:{place}"),
             Address::Serial(path) => write!(f, "serial:{path}"),
         }
@@ -56,16 +60,16 @@ mod tests {
 
     #[test]
     fn addresses_read_back_as_written() {
-        for text in ["sim", "tcp:127.0.0.1:4750", "tcp:[::1]:1", "serial:/dev/ttyACM0", "serial:COM3"] {
+        for text in ["sim", "auto", "tcp:127.0.0.1:4750", "tcp:[::1]:1", "serial:/dev/ttyACM0", "serial:COM3"] {
             assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
         }
     }
 
     #[test]
     fn other_texts_are_named_with_what_was_expected() {
-        for text in ["", "usb", "tcp:", "tcp:host", "tcp:host:port", "tcp::80", "serial:", "sim:1"] {
+        for text in ["", "usb", "tcp:", "tcp:host", "tcp:host:port", "tcp::80", "serial:", "sim:1", "auto:1"] {
             let error = text.parse::<Address>().unwrap_err();
-            assert_eq!(error.to_string(), format!("board `{text}`: expected sim, tcp:HOST:PORT or serial:PATH"));
+            assert_eq!(error.to_string(), format!("board `{text}`: expected sim, auto, tcp:HOST:PORT or serial:PATH"));
         }
     }
 }

@@ -11,6 +11,7 @@
 mod address;
 mod disturbed;
 mod error;
+mod find;
 mod in_process;
 mod serial;
 mod tcp;
@@ -18,6 +19,7 @@ mod tcp;
 pub use address::{Address, BadAddress};
 pub use disturbed::{Disturbance, Disturbed};
 pub use error::LinkError;
+pub use find::{FindError, Port, find, ports};
 pub use in_process::{InProcess, Pace};
 pub use serial::{BAUD, Serial};
 pub use tcp::Tcp;
@@ -84,6 +86,7 @@ pub fn open(address: &Address) -> Result<Box<dyn Link>, LinkError> {
             Box::new(InProcess::new(board, Pace::RealTime))
         }
         Address::Tcp(place) => Box::new(Tcp::open(place)?),
+        Address::Auto => Box::new(Serial::open(&find(&ports()?)?.path)?),
         Address::Serial(path) => Box::new(Serial::open(path)?),
     })
 }

@@ -7,21 +7,23 @@ use std::path::{Path, PathBuf};
 
 use protocol::message::Telemetry;
 
-use super::LogError;
 use super::whole::{WholeFile, whole_lines};
+use super::{At, LogError};
 use crate::plant::Truth;
 use crate::session::Traffic;
 
 /// Columns of the file. `time_s`: the board's time, which goes on by the host's clock when the board restarts, so that it
-/// never goes back; `tick` begins again then. `sensor_`: as read; `belief_`: as the controller thinks; `true_`: physics of a
-/// simulated board, empty for a real one. Units are in the names; `faults` is the bit set of latched faults. `note` says what
-/// happened since the row before: verdicts, faults, gaps. A row that repeats the tick before it only carries its note.
+/// never goes back; `tick` begins again then. `utc` is the same moment on the host's wall clock. `sensor_`: as read; `belief_`: as the
+/// controller thinks; `raw_`: the converter, 65,535ths of the reference voltage; `true_`: physics of a simulated board, empty for a real
+/// one. Units are in the names; `faults` is the bit set of latched faults. `note` says what happened since the row before: verdicts,
+/// faults, gaps; in the first row, whose recording it is. A row that repeats the tick before it only carries its note.
 pub const COLUMNS: &str = "time_s,tick,state,faults,\
 sensor_probe_mm,sensor_load_cell_n,sensor_fsr_n,sensor_shaft_mm,sensor_coil_a,\
 belief_depth_mm,belief_shaft_target_mm,belief_coil_target_a,belief_coil_c,belief_search_error_n,\
 drive_actuator_v,drive_coil_duty,tick_us,\
+raw_load_cell,raw_fsr,raw_potentiometer,raw_probe_position,raw_coil_current,\
 true_specimen,true_probe_mm,true_depth_mm,true_force_n,true_finger_n,true_shaft_mm,true_coil_a,true_coil_c,true_flux_t,true_yield_kpa,\
-frames_lost,note";
+frames_lost,utc,note";
 
 /// A CSV log. Lines are collected and written whole, so the file never ends inside a line.
 #[derive(Debug)]
@@ -30,6 +32,8 @@ pub struct CsvLog {
     file: WholeFile,
     /// Goes into the last column of the next line.
     note: String,
+    /// Whose recording it is, for the first record that comes.
+    about: String,
     /// The note was there already when the file was written last.
     note_waits: bool,
     /// The newest line up to its note.
@@ -46,7 +50,7 @@ impl CsvLog {
     /// [`LogError::File`].
     pub fn new(path: PathBuf, file: File) -> Result<Self, LogError> {
         let (file, last) = (WholeFile::new(file, whole_lines), String::new());
-        let mut log = CsvLog { path, file, note: String::new(), note_waits: false, last };
+        let mut log = CsvLog { path, file, note: String::new(), about: String::new(), note_waits: false, last };
         log.line(COLUMNS);
         log.keep(false)?;
         Ok(log)
@@ -68,7 +72,7 @@ impl CsvLog {
     /// [`LogError::File`] when the collected lines cannot be written.
     pub fn telemetry(
         &mut self,
-        time_s: f64,
+        at: At,
         t: &Telemetry,
         truth: Option<&Truth>,
         traffic: &Traffic,
@@ -77,8 +81,8 @@ impl CsvLog {
         // Writing to a string cannot fail.
         let _ = write!(
             line,
-            "{:.2},{},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{},{},",
-            time_s,
+            "{:.2},{},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},",
+            at.board_s,
             t.tick,
             t.state,
             t.faults.0,
@@ -95,6 +99,11 @@ impl CsvLog {
             t.actuator_v,
             t.coil_duty,
             t.tick_us,
+            t.raw.load_cell,
+            t.raw.fsr,
+            t.raw.potentiometer,
+            t.raw.probe_position,
+            t.raw.coil_current,
         );
         match truth {
             Some(p) => {
@@ -115,8 +124,14 @@ impl CsvLog {
             }
             None => line.push_str(",,,,,,,,,,"),
         }
-        let _ = write!(line, "{},", traffic.frames_lost);
+        let utc = jiff::Timestamp::from_nanosecond(at.wall_ns.into()).unwrap_or_default();
+        let _ = write!(line, "{},{utc:.3},", traffic.frames_lost);
         self.last = line;
+        if !self.about.is_empty() {
+            let note = std::mem::replace(&mut self.note, std::mem::take(&mut self.about));
+            self.note.push_str(if note.is_empty() { "" } else { "; " });
+            self.note.push_str(&note);
+        }
         self.line_with_note();
         if self.file.collected() > MOST_COLLECTED { self.keep(false) } else { Ok(()) }
     }
@@ -130,6 +145,11 @@ impl CsvLog {
         }
         let line = format!("{}{}", self.last, quoted(&note));
         self.line(&line);
+    }
+
+    /// Puts into the next record whose recording it is; without a record there is nothing that it could be of.
+    pub fn about(&mut self, text: String) {
+        self.about = text;
     }
 
     /// Puts a remark into the next line.

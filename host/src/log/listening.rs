@@ -1,9 +1,10 @@
 //! Listening to a board until told to stop, across its restarts and across a link that is lost and found.
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::{LiveView, LogError, Recorder};
+use super::{Freeze, LiveView, LogError, Recorder, frozen_text};
 use crate::link::{Link, LinkError};
 use crate::session::{Event, Gap, Session, SessionError};
 
@@ -64,6 +65,8 @@ pub struct Listening<'a> {
     pub session: Session<Box<dyn Link>>,
     /// Where it goes.
     pub recorder: Recorder,
+    /// Where the second before a fault goes.
+    pub freeze: Freeze,
     /// Who sees it.
     pub view: Box<dyn LiveView>,
     /// Stretches in which the board was not heard, those that have ended.
@@ -74,8 +77,14 @@ pub struct Listening<'a> {
 
 impl<'a> Listening<'a> {
     /// Begins now.
-    pub fn new(session: Session<Box<dyn Link>>, recorder: Recorder, view: Box<dyn LiveView>, terms: Terms<'a>) -> Self {
-        Listening { session, recorder, view, gaps: Vec::new(), terms, began: Instant::now() }
+    pub fn new(
+        session: Session<Box<dyn Link>>,
+        recorder: Recorder,
+        freeze: Freeze,
+        view: Box<dyn LiveView>,
+        terms: Terms<'a>,
+    ) -> Self {
+        Listening { session, recorder, freeze, view, gaps: Vec::new(), terms, began: Instant::now() }
     }
 
     /// Time since the beginning, s.
@@ -119,6 +128,8 @@ impl<'a> Listening<'a> {
             *heard_s = now_s;
             self.recorder.event(&event, &self.session.traffic())?;
             self.view.event(&event, &self.session.traffic());
+            let frozen = self.freeze.event(&event, &self.session.traffic());
+            self.tell_frozen(frozen);
             if let Event::Gap(gap) = event {
                 self.gaps.push(gap);
             }
@@ -132,6 +143,15 @@ impl<'a> Listening<'a> {
         Ok(())
     }
 
+    /// A second that cannot be kept ends nothing: the recording goes on.
+    fn tell_frozen(&mut self, frozen: Result<Option<PathBuf>, LogError>) {
+        match frozen {
+            Ok(Some(path)) => self.view.note(&frozen_text(&path)),
+            Ok(None) => {}
+            Err(error) => self.view.note(&error.to_string()),
+        }
+    }
+
     /// Opens the link until the board is heard again.
     fn find_again(&mut self, why: &str) -> Result<(), ListenError> {
         let lost = Instant::now();
@@ -139,6 +159,8 @@ impl<'a> Listening<'a> {
         let told = format!("board lost: {why}; trying again for {retry_s} s");
         self.view.note(&told);
         self.recorder.gap_begins(&told)?;
+        let frozen = self.freeze.lost();
+        self.tell_frozen(frozen);
         let mut last = why.to_owned();
         while lost.elapsed().as_secs_f64() < retry_s {
             match (self.terms.opener)().map_err(SessionError::from).and_then(|link| self.session.resume(link, why)) {

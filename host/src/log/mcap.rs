@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use mcap::records::MessageHeader;
+use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{McapError, WriteOptions, Writer};
 use protocol::fault::Fault;
@@ -13,8 +13,8 @@ use protocol::message::{FaultReport, Telemetry};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::LogError;
 use super::whole::{WholeFile, all_or_nothing};
+use super::{About, At, LogError};
 use crate::session::{Gap, Traffic, cause_text, gap_text};
 
 /// A stream of messages in the log.
@@ -52,8 +52,8 @@ impl Channel {
     }
 }
 
-/// An MCAP log. Times in the file are those of the recording, ns: the board's time since start, which goes on by the host's
-/// clock when the board restarts.
+/// An MCAP log. `log_time` is the host's wall clock, `publish_time` the board's time since its start, which goes on by the host's
+/// clock when the board restarts; both in ns. A metadata record named `palpate` says whose recording it is.
 pub struct McapLog {
     path: PathBuf,
     /// `None` once a write has failed: the file then ends after the last complete chunk.
@@ -94,69 +94,80 @@ impl McapLog {
         &self.path
     }
 
+    /// Writes whose recording it is.
+    ///
+    /// # Errors
+    /// [`LogError`].
+    pub fn about(&mut self, about: &About) -> Result<(), LogError> {
+        let Some(writer) = &mut self.writer else { return Ok(()) };
+        let record = Metadata { name: "palpate".into(), metadata: about.entries().clone() };
+        let written = writer.write_metadata(&record);
+        self.kept(written)
+    }
+
     /// Writes one message at a time of the recording.
     ///
     /// # Errors
     /// [`LogError`].
-    pub fn write(&mut self, channel: Channel, board_s: f64, message: &impl Serialize) -> Result<(), LogError> {
+    pub fn write(&mut self, channel: Channel, at: At, message: &impl Serialize) -> Result<(), LogError> {
         let value = serde_json::to_value(message)
             .map_err(|e| LogError::Mcap { path: self.path.clone(), reason: e.to_string() })?;
-        self.write_value(channel, board_s, &value)
+        self.write_value(channel, at, &value)
     }
 
     /// Writes a telemetry record with the counters of that moment.
     ///
     /// # Errors
     /// [`LogError`].
-    pub fn telemetry(&mut self, board_s: f64, record: &Telemetry, traffic: &Traffic) -> Result<(), LogError> {
+    pub fn telemetry(&mut self, at: At, record: &Telemetry, traffic: &Traffic) -> Result<(), LogError> {
         let mut value = json!(record);
         if let Value::Object(fields) = &mut value {
             fields.insert("frames_lost".into(), traffic.frames_lost.into());
             fields.insert("telemetry_lost".into(), traffic.telemetry_lost.into());
         }
-        self.write_value(Channel::Telemetry, board_s, &value)
+        self.write_value(Channel::Telemetry, at, &value)
     }
 
     /// Writes a fault with its code and words.
     ///
     /// # Errors
     /// [`LogError`].
-    pub fn fault(&mut self, board_s: f64, report: &FaultReport) -> Result<(), LogError> {
+    pub fn fault(&mut self, at: At, report: &FaultReport) -> Result<(), LogError> {
         let code = Fault::from_bit(report.fault).map_or("unknown", Fault::code);
         let value = json!({
             "tick": report.tick, "code": code, "value": report.value, "limit": report.limit,
             "text": crate::session::fault_text(report),
         });
-        self.write_value(Channel::Fault, board_s, &value)
+        self.write_value(Channel::Fault, at, &value)
     }
 
     /// Writes that nothing is heard any more, and why.
     ///
     /// # Errors
     /// [`LogError`].
-    pub fn gap_begins(&mut self, board_s: f64, why: &str) -> Result<(), LogError> {
+    pub fn gap_begins(&mut self, at: At, why: &str) -> Result<(), LogError> {
         let value = json!({
             "over": false, "text": why, "silent_s": null, "after_tick": null, "uptime_s": null, "cause": "", "link_lost": why,
         });
-        self.write_value(Channel::Gap, board_s, &value)
+        self.write_value(Channel::Gap, at, &value)
     }
 
     /// Writes how a gap ended.
     ///
     /// # Errors
     /// [`LogError`].
-    pub fn gap(&mut self, board_s: f64, gap: &Gap) -> Result<(), LogError> {
+    pub fn gap(&mut self, at: At, gap: &Gap) -> Result<(), LogError> {
         let value = json!({
             "over": true, "text": gap_text(gap), "silent_s": gap.silent_s, "after_tick": gap.after_tick,
             "uptime_s": gap.uptime_s, "cause": gap.restarted.map_or("", cause_text),
             "link_lost": gap.link_lost.as_deref().unwrap_or_default(),
         });
-        self.write_value(Channel::Gap, board_s, &value)
+        self.write_value(Channel::Gap, at, &value)
     }
 
-    fn write_value(&mut self, channel: Channel, board_s: f64, value: &Value) -> Result<(), LogError> {
+    fn write_value(&mut self, channel: Channel, at: At, value: &Value) -> Result<(), LogError> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
-        let written = write_message(writer, &mut self.channels[channel as usize], channel, board_s, value);
+        let written = write_message(writer, &mut self.channels[channel as usize], channel, at, value);
         self.kept(written)
     }
 
@@ -200,7 +211,7 @@ fn write_message(
     writer: &mut Writer<NoSeek<WholeFile>>,
     state: &mut Option<(u16, u32)>,
     channel: Channel,
-    time_s: f64,
+    at: At,
     value: &Value,
 ) -> Result<(), McapError> {
     let (channel_id, sequence) = match *state {
@@ -212,8 +223,8 @@ fn write_message(
         }
     };
     *state = Some((channel_id, sequence.wrapping_add(1)));
-    let time = (time_s.max(0.0) * 1e9).round() as u64;
-    let header = MessageHeader { channel_id, sequence, log_time: time, publish_time: time };
+    let publish_time = (at.board_s.max(0.0) * 1e9).round() as u64;
+    let header = MessageHeader { channel_id, sequence, log_time: at.wall_ns, publish_time };
     writer.write_to_known_channel(&header, value.to_string().as_bytes())
 }
 

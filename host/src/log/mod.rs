@@ -5,8 +5,10 @@
 //! [`KEEP_S`] later, so that a killed process loses less than a second. Files are always new: an existing recording is never
 //! opened for writing, [`Recorder::create_new`] takes the next free name.
 
+mod about;
 mod csv;
 mod error;
+mod freeze;
 mod listening;
 mod live;
 mod mcap;
@@ -16,12 +18,15 @@ mod whole;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use protocol::TICK_HZ;
 
+pub use about::About;
 pub use csv::{COLUMNS, CsvLog};
 pub use error::LogError;
+pub use freeze::Freeze;
+pub(crate) use freeze::frozen_text;
 pub use listening::{ListenError, Listening, Terms};
 pub use live::{LiveView, Plain, Screen, estimate_text, library_names, live_view, verdict_text};
 pub use mcap::{Channel, McapLog};
@@ -33,6 +38,15 @@ use crate::session::{Event, Gap, Traffic, gap_text};
 /// Longest time between something being logged and being on disk, s.
 pub const KEEP_S: f64 = 0.5;
 
+/// A moment of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct At {
+    /// The board's time since its start, s, which goes on by the host's clock when the board restarts.
+    pub board_s: f64,
+    /// Wall clock, ns since 1970; never goes back.
+    pub wall_ns: u64,
+}
+
 /// Writes everything a board says to the logs that are wanted.
 #[derive(Debug, Default)]
 pub struct Recorder {
@@ -41,6 +55,11 @@ pub struct Recorder {
     truths: VecDeque<Truth>,
     /// Time of the newest record in the recording, s.
     board_s: f64,
+    /// Wall clock when the board's time was zero, ns since 1970: known from the first record on. Times of later records keep the
+    /// board's distances.
+    zero_ns: Option<u64>,
+    /// Newest wall clock of the recording.
+    wall_ns: u64,
     /// What is added to the board's time: it begins again when the board restarts, the recording's does not.
     offset_s: f64,
     /// Earliest time of the next record after a restart, s.
@@ -104,13 +123,43 @@ impl Recorder {
         [self.csv_path(), self.mcap_path()].into_iter().flatten().map(Path::to_path_buf).collect()
     }
 
+    /// Says whose recording it is: again when the board may have changed.
+    ///
+    /// # Errors
+    /// [`LogError`] when writing fails.
+    pub fn about(&mut self, about: &About) -> Result<(), LogError> {
+        if let Some(csv) = &mut self.csv {
+            csv.about(about.line());
+        }
+        match &mut self.mcap {
+            Some(mcap) => mcap.about(about),
+            None => Ok(()),
+        }
+    }
+
+    /// The moment `board_s` of the recording.
+    fn at(&mut self, board_s: f64) -> At {
+        let after_zero_ns = (board_s.max(0.0) * 1e9).round() as u64;
+        let wall_ns = self.zero_ns.map_or_else(now_ns, |zero_ns| zero_ns.saturating_add(after_zero_ns));
+        self.wall_ns = self.wall_ns.max(wall_ns);
+        At { board_s, wall_ns: self.wall_ns }
+    }
+
+    /// The moment of a record, by which all others are measured.
+    fn at_record(&mut self, board_s: f64) -> At {
+        let after_zero_ns = (board_s.max(0.0) * 1e9).round() as u64;
+        self.zero_ns.get_or_insert_with(|| now_ns().saturating_sub(after_zero_ns));
+        self.at(board_s)
+    }
+
     /// Logs true physics. It belongs to the telemetry record of the same tick, which must come later.
     ///
     /// # Errors
     /// [`LogError`] when writing fails.
     pub fn truth(&mut self, truth: Truth) -> Result<(), LogError> {
+        let at = self.at_record(self.offset_s + truth.time_s);
         if let Some(mcap) = &mut self.mcap {
-            mcap.write(Channel::Truth, truth.time_s, &truth)?;
+            mcap.write(Channel::Truth, at, &truth)?;
         }
         if self.csv.is_some() {
             self.truths.push_back(truth);
@@ -123,18 +172,20 @@ impl Recorder {
     /// # Errors
     /// [`LogError`] when writing fails.
     pub fn event(&mut self, event: &Event, traffic: &Traffic) -> Result<(), LogError> {
+        let at = self.at(self.board_s);
         match event {
             Event::Telemetry(record) => {
                 self.board_s = self.time_of(record.tick);
+                let at = self.at_record(self.board_s);
                 while self.truths.front().is_some_and(|t| t.tick < record.tick) {
                     self.truths.pop_front();
                 }
                 let truth = self.truths.front().filter(|t| t.tick == record.tick);
                 if let Some(csv) = &mut self.csv {
-                    csv.telemetry(self.board_s, record, truth, traffic)?;
+                    csv.telemetry(at, record, truth, traffic)?;
                 }
                 if let Some(mcap) = &mut self.mcap {
-                    mcap.telemetry(self.board_s, record, traffic)?;
+                    mcap.telemetry(at, record, traffic)?;
                 }
             }
             Event::Estimate(e) => {
@@ -145,7 +196,7 @@ impl Recorder {
                     ));
                 }
                 if let Some(mcap) = &mut self.mcap {
-                    mcap.write(Channel::Estimate, self.board_s, e)?;
+                    mcap.write(Channel::Estimate, at, e)?;
                 }
             }
             Event::Verdict(verdict) => {
@@ -156,7 +207,7 @@ impl Recorder {
                     ));
                 }
                 if let Some(mcap) = &mut self.mcap {
-                    mcap.write(Channel::Verdict, self.board_s, verdict)?;
+                    mcap.write(Channel::Verdict, at, verdict)?;
                 }
             }
             Event::Fault(fault) => {
@@ -164,7 +215,7 @@ impl Recorder {
                     csv.note(crate::session::fault_text(fault));
                 }
                 if let Some(mcap) = &mut self.mcap {
-                    mcap.fault(self.board_s, fault)?;
+                    mcap.fault(at, fault)?;
                 }
             }
             Event::Gap(gap) => self.gap(gap)?,
@@ -191,8 +242,9 @@ impl Recorder {
         if let Some(csv) = &mut self.csv {
             csv.note(gap_text(gap));
         }
+        let at = self.at(ends_s);
         match &mut self.mcap {
-            Some(mcap) => mcap.gap(ends_s, gap),
+            Some(mcap) => mcap.gap(at, gap),
             None => Ok(()),
         }
     }
@@ -205,8 +257,9 @@ impl Recorder {
         if let Some(csv) = &mut self.csv {
             csv.note(why.to_owned());
         }
+        let at = self.at(self.board_s);
         if let Some(mcap) = &mut self.mcap {
-            mcap.gap_begins(self.board_s, why)?;
+            mcap.gap_begins(at, why)?;
         }
         self.keep_if_due()
     }
@@ -240,4 +293,9 @@ impl Recorder {
         let mcap = self.mcap.map_or(Ok(()), McapLog::finish);
         csv.and(mcap)
     }
+}
+
+/// Wall clock, ns since 1970.
+fn now_ns() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
 }

@@ -35,7 +35,7 @@ pub fn recover_mcap(path: &Path) -> Result<Recovered, LogError> {
             Ok(message) => {
                 let value =
                     serde_json::from_slice(&message.data).map_err(|e| broken(format!("a message is not JSON: {e}")))?;
-                recovered.messages.push((message.channel.topic.clone(), message.log_time as f64 * 1e-9, value));
+                recovered.messages.push((message.channel.topic.clone(), message.publish_time as f64 * 1e-9, value));
             }
             Err(error) => {
                 recovered.torn = Some(error.to_string());

@@ -15,6 +15,20 @@ pub enum Key {
     Interrupt,
 }
 
+impl Key {
+    /// It switches the outputs off.
+    #[must_use]
+    pub const fn is_off(self) -> bool {
+        matches!(self, Key::Char(' ' | 'o'))
+    }
+
+    /// It switches the outputs off and ends the monitor.
+    #[must_use]
+    pub const fn is_end(self) -> bool {
+        matches!(self, Key::Interrupt | Key::Escape | Key::Char('q'))
+    }
+}
+
 /// What the keys do, for the help line: key, word; what is left out first in a narrow terminal comes last.
 pub const HELP: [(&str, &str); 12] = [
     ("space", "off"),

@@ -1,15 +1,16 @@
 //! The terminal: keys in, pictures out, and its return whatever happens.
 
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-use ratatui::DefaultTerminal;
-use ratatui::crossterm::event::{self, KeyCode, KeyEventKind, KeyModifiers};
+use ratatui::Terminal;
+use ratatui::backend::CrosstermBackend;
+use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
 
-use super::{Key, Library, Monitor, Opener, Palette, Settings, Worker, draw};
+use super::{Key, Library, Monitor, OffSwitch, Opener, Palette, Settings, Worker, draw};
 
 /// Between two pictures: that of the telemetry.
 const FRAME: Duration = Duration::from_millis(20);
@@ -64,7 +65,8 @@ pub fn run(
     let mut terminal = ratatui::try_init()?;
     let worker = Worker::start(opener, settings);
     let mut monitor = Monitor::new(board, library, depth_mm);
-    let ended = watch(&mut terminal, &worker, &mut monitor, &stop);
+    let keys = keys(event::read, worker.off_switch(), Arc::clone(&stop));
+    let ended = watch(&mut terminal, &worker, &mut monitor, &keys, &stop);
     let restored = ratatui::try_restore();
     // Waits until the outputs are off, also where the terminal is gone.
     drop(worker);
@@ -72,26 +74,32 @@ pub fn run(
     Ok(restored?)
 }
 
-fn watch(
-    terminal: &mut DefaultTerminal,
+/// Draws and takes keys until one of them, or `stop`, ends it.
+pub(super) fn watch<W: Write>(
+    terminal: &mut Terminal<CrosstermBackend<W>>,
     worker: &Worker,
     monitor: &mut Monitor,
+    keys: &Receiver<Pressed>,
     stop: &AtomicBool,
 ) -> Result<(), MonitorError> {
     let palette = Palette::of_environment();
-    let keys = keys();
     let mut drawn: Option<Instant> = None;
     loop {
-        match worker.update(FRAME) {
-            Ok(Some(update)) => monitor.update(update),
-            Ok(None) => {}
-            // The worker sees the signal by itself, and may do so first.
-            Err(_) if stop.load(Ordering::Relaxed) => return Ok(()),
-            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return Err(MonitorError::Ended),
+        let mut wait = FRAME;
+        // All of them before any key: what was switched off meanwhile has disarmed the keys.
+        loop {
+            match worker.update(std::mem::take(&mut wait)) {
+                Ok(Some(update)) => monitor.update(update),
+                Ok(None) => break,
+                // The worker sees the signal by itself, and may do so first.
+                Err(_) if stop.load(Ordering::Relaxed) => return Ok(()),
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return Err(MonitorError::Ended),
+            }
         }
-        for key in keys.try_iter() {
-            for command in monitor.key(key?) {
-                worker.command(command);
+        for pressed in keys.try_iter() {
+            let (presses, key) = pressed?;
+            for command in monitor.key(key) {
+                worker.command_after(presses, command);
             }
         }
         if monitor.is_done() || stop.load(Ordering::Relaxed) {
@@ -104,16 +112,31 @@ fn watch(
     }
 }
 
-/// The keys, read in a thread of its own. A closed window has no end for its reader: crossterm 0.29 reads the terminal that is gone again and again and never returns, and who waits
-/// for it never switches the outputs off.
-fn keys() -> Receiver<std::io::Result<Key>> {
+/// A key, and how often outputs had been switched off before it.
+pub(super) type Pressed = std::io::Result<(u32, Key)>;
+
+/// The keys, read in a thread of its own. Those that switch off press `off` there, and those that end the monitor set `stop`: the
+/// picture may wait for its terminal for ever. A closed window has no end for its reader: crossterm 0.29 reads the terminal that is gone
+/// again and again and never returns, and who waits for it never switches the outputs off.
+pub(super) fn keys(
+    mut read: impl FnMut() -> std::io::Result<Event> + Send + 'static,
+    off: OffSwitch,
+    stop: Arc<AtomicBool>,
+) -> Receiver<Pressed> {
     let (pressed, keys) = channel();
     std::thread::spawn(move || {
         loop {
-            let event = event::read();
+            let event = read();
             let failed = event.is_err();
             let Some(key) = event.map(|event| key_of(&event)).transpose() else { continue };
-            if pressed.send(key).is_err() || failed {
+            let before = off.presses();
+            if key.as_ref().is_ok_and(|key| key.is_off()) {
+                off.press();
+            }
+            if key.as_ref().is_ok_and(|key| key.is_end()) {
+                stop.store(true, Ordering::Relaxed);
+            }
+            if pressed.send(key.map(|key| (before, key))).is_err() || failed {
                 return;
             }
         }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::log::{LogError, Recorder};
+use crate::log::{About, LogError, Recorder};
 use crate::plant::Truth;
 use crate::session::{Event, Traffic};
 
@@ -28,6 +28,14 @@ impl Recording {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.csv
+    }
+
+    /// Says whose recording it is.
+    ///
+    /// # Errors
+    /// [`LogError`] when writing fails.
+    pub fn about(&mut self, about: &About) -> Result<(), LogError> {
+        self.recorder.about(about)
     }
 
     /// Logs true physics, before the event of its tick.

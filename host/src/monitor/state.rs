@@ -189,6 +189,10 @@ impl Monitor {
             }
             Update::Done(text) => self.note(Weight::Remark, text),
             Update::Refused(text) => self.note(Weight::Alarm, text),
+            Update::SwitchedOff(why) => {
+                self.armed = false;
+                self.note(Weight::Alarm, why);
+            }
             Update::Recording(path) => {
                 let text = match (&path, &self.recording) {
                     (Some(path), _) => format!("recording to {}", path.display()),
@@ -236,21 +240,19 @@ impl Monitor {
         }
     }
 
-    /// What the key asks the board to do.
+    /// What the key asks the board to do. Off itself is asked for by the thread that reads the key ([`Key::is_off`]).
     pub fn key(&mut self, key: Key) -> Vec<Command> {
         match key {
-            Key::Interrupt | Key::Escape | Key::Char('q') => {
+            key if key.is_end() => {
                 self.done = true;
                 vec![Command::Stop]
             }
-            Key::Char(' ' | 'o') => {
+            key if key.is_off() => {
                 self.armed = false;
-                if self.connection == Connection::Open {
-                    vec![Command::Mode(Mode::Idle)]
-                } else {
+                if self.connection != Connection::Open {
                     self.note(Weight::Alarm, "no link: the board switches off by itself after a second of silence");
-                    vec![]
                 }
+                vec![]
             }
             Key::Char('r') => vec![Command::Record(self.recording.is_none())],
             Key::Char('x') => {
@@ -278,7 +280,7 @@ impl Monitor {
                 vec![]
             }
             Key::Char('u') => vec![Command::Upload],
-            Key::Char(_) => vec![],
+            Key::Char(_) | Key::Escape | Key::Interrupt => vec![],
         }
     }
 

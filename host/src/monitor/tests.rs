@@ -2,7 +2,9 @@
 use super::*;
 use crate::session::{Event, Traffic};
 use protocol::fault::{Fault, FaultSet};
-use protocol::message::{FaultReport, Hello, Mode, ResetCause, State, Status, Telemetry};
+use protocol::message::{
+    Build, CalibrationState, FaultReport, Fitted, Hello, Holder, Mode, Raw, ResetCause, State, Status, Telemetry,
+};
 
 fn record(tick: u32, state: State, faults: &[Fault]) -> Telemetry {
     let mut set = FaultSet::NONE;
@@ -24,6 +26,7 @@ fn record(tick: u32, state: State, faults: &[Fault]) -> Telemetry {
         coil_c: 80.0,
         search_error_n: 0.0,
         tick_us: 400,
+        raw: Raw { load_cell: 0, fsr: 0, potentiometer: 0, probe_position: 0, coil_current: 0 },
     }
 }
 
@@ -32,6 +35,7 @@ fn hello() -> Hello {
         protocol_version: protocol::PROTOCOL_VERSION,
         schema_hash: protocol::message::SCHEMA_HASH,
         firmware_version: [0, 1, 0],
+        build: Build::UNKNOWN,
         unique_id: [0; 12],
         simulated: true,
         slot_len: 0,
@@ -49,7 +53,12 @@ fn status(table_hash: [u8; 16]) -> Status {
         frames_dropped: 0,
         deadlines_missed: 0,
         tick_max_us: 0,
+        ticks_late: 0,
+        period_max_us: 0,
+        holder: Holder::Nobody,
         table_hash,
+        calibration: CalibrationState::Stored,
+        fitted: Fitted { palpator: true, actuator: true, coil: true },
     }
 }
 
@@ -78,9 +87,12 @@ fn outputs_go_on_only_after_arming_and_arming_ends_with_every_off() {
     assert_eq!(monitor.key(Key::Char('d')), [Command::Mode(Mode::Display { material: 0 })]);
     for off in [' ', 'o'] {
         monitor.armed = true;
-        assert_eq!(monitor.key(Key::Char(off)), [Command::Mode(Mode::Idle)]);
+        assert!(Key::Char(off).is_off() && monitor.key(Key::Char(off)).is_empty());
         assert!(!monitor.is_armed());
     }
+    monitor.armed = true;
+    monitor.update(Update::SwitchedOff("outputs off: nobody watches".into()));
+    assert_eq!((monitor.is_armed(), monitor.newest()), (false, Some("outputs off: nobody watches")));
 }
 
 #[test]
@@ -181,6 +193,7 @@ fn traces_hold_ten_seconds_and_begin_anew_with_a_restarted_board() {
 fn every_way_out_stops_the_worker() {
     for key in [Key::Char('q'), Key::Escape, Key::Interrupt] {
         let mut monitor = open();
+        assert!(key.is_end());
         assert_eq!(monitor.key(key), [Command::Stop]);
         assert!(monitor.is_done());
     }

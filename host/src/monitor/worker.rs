@@ -1,18 +1,18 @@
 //! The conversation with the board, in a thread of its own: the picture never waits for the link.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use protocol::lut::Table;
 use protocol::message::{Hello, Mode, Status};
 
-use super::Recording;
+use super::{OffSwitch, Recording};
 use crate::link::{Link, LinkError};
-use crate::log::LogError;
+use crate::log::{About, Freeze, LogError, frozen_text};
 use crate::session::{Event, Patience, Session, SessionError, Traffic};
 
 /// What a person asks for.
@@ -49,6 +49,8 @@ pub enum Update {
     Done(String),
     /// A command was refused, or failed.
     Refused(String),
+    /// Outputs were switched off without being asked, and why.
+    SwitchedOff(String),
     /// The file that is recorded to; `None` when a recording has ended.
     Recording(Option<PathBuf>),
     /// Bytes of the table sent, of so many.
@@ -76,10 +78,15 @@ pub struct Settings {
 /// The thread, with its two ends. Dropping it switches the outputs off and waits for its end.
 #[derive(Debug)]
 pub struct Worker {
-    commands: Sender<Command>,
+    commands: Sender<Order>,
     updates: Receiver<Update>,
     thread: Option<JoinHandle<()>>,
+    off: OffSwitch,
+    watched: Arc<Mutex<Instant>>,
 }
+
+/// A command, and how often the off switch had been pressed when it was asked for.
+type Order = (u32, Command);
 
 /// Longest wait for a record, s of link time: one tick, so that commands are not left lying.
 const TURN_S: f64 = 0.02;
@@ -90,27 +97,56 @@ const SILENCE_S: f64 = 1.0;
 /// Between two looks at the status, s.
 const STATUS_S: f64 = 0.2;
 
+/// Longest time that outputs stay on while nobody takes updates: the picture stands still, and so do the keys behind it.
+const UNWATCHED: Duration = Duration::from_secs(1);
+
 impl Worker {
     /// Opens the link by `opener` and talks to the board until told to stop.
     pub fn start(opener: Opener, settings: Settings) -> Self {
         let (commands, orders) = channel();
         let (reports, updates) = channel();
-        let thread = std::thread::spawn(move || {
-            Conversation { opener, settings, orders, reports, recording: None, opened_before: false }.run();
-        });
-        Worker { commands, updates, thread: Some(thread) }
+        let (off, watched) = (OffSwitch::default(), Arc::new(Mutex::new(Instant::now())));
+        let mut conversation = Conversation {
+            freeze: Freeze::new(&settings.folder),
+            opener,
+            settings,
+            orders,
+            reports,
+            recording: None,
+            opened_before: false,
+            hello: None,
+            off: off.clone(),
+            offs_done: 0,
+            watched: Arc::clone(&watched),
+            unwatched: false,
+        };
+        let thread = std::thread::spawn(move || conversation.run());
+        Worker { commands, updates, thread: Some(thread), off, watched }
+    }
+
+    /// A switch that turns outputs off whatever the one who watches is waiting for.
+    pub fn off_switch(&self) -> OffSwitch {
+        self.off.clone()
     }
 
     /// Gives a command; one to a worker that has ended is lost.
     pub fn command(&self, command: Command) {
-        let _ = self.commands.send(command);
+        self.command_after(self.off.presses(), command);
     }
 
-    /// The next update, waiting for at most `patience`; an error when the worker has ended.
+    /// Gives a command that was asked for when the off switch had been pressed `presses` times: a mode that was asked for before the
+    /// last press is no longer wanted.
+    pub fn command_after(&self, presses: u32, command: Command) {
+        let _ = self.commands.send((presses, command));
+    }
+
+    /// The next update, waiting for at most `patience`; an error when the worker has ended. Outputs stay on only as long as this is
+    /// called at least once a second.
     ///
     /// # Errors
     /// [`RecvTimeoutError::Disconnected`] when there will be none any more.
     pub fn update(&self, patience: Duration) -> Result<Option<Update>, RecvTimeoutError> {
+        *self.watched.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
         match self.updates.recv_timeout(patience) {
             Ok(update) => Ok(Some(update)),
             Err(RecvTimeoutError::Timeout) => Ok(None),
@@ -121,7 +157,7 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        let _ = self.commands.send(Command::Stop);
+        self.command(Command::Stop);
         if let Some(thread) = self.thread.take() {
             // A panic in it has been printed by its own thread.
             let _ = thread.join();
@@ -138,10 +174,20 @@ enum End {
 struct Conversation {
     opener: Opener,
     settings: Settings,
-    orders: Receiver<Command>,
+    orders: Receiver<Order>,
     reports: Sender<Update>,
     recording: Option<Recording>,
+    freeze: Freeze,
     opened_before: bool,
+    /// What the board said when the link was opened last.
+    hello: Option<Hello>,
+    off: OffSwitch,
+    /// Presses of the off switch that were carried out.
+    offs_done: u32,
+    /// When the one who watches took updates last.
+    watched: Arc<Mutex<Instant>>,
+    /// Outputs were switched off because nobody took updates, and nobody has since.
+    unwatched: bool,
 }
 
 /// Switches the outputs off when the conversation ends, also by a panic. Where the link is gone this fails, and the board does it by itself.
@@ -154,7 +200,7 @@ impl Drop for SafeEnd {
 }
 
 impl Conversation {
-    fn run(mut self) {
+    fn run(&mut self) {
         let mut board: Option<SafeEnd> = None;
         let mut why = String::new();
         loop {
@@ -163,8 +209,8 @@ impl Conversation {
             {
                 Ok(hello) => match &mut board {
                     Some(board) => {
-                        self.say(Update::Opened(board.0.link().name().to_owned(), hello));
-                        let end = self.talk(board);
+                        self.say(Update::Opened(board.0.link().name().to_owned(), hello.clone()));
+                        let end = self.talk(board, hello);
                         if let End::Lost(reason) = &end {
                             why.clone_from(reason);
                             self.record_gap(reason);
@@ -186,7 +232,17 @@ impl Conversation {
         self.record(false);
     }
 
+    fn tell_frozen(&self, frozen: Result<Option<PathBuf>, LogError>) {
+        match frozen {
+            Ok(Some(path)) => self.say(Update::Done(frozen_text(&path))),
+            Ok(None) => {}
+            Err(error) => self.say(Update::Refused(error.to_string())),
+        }
+    }
+
     fn record_gap(&mut self, reason: &str) {
+        let frozen = self.freeze.lost();
+        self.tell_frozen(frozen);
         if let Some(recording) = &mut self.recording
             && let Err(error) = recording.gap_begins(&format!("board lost: {reason}"))
         {
@@ -204,8 +260,8 @@ impl Conversation {
         let until = Instant::now() + self.settings.retry;
         loop {
             match self.orders.recv_timeout(until.saturating_duration_since(Instant::now())) {
-                Ok(Command::Stop) | Err(RecvTimeoutError::Disconnected) => return true,
-                Ok(Command::Record(on)) => self.record(on),
+                Ok((_, Command::Stop)) | Err(RecvTimeoutError::Disconnected) => return true,
+                Ok((_, Command::Record(on))) => self.record(on),
                 Ok(_) => self.say(Update::Refused("no link to the board".into())),
                 Err(RecvTimeoutError::Timeout) => break,
             }
@@ -222,12 +278,18 @@ impl Conversation {
         self.settings.stop.load(Ordering::Relaxed)
     }
 
-    fn talk(&mut self, board: &mut SafeEnd) -> End {
+    fn talk(&mut self, board: &mut SafeEnd, hello: Hello) -> End {
         let session = &mut board.0;
+        self.offs_done = self.off.presses();
         // Whatever was going on when the link was lost, nobody has watched it since.
         if std::mem::replace(&mut self.opened_before, true)
             && let Err(error) = session.set_mode(Mode::Idle)
         {
+            return End::Lost(error.to_string());
+        }
+        self.hello = Some(hello);
+        // A recording that was begun without a link, or one whose board may have been exchanged.
+        if let Err(error) = self.sign(session) {
             return End::Lost(error.to_string());
         }
         if self.settings.upload_at_start {
@@ -242,9 +304,14 @@ impl Conversation {
             if self.is_over() {
                 return End::Stopped;
             }
+            if let Err(error) = self.switch_off_if_asked(session) {
+                return End::Lost(error.to_string());
+            }
             match self.orders.try_recv() {
-                Ok(Command::Stop) | Err(std::sync::mpsc::TryRecvError::Disconnected) => return End::Stopped,
-                Ok(command) => {
+                Ok((_, Command::Stop)) | Err(std::sync::mpsc::TryRecvError::Disconnected) => return End::Stopped,
+                // An off that came after it is carried out before it.
+                Ok((presses, Command::Mode(mode))) if mode != Mode::Idle && presses != self.off.presses() => {}
+                Ok((_, command)) => {
                     if let Err(error) = self.carry_out(command, session) {
                         return End::Lost(error.to_string());
                     }
@@ -276,6 +343,27 @@ impl Conversation {
         }
     }
 
+    /// Switches the outputs off when the switch was pressed, or when nobody has watched for [`UNWATCHED`].
+    ///
+    /// # Errors
+    /// That of a link that is gone: the board's lease then ends, because nothing is sent until it is opened again.
+    fn switch_off_if_asked(&mut self, session: &mut Session<Box<dyn Link>>) -> Result<(), SessionError> {
+        let presses = self.off.presses();
+        if std::mem::replace(&mut self.offs_done, presses) != presses {
+            return self.carry_out(Command::Mode(Mode::Idle), session);
+        }
+        let stood_still = self.watched.lock().unwrap_or_else(PoisonError::into_inner).elapsed();
+        let unwatched = stood_still > UNWATCHED;
+        if !std::mem::replace(&mut self.unwatched, unwatched) && unwatched {
+            // What was asked for before this is no longer wanted either.
+            self.off.press();
+            self.offs_done = self.off.presses();
+            session.set_mode(Mode::Idle)?;
+            self.say(Update::SwitchedOff("outputs off: the picture had stood still for a second".into()));
+        }
+        Ok(())
+    }
+
     /// Does what was asked for. What the board refuses is told.
     ///
     /// # Errors
@@ -288,7 +376,7 @@ impl Conversation {
             Command::Upload => self.upload(session),
             Command::Record(on) => {
                 self.record(on);
-                return Ok(());
+                return self.sign(session);
             }
             // Seen by the caller.
             Command::Stop => return Ok(()),
@@ -319,6 +407,16 @@ impl Conversation {
         Ok(format!("table of {} bytes is active in slot {:?}", table.len(), state.active))
     }
 
+    /// Writes into a running recording whose it is.
+    fn sign(&mut self, session: &mut Session<Box<dyn Link>>) -> Result<(), SessionError> {
+        let (Some(recording), Some(hello)) = (&mut self.recording, &self.hello) else { return Ok(()) };
+        let about = About::of(session, hello)?;
+        if let Err(error) = recording.about(&about) {
+            self.give_up_recording(&error);
+        }
+        Ok(())
+    }
+
     fn record(&mut self, on: bool) {
         let ended = self.recording.take().map(Recording::finish);
         if let Some(Err(error)) = &ended {
@@ -340,6 +438,8 @@ impl Conversation {
 
     /// Logs; a disk that takes no more ends the recording, not the conversation.
     fn keep(&mut self, event: &Event, session: &mut Session<Box<dyn Link>>) {
+        let frozen = self.freeze.event(event, &session.traffic());
+        self.tell_frozen(frozen);
         let truths = session.link_mut().take_truth();
         let Some(recording) = &mut self.recording else {
             return;

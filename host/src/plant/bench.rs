@@ -47,6 +47,8 @@ pub struct Bench {
     fluid: Fluid,
     converter: Converter,
     broken: [Option<Broken>; INPUTS],
+    /// What the pins hold, as fractions of the reference.
+    pins: [f64; INPUTS],
 }
 
 impl Bench {
@@ -73,6 +75,7 @@ impl Bench {
             fluid: Fluid::default(),
             converter: Converter::new(seed),
             broken: [None; INPUTS],
+            pins: [0.0; INPUTS],
         }
     }
 
@@ -117,14 +120,14 @@ impl Bench {
     /// Lets [`STEP_S`] pass under the board's outputs and the fast loop's duty; returns what the converter then reads.
     pub fn step(&mut self, outputs: &Outputs, coil_duty: f32) -> RawSamples {
         self.advance(outputs, coil_duty);
-        let ratios = self.ratios();
+        let ratios = self.pins;
         RawSamples::from_channels(ratios.map(|true_ratio| self.converter.ratio(true_ratio)))
     }
 
     /// What the inputs' next readings see, by input and reading, in codes and not rounded: for a board with a converter of its own. The noise
     /// is that of [`Bench::step`].
     pub fn voltages(&mut self) -> [[f64; OVERSAMPLED]; INPUTS] {
-        let ratios = self.ratios();
+        let ratios = self.pins;
         ratios.map(|true_ratio| self.converter.voltages(true_ratio))
     }
 
@@ -142,6 +145,7 @@ impl Bench {
         self.actuator.step(f64::from(outputs.actuator_v), STEP_S);
         self.coil.step(f64::from(coil_duty) * COIL_SUPPLY_V, STEP_S);
         self.fluid.step(self.coil.current_a(), STEP_S);
+        self.pins = self.ratios();
     }
 
     /// True voltages at the inputs, as fractions of the reference.
@@ -155,7 +159,14 @@ impl Bench {
             self.transducer.ratio(probe_mm),
             SHUNT.0 + self.coil.current_a() / SHUNT.1,
         ];
-        std::array::from_fn(|i| self.broken[i].map_or(sound[i], Broken::ratio))
+        let before = |i: usize| self.pins[(i + INPUTS - 1) % INPUTS];
+        std::array::from_fn(|i| match self.broken[i] {
+            None => sound[i],
+            Some(Broken::Low) => 0.0,
+            Some(Broken::High) => 1.0,
+            Some(Broken::Stuck(ratio)) => ratio,
+            Some(Broken::Floating(pin)) => pin.drift(self.pins[i], before(i)),
+        })
     }
 
     /// What no sensor says, for the board's tick number `tick` at `time_s`.

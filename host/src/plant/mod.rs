@@ -30,7 +30,7 @@ pub use bench::Bench;
 pub use coil::Coil;
 pub use converter::{Converter, OVERSAMPLED};
 pub use curve::Curve;
-pub use fault::{Broken, Input};
+pub use fault::{Broken, Input, Pin};
 pub use finger::{Finger, Touch};
 pub use fluid::{Core, Fluid};
 pub use fsr::{Fsr, FsrFlaws};

@@ -107,8 +107,9 @@ pub struct Session<L> {
     latest_status: Option<Status>,
 }
 
-/// An intact frame.
+/// An intact frame. Few wait at a time, so the size of the largest does no harm.
 #[derive(Debug)]
+#[allow(clippy::large_enum_variant)]
 enum Incoming {
     Report(Report),
     Rescue(rescue::Answer),
@@ -259,6 +260,7 @@ impl<L: Link> Session<L> {
                     (Report::Refused(r), _) => r.of == of && ours(r.seq),
                     (Report::Hello(_), Request::Hello(_))
                     | (Report::Status(_), Request::Status(_))
+                    | (Report::LastRun(_), Request::GetLastRun(_))
                     | (Report::Calibration(_), Request::GetCalibration(_)) => true,
                     // A late answer to an earlier chunk says less than this chunk's end.
                     (Report::TableState(state), Request::TableChunk(chunk)) => {

@@ -1,9 +1,15 @@
 //! The requests of the table of messages, one function each.
 
-use protocol::message::{Calibration, Empty, Gains, Mode, Refusal, Report, Request, Status, TelemetryRate};
+use protocol::message::{
+    Calibration, Empty, Fitted, Gains, LastRun, Mode, ModeRequest, Refusal, Report, Request, Status, Surface,
+    TelemetryRate,
+};
 
 use super::{Session, SessionError};
 use crate::link::Link;
+
+/// Lease of a mode, ms: five of the session's keep-alives, so that four of them may be lost.
+const LEASE_MS: u16 = 1000;
 
 impl<L: Link> Session<L> {
     /// What the board is doing.
@@ -17,14 +23,14 @@ impl<L: Link> Session<L> {
         }
     }
 
-    /// Sets the mode. A repeated request that finds the board busy with just this mode has succeeded: only the
+    /// Sets the mode, held by this link for as long as [`Session::poll`] is called. A repeated request that finds the board busy with just this mode has succeeded: only the
     /// answer to the first one was lost.
     ///
     /// # Errors
     /// As [`Session::request`].
     pub fn set_mode(&mut self, mode: Mode) -> Result<(), SessionError> {
         let repeated = self.traffic.requests_repeated;
-        match self.request(&Request::SetMode(mode)) {
+        match self.request(&Request::SetMode(ModeRequest { mode, lease_ms: LEASE_MS })) {
             Err(SessionError::Refused { reason: Refusal::Busy, .. })
                 if self.traffic.requests_repeated > repeated && self.status()?.mode == mode =>
             {
@@ -61,12 +67,39 @@ impl<L: Link> Session<L> {
         self.request(&Request::SetCalibration(calibration)).map(|_| ())
     }
 
+    /// Says which parts are wired to the board.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_fitted(&mut self, fitted: Fitted) -> Result<(), SessionError> {
+        self.request(&Request::SetFitted(fitted)).map(|_| ())
+    }
+
+    /// Says where the next palpation is to find its specimen's surface, mm above the base plate.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn expect_surface(&mut self, height_mm: f32) -> Result<(), SessionError> {
+        self.request(&Request::ExpectSurface(Surface { height_mm })).map(|_| ())
+    }
+
     /// Takes the load cell's present reading as zero.
     ///
     /// # Errors
     /// As [`Session::request`].
     pub fn tare(&mut self) -> Result<(), SessionError> {
         self.request(&Request::Tare(Empty {})).map(|_| ())
+    }
+
+    /// Why the run before this one ended.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn last_run(&mut self) -> Result<LastRun, SessionError> {
+        match self.request(&Request::GetLastRun(Empty {}))? {
+            Report::LastRun(last) => Ok(last),
+            _ => Err(self.no_sense("GetLastRun")),
+        }
     }
 
     /// Clears latched faults.

@@ -3,6 +3,8 @@
 //! Time is virtual: [`SimulatedBoard::step`] lets one control tick (20 ms) pass, in which the bench and the firmware's fast loop take
 //! twenty steps of 1 ms and then the firmware its tick. Given a seed everything but the measured duration of a tick repeats exactly.
 
+#[cfg(test)]
+mod samples;
 mod server;
 
 use std::time::Instant;
@@ -11,11 +13,15 @@ use firmware::board::{Board, Identity, Inputs, Outputs};
 use firmware::config::BoardConfig;
 use firmware::fast::{FAST_STEPS, FastLoop};
 use firmware::flash::{BANK_LEN, RamFlash};
+use firmware::interlock::Power;
+use firmware::link::LinkId;
 use firmware::sensor::RawSamples;
 use protocol::TICK_HZ;
 use protocol::lut::Table;
-use protocol::message::{ResetCause, State};
+use protocol::message::{Build, LastRun, ResetCause, State};
 
+#[cfg(test)]
+pub(crate) use samples::{foam, press_table, stiffer_foam};
 pub use server::{Server, serve};
 
 use crate::plant::{Bench, Broken, Foam, Input, Jitter, Touch, Truth};
@@ -56,7 +62,8 @@ impl SimulatedBoard {
         let config = BoardConfig { simulated: true, ..BoardConfig::default() };
         let mut unique_id = *b"palpate-sim\0";
         unique_id[11] = seed as u8;
-        let identity = Identity { unique_id, reset_cause: ResetCause::PowerOn };
+        let identity =
+            Identity { unique_id, reset_cause: ResetCause::PowerOn, build: Build::UNKNOWN, last_run: LastRun::NONE };
         SimulatedBoard {
             fast: FastLoop::new(&config.circuit, &config.shunt, config.safety.coil_a),
             tick_us_max: config.safety.tick_us,
@@ -84,18 +91,23 @@ impl SimulatedBoard {
 
     /// Bytes from the host.
     pub fn receive(&mut self, bytes: &[u8]) {
-        self.board.receive(bytes);
+        self.board.receive(LinkId::Usb, bytes);
     }
 
     /// Appends bytes for the host.
     pub fn transmit(&mut self, into: &mut Vec<u8>) {
         let mut buffer = [0u8; 512];
         loop {
-            match self.board.take_transmit(&mut buffer) {
+            match self.board.take_transmit(LinkId::Usb, &mut buffer) {
                 0 => return,
                 n => into.extend_from_slice(&buffer[..n]),
             }
         }
+    }
+
+    /// What reaches the coil's switch: the interlock passes nothing on unless the display is on.
+    fn driven_duty(&self) -> f32 {
+        if self.outputs.power == Power::Display { self.coil_duty } else { 0.0 }
     }
 
     /// Lets one control tick pass.
@@ -104,13 +116,14 @@ impl SimulatedBoard {
         self.bench.next_sample();
         for _ in 0..early + FAST_STEPS {
             let begun = self.begun.take();
-            let raw = begun.unwrap_or_else(|| self.bench.step(&self.outputs, self.coil_duty));
+            let raw = begun.unwrap_or_else(|| self.bench.step(&self.outputs, self.driven_duty()));
             self.coil_duty = self.fast.step(&raw);
         }
         if self.timing.within_step {
-            self.begun = Some(self.bench.step(&self.outputs, self.coil_duty));
+            self.begun = Some(self.bench.step(&self.outputs, self.driven_duty()));
         }
-        let inputs = Inputs::from_fast(&self.fast.take(), false, self.tick_us);
+        let inputs =
+            Inputs { period_us: 1_000_000 / TICK_HZ, ..Inputs::from_fast(&self.fast.take(), false, self.tick_us) };
         let started = Instant::now();
         self.outputs = self.board.tick(&inputs);
         // Host time, not board time: it shows the order of magnitude only. A host that was busy elsewhere must not look like

@@ -31,7 +31,7 @@ pub fn rows(path: &Path) -> Result<Vec<Row>, String> {
         rows.push(Row {
             time_s: cell(0).parse().map_err(|e| format!("time of {record:?}: {e}"))?,
             tick: cell(1).parse().map_err(|e| format!("tick of {record:?}: {e}"))?,
-            frames_lost: cell(last - 1).parse().map_err(|e| format!("frames of {record:?}: {e}"))?,
+            frames_lost: cell(last - 2).parse().map_err(|e| format!("frames of {record:?}: {e}"))?,
             note: cell(last).to_owned(),
         });
     }

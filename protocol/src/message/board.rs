@@ -19,6 +19,8 @@ wire! {
         pub schema_hash: u64,
         /// Firmware version: major, minor, patch.
         pub firmware_version: [u8; 3],
+        /// Which build of it.
+        pub build: Build,
         /// Unique number of the microcontroller (96 bit on STM32; chosen for simulated boards).
         pub unique_id: [u8; 12],
         /// True if surroundings and sensors are simulated.
@@ -27,6 +29,23 @@ wire! {
         pub slot_len: u32,
         /// Why the board last started.
         pub reset_cause: ResetCause,
+    }
+    /// A build of the firmware. All zero where there is no image, or its source had no history.
+    pub struct Build {
+        /// First eight digits of the commit it was built from, ASCII.
+        pub commit: [u8; 8],
+        /// The source had changes that were not committed.
+        pub modified: bool,
+        /// CRC-32 over the image in flash, as the board finds it at its start.
+        pub image_crc: u32,
+    }
+    /// A mode, and its lease: how long it may go on without a request from the link that asked for it.
+    pub struct ModeRequest {
+        /// The mode.
+        pub mode: Mode,
+        /// Lease, ms: 100 to 1000. Every request over the same link renews it; when it ends, the board
+        /// switches off.
+        pub lease_ms: u16,
     }
     /// A snapshot.
     pub struct Status {
@@ -46,9 +65,33 @@ wire! {
         pub deadlines_missed: u32,
         /// Longest control tick since start, us.
         pub tick_max_us: u16,
+        /// Control ticks that began late, measured from start to start.
+        pub ticks_late: u32,
+        /// Longest time between the starts of two control ticks since start, us.
+        pub period_max_us: u32,
+        /// Who holds the motion.
+        pub holder: Holder,
         /// Hash of the active table, zero without one.
         pub table_hash: [u8; 16],
+        /// Where the calibration in use comes from.
+        pub calibration: CalibrationState,
+        /// What is wired to the board.
+        pub fitted: Fitted,
     }
+    /// Parts wired to a board. One that is not fitted is neither checked nor driven, and reads 0.
+    pub struct Fitted {
+        /// Arm with load cell and position transducer.
+        pub palpator: bool,
+        /// Actuator of the display with its potentiometer.
+        pub actuator: bool,
+        /// Coil of the display with its current amplifier. The FSR belongs to whichever of both is there.
+        pub coil: bool,
+    }
+}
+
+impl Build {
+    /// No image, or one that nobody knows.
+    pub const UNKNOWN: Build = Build { commit: [0; 8], modified: false, image_crc: 0 };
 }
 
 wire! {
@@ -83,6 +126,24 @@ wire! {
         Display,
         /// Outputs off, a fault is latched.
         Fault,
+    }
+    /// Which link holds the motion, seen from the one that asks.
+    pub enum Holder {
+        /// None: the board rests.
+        Nobody,
+        /// The one that asks.
+        You,
+        /// The board's other link.
+        Another,
+    }
+    /// Where a calibration comes from.
+    pub enum CalibrationState {
+        /// Stored on this board.
+        Stored,
+        /// The firmware's own: none has been stored yet.
+        Default,
+        /// The firmware's own, because the stored one does not read back; a fault.
+        Unreadable,
     }
     /// Why the board started.
     pub enum ResetCause {

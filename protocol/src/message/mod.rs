@@ -6,17 +6,21 @@
 
 mod board;
 mod identification;
+mod last_run;
 mod setup;
 mod table;
 mod telemetry;
 
-pub use board::{Hello, HelloRequest, Mode, ResetCause, State, Status};
+pub use board::{
+    Build, CalibrationState, Fitted, Hello, HelloRequest, Holder, Mode, ModeRequest, ResetCause, State, Status,
+};
 pub use identification::{Estimate, Outcome, Recognition, Verdict};
-pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor};
+pub use last_run::{CHANGES, FILE_LEN, LastRun, RunEnd, StateChange};
+pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor, Surface};
 pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
-pub use telemetry::{FaultReport, Telemetry};
+pub use telemetry::{FaultReport, Raw, Telemetry};
 
-use crate::wire::{FNV_BASIS, Wire, fold, wire};
+use crate::wire::{FNV_BASIS, Wire, fold, fold_number, wire};
 
 wire! {
     /// No content.
@@ -71,6 +75,16 @@ wire! {
         FlashFailed,
         /// Host and board were built from different message tables.
         SchemaMismatch,
+        /// Another link holds the motion.
+        Held,
+        /// The stop button is pressed.
+        Stopped,
+        /// The stored calibration cannot be read: a tare would hide it behind the default.
+        CalibrationLost,
+        /// No palpator is fitted.
+        NoPalpator,
+        /// Neither actuator nor coil of the display are fitted.
+        NoDisplay,
     }
 }
 
@@ -90,6 +104,13 @@ impl Refusal {
             Refusal::TableRejected => "the table did not pass the board's checks",
             Refusal::FlashFailed => "the board could not write its flash",
             Refusal::SchemaMismatch => "tool and firmware were built from different message tables",
+            Refusal::Stopped => "the board's stop button is pressed: release it",
+            Refusal::Held => "another link holds the board: stop it there, or set mode idle from here first",
+            Refusal::CalibrationLost => {
+                "the stored calibration cannot be read: load one first (palpate board calibrate --load FILE)"
+            }
+            Refusal::NoPalpator => "no palpator is fitted to this board (palpate board fit)",
+            Refusal::NoDisplay => "neither actuator nor coil are fitted to this board (palpate board fit)",
         }
     }
 }
@@ -136,25 +157,16 @@ macro_rules! messages {
             }
         )*
 
-        /// Fingerprint of the whole table: numbers, names, and the shape of every body.
+        /// Fingerprint of the whole table: numbers, names, the shape of every body with all types inside, and the longest body.
         pub const SCHEMA_HASH: u64 = {
             let mut hash = FNV_BASIS;
             $($(
                 hash = fold(hash, stringify!($kind));
                 hash = fold(hash, stringify!($name));
-                hash = fold(hash, <$body as Wire>::SHAPE);
+                hash = fold_number(hash, <$body as Wire>::SHAPE);
             )*)*
-            // Structures inside bodies.
-            hash = fold(hash, <Mode as Wire>::SHAPE);
-            hash = fold(hash, <State as Wire>::SHAPE);
-            hash = fold(hash, <ResetCause as Wire>::SHAPE);
-            hash = fold(hash, <Refusal as Wire>::SHAPE);
-            hash = fold(hash, <Outcome as Wire>::SHAPE);
-            hash = fold(hash, <Recognition as Wire>::SHAPE);
-            hash = fold(hash, <Slot as Wire>::SHAPE);
-            hash = fold(hash, <LoadCell as Wire>::SHAPE);
-            hash = fold(hash, <ResistiveSensor as Wire>::SHAPE);
-            hash = fold(hash, <ProbePosition as Wire>::SHAPE);
+            // A longer body would be refused by the other side's frames.
+            hash = fold_number(hash, crate::frame::MAX_BODY as u64);
             hash
         };
     };
@@ -167,8 +179,9 @@ messages! {
         0x01 Hello(HelloRequest),
         /// Answered by [`Report::Status`]. Also keeps the link alive.
         0x02 Status(Empty),
-        /// Answered by [`Report::Accepted`].
-        0x03 SetMode(Mode),
+        /// Answered by [`Report::Accepted`]. Any link may ask for idle; while a link holds the motion, only
+        /// that one may ask for more.
+        0x03 SetMode(ModeRequest),
         /// PID gains. Answered by [`Report::Accepted`].
         0x04 SetGains(Gains),
         /// Answered by [`Report::Calibration`].
@@ -181,6 +194,10 @@ messages! {
         0x08 ClearFaults(Empty),
         /// Answered by [`Report::Accepted`].
         0x09 SetTelemetry(TelemetryRate),
+        /// For the next palpation alone. Answered by [`Report::Accepted`]; only in idle.
+        0x0a ExpectSurface(Surface),
+        /// Stored with the calibration. Answered by [`Report::Accepted`]; only in idle.
+        0x0b SetFitted(Fitted),
         /// Erases the inactive slot. Answered by [`Report::TableState`]; only in idle.
         0x10 TableBegin(TableBegin),
         /// Answered by [`Report::TableState`].
@@ -189,6 +206,8 @@ messages! {
         0x12 TableCommit(Empty),
         /// Answered by [`Report::TableState`]. After a lost link: where to continue.
         0x13 TableQuery(Empty),
+        /// Why the run before this one ended. Answered by [`Report::LastRun`].
+        0x14 GetLastRun(Empty),
     }
     /// From board to host.
     pub enum Report {
@@ -212,6 +231,8 @@ messages! {
         0x89 Calibration(Calibration),
         /// Parameters with standard errors, right before the verdict.
         0x8a Estimate(Estimate),
+        /// Why the run before this one ended.
+        0x8b LastRun(LastRun),
     }
 }
 

@@ -15,6 +15,11 @@ wire! {
         /// Corner of the derivative filter, rad/s.
         pub n: f32,
     }
+    /// Where the next palpation is to find its specimen.
+    pub struct Surface {
+        /// Height of the surface above the base plate, mm. Without contact a millimetre below it the palpation ends.
+        pub height_mm: f32,
+    }
     /// Everything that turns converter readings into physical units.
     pub struct Calibration {
         /// Load cell of the palpation probe.

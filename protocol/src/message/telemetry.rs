@@ -39,6 +39,21 @@ wire! {
         pub search_error_n: f32,
         /// Duration of the previous control tick, us.
         pub tick_us: u16,
+        /// What the converter read, before any calibration.
+        pub raw: Raw,
+    }
+    /// Mean readings of one tick, 65,535ths of the reference voltage.
+    pub struct Raw {
+        /// Load cell of the probe.
+        pub load_cell: u16,
+        /// FSR of the display.
+        pub fsr: u16,
+        /// Potentiometer of the shaft.
+        pub potentiometer: u16,
+        /// Position of the probe.
+        pub probe_position: u16,
+        /// Shunt amplifier of the coil.
+        pub coil_current: u16,
     }
     /// A fault was latched in this tick.
     pub struct FaultReport {

@@ -9,8 +9,15 @@ use emulator::board::LSI_HZ;
 use emulator::chip::{FLASH_LEN, Reset};
 use emulator::debug::{Handle, lister};
 use emulator::link::EmulatedUart;
-use palpate::flash::{CHIP, Firmware, Job, Step, TableImage, greet, write};
+use palpate::flash::{CHIP, Expected, Firmware, FlashingError, Greeted, Job, Step, TableImage, greet, write};
+use palpate::link::{Link, LinkError};
 use protocol::lut::Table;
+
+/// Greets over a link that is open already.
+fn greet_once(link: impl Link, expected: &Expected) -> Result<Greeted, FlashingError> {
+    let mut link = Some(link);
+    greet(|| link.take().ok_or_else(|| LinkError::Closed { link: "the emulated board".into() }), expected)
+}
 
 #[test]
 fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
@@ -42,15 +49,19 @@ fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
 
     // The board that starts says that it is what was written, and that it is not what was not.
     let hash = Table::parse(&table).unwrap().hash();
-    let (greeted, other) = board
+    let crc = job.firmware.as_ref().unwrap().crc().unwrap();
+    let (greeted, other_table, other_image) = board
         .with(move |target| {
-            (
-                greet(EmulatedUart::new(target.board()), Some(hash)),
-                greet(EmulatedUart::new(target.board()), Some([1; 16])),
-            )
+            let mut greet = |crc, hash| {
+                let expected = Expected { image_crc: Some(crc), table_hash: Some(hash) };
+                greet_once(EmulatedUart::new(target.board()), &expected)
+            };
+            (greet(crc, hash), greet(crc, [1; 16]), greet(!crc, hash))
         })
         .unwrap();
     let greeted = greeted.unwrap();
-    assert_eq!((greeted.firmware_version, greeted.table_hash), (firmware::board::FIRMWARE_VERSION, hash));
-    assert!(other.unwrap_err().to_string().starts_with("the board has started, but its table is "));
+    let as_written = (firmware::board::FIRMWARE_VERSION, crc, hash);
+    assert_eq!((greeted.firmware_version, greeted.image_crc, greeted.table_hash), as_written);
+    assert!(other_table.unwrap_err().to_string().starts_with("the board has started, but its table is "));
+    assert!(other_image.unwrap_err().to_string().starts_with("the board has started, but its image's CRC is "));
 }

@@ -9,7 +9,8 @@ mod common;
 use emulator::board::{BANK_2, EmulatedBoard};
 use emulator::chip::{Change, Reset};
 use emulator::link::EmulatedUart;
-use firmware::flash::journal;
+use firmware::flash::{Setup, journal};
+use firmware::sensor::ALL_FITTED;
 use palpate::session::{Patience, Session};
 use protocol::frame::{self, Decoder, MAX_FRAME};
 use protocol::lut::Table;
@@ -182,12 +183,16 @@ fn calibration(revived: &mut Revived, n: f32) -> Calibration {
     calibration
 }
 
+fn record(calibration: &Calibration) -> [u8; journal::RECORD_LEN] {
+    journal::record(&Setup { calibration: calibration.clone(), fitted: ALL_FITTED }).unwrap()
+}
+
 #[test]
 fn a_cut_at_any_write_of_a_calibration_leaves_the_old_one_or_the_new() {
     let mut revived = Revived::new();
     let [old, new] = [1.0, 2.0].map(|n| calibration(&mut revived, n));
     let mut board = common::board();
-    board.core().set_flash(JOURNALS[0], &journal::record(&old).unwrap()).unwrap();
+    board.core().set_flash(JOURNALS[0], &record(&old)).unwrap();
     let (before, changes) = changes(board, |session| session.set_calibration(new.clone()).unwrap());
     assert_eq!(changes.len(), journal::RECORD_LEN / 4);
     let mut newer = 0;
@@ -204,11 +209,11 @@ fn a_cut_at_any_write_of_a_calibration_leaves_the_old_one_or_the_new() {
 fn a_cut_while_a_full_journal_is_moved_loses_nothing() {
     let mut revived = Revived::new();
     let latest = calibration(&mut revived, 3.0);
-    let older = journal::record(&calibration(&mut revived, 4.0)).unwrap();
+    let older = record(&calibration(&mut revived, 4.0));
     let mut board = common::board();
     let records = RECORDS - PLACES_LOW + 1;
     let mut full = older.repeat(records - 1);
-    full.extend(journal::record(&latest).unwrap());
+    full.extend(record(&latest));
     board.core().set_flash(JOURNALS[0], &full).unwrap();
     let before = board.flash().unwrap();
     board.core().log_flash(true);

@@ -39,10 +39,10 @@ fn session(table: &[u8], shown: u8) -> Script {
     for foam in common::foams() {
         script.act(Act::Place(foam.clone()));
         script.wait(5);
-        script.send(Request::SetMode(Mode::Palpate { rate_mm_s: 4.0, depth_mm: 4.0 }));
+        script.send(script::set_mode(Mode::Palpate { rate_mm_s: 4.0, depth_mm: 4.0 }));
         script.keep_alive(300);
     }
-    let display = Request::SetMode(Mode::Display { material: shown });
+    let display = script::set_mode(Mode::Display { material: shown });
     script.send(display.clone());
     script.keep_alive(40);
     script.act(Act::Touch(Some(TOUCH)));

@@ -9,7 +9,7 @@ use firmware::board::FIRMWARE_VERSION;
 use palpate::link::{Link, LinkError};
 use palpate::session::{Patience, Session};
 use protocol::frame::{Decoder, MAX_FRAME, encode, encode_report, encode_request};
-use protocol::message::{Empty, Hello, HelloRequest, Mode, Refusal, Report, Request, SCHEMA_HASH};
+use protocol::message::{Empty, Hello, HelloRequest, Mode, ModeRequest, Refusal, Report, Request, SCHEMA_HASH};
 use protocol::{PROTOCOL_VERSION, rescue};
 
 type Frame = (u8, Vec<u8>);
@@ -59,7 +59,8 @@ fn an_old_host_is_told_who_the_board_is_and_can_do_nothing_else() {
         assert!(
             matches!(asked(&mut board, &Request::Hello(old)), Report::Hello(hello) if hello.schema_hash == SCHEMA_HASH)
         );
-        let palpate = Request::SetMode(Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 });
+        let palpate =
+            Request::SetMode(ModeRequest { mode: Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 }, lease_ms: 1000 });
         for request in [Request::Status(Empty {}), palpate, Request::ClearFaults(Empty {})] {
             let refused = asked(&mut board, &request);
             assert!(matches!(refused, Report::Refused(ref r) if r.reason == Refusal::SchemaMismatch), "{refused:?}");
@@ -157,11 +158,11 @@ fn a_new_host_asks_an_old_board_by_the_frozen_message_and_says_what_to_do() {
     };
     assert_eq!(
         open(Old::Version(0)),
-        "the old board runs firmware 0.1.0 with protocol version 0, this tool speaks version 1: write newer firmware with `palpate flash`"
+        "the old board runs firmware 0.1.0 with protocol version 0, this tool speaks version 2: write newer firmware with `palpate flash`"
     );
     assert_eq!(
         open(Old::Version(7)),
-        "the old board runs firmware 0.1.0 with protocol version 7, this tool speaks version 1: use a newer palpate"
+        "the old board runs firmware 0.1.0 with protocol version 7, this tool speaks version 2: use a newer palpate"
     );
     let schema = open(Old::Schema(0x1234_5678_9abc_def0));
     assert!(

@@ -3,16 +3,22 @@
 use firmware::board::{Board, Identity, Inputs, Outputs};
 use firmware::config::BoardConfig;
 use firmware::flash::RamFlash;
+use firmware::link::LinkId;
 use firmware::sensor::{RawSamples, coil_ratio, fsr_ratio, load_cell_ratio, potentiometer_ratio, probe_ratio};
 use protocol::frame::{Decoder, MAX_FRAME, encode_request};
-use protocol::message::{Empty, Report, Request, ResetCause};
+use protocol::message::{Build, Empty, LastRun, Report, Request, ResetCause};
 use protocol::rescue;
 
 use super::Held;
 
 /// A board with this content of flash bank 2, just started. With too few bytes it has no room for a table.
 pub fn board(bank: Vec<u8>) -> Board<RamFlash<Vec<u8>>> {
-    let identity = Identity { unique_id: *b"robustness 1", reset_cause: ResetCause::PowerOn };
+    let identity = Identity {
+        unique_id: *b"robustness 1",
+        reset_cause: ResetCause::PowerOn,
+        build: Build::UNKNOWN,
+        last_run: LastRun::NONE,
+    };
     Board::new(BoardConfig::default(), RamFlash::new(bank), identity)
 }
 
@@ -63,7 +69,7 @@ pub fn check_outputs(outputs: &Outputs) -> Held {
 pub fn reports(board: &mut Board<RamFlash<Vec<u8>>>) -> Result<Vec<Report>, String> {
     let (mut decoder, mut buffer, mut reports) = (Decoder::new(), [0; 512], Vec::new());
     loop {
-        let count = board.take_transmit(&mut buffer);
+        let count = board.take_transmit(LinkId::Usb, &mut buffer);
         if count == 0 {
             return Ok(reports);
         }
@@ -95,12 +101,12 @@ impl Portrait {
     /// # Errors
     /// A broken or unknown frame of the board, or fewer answers than requests.
     pub fn of(board: &mut Board<RamFlash<Vec<u8>>>) -> Result<Self, String> {
-        board.receive(&[0]);
+        board.receive(LinkId::Usb, &[0]);
         reports(board)?;
         let asked = [Request::Status(Empty {}), Request::GetCalibration(Empty {}), Request::TableQuery(Empty {})];
         for request in &asked {
             let mut buffer = [0; MAX_FRAME];
-            board.receive(encode_request(request, 0, &mut buffer).map_err(|e| e.to_string())?);
+            board.receive(LinkId::Usb, encode_request(request, 0, &mut buffer).map_err(|e| e.to_string())?);
         }
         let mut said = reports(board)?;
         if said.len() != asked.len() {

@@ -1,5 +1,6 @@
 //! Bytes on the line.
 
+use firmware::link::LinkId;
 use palpate::link::{Link, LinkError};
 use palpate::session::{Patience, Session};
 use protocol::frame::{Decoder, MAX_FRAME, encode, encode_report};
@@ -107,7 +108,7 @@ fn decoded(bytes: &[u8]) -> Option<(u8, u16, Vec<u8>)> {
 fn board(bytes: &[u8], accepted: usize) -> Held {
     let mut board = blank_board();
     let before = Portrait::of(&mut board)?;
-    board.receive(bytes);
+    board.receive(LinkId::Usb, bytes);
     let after = Portrait::of(&mut board)?;
     if accepted == 0 && before != after {
         return Err(format!("bytes without a frame changed the board: {before:?} became {after:?}"));

@@ -1,6 +1,7 @@
 //! Messages in sound frames.
 
 use firmware::flash::BANK_LEN;
+use firmware::link::LinkId;
 use protocol::frame::MAX_BODY;
 use protocol::message::{Report, Request};
 
@@ -23,7 +24,7 @@ pub fn messages(bytes: &[u8]) -> Held {
         let (body, after) = tail.split_at(usize::from(*length).min(MAX_BODY).min(tail.len()));
         rest = after;
         decode(*kind, body)?;
-        board.receive(&framed(*kind, seq, body)?);
+        board.receive(LinkId::Usb, &framed(*kind, seq, body)?);
         seq = seq.wrapping_add(1);
         // A finger on the display, and the ball in the air.
         check_outputs(&board.tick(&inputs(0.0, 30.0, 1.0)))?;

@@ -1,11 +1,12 @@
 //! Look-up tables.
 
 use firmware::flash::BANK_LEN;
+use firmware::link::LinkId;
 use firmware::press::Press;
 use firmware::search::Search;
 use protocol::frame::CRC32;
 use protocol::lut::{HEADER_LEN, MAGIC, Table, VERSION};
-use protocol::message::{Mode, Request};
+use protocol::message::{Mode, ModeRequest, Request};
 
 use super::Held;
 use super::board::{board, check_outputs, inputs, reports};
@@ -125,7 +126,9 @@ fn run(bytes: &[u8], table: &Table<'_>) -> Held {
         if let Some(mode) = mode {
             let mut out = [0; protocol::frame::MAX_FRAME];
             board.receive(
-                protocol::frame::encode_request(&Request::SetMode(mode), 0, &mut out).map_err(|e| e.to_string())?,
+                LinkId::Usb,
+                protocol::frame::encode_request(&Request::SetMode(ModeRequest { mode, lease_ms: 1000 }), 0, &mut out)
+                    .map_err(|e| e.to_string())?,
             );
         }
         check_outputs(&board.tick(&inputs(force_n, probe_mm, 1.0)))?;

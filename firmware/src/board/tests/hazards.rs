@@ -49,7 +49,7 @@ fn every_sensor_and_limit_fault_switches_off_within_its_ticks() {
         (|i| i.raw.potentiometer = 0.3, Fault::StrokeLimit, 1),
         (|i| i.raw.coil_current = 0.95, Fault::CurrentLimit, 1),
         (|i| i.raw.coil_current = 0.0, Fault::CurrentLimit, 1),
-        (|i| i.coil_tripped = true, Fault::CurrentLimit, 1),
+        (|i| i.coil_trip = Some(Fault::CurrentLimit), Fault::CurrentLimit, 1),
         (|i| i.adc_overrun = true, Fault::AdcOverrun, 3),
     ];
     for (spoil, fault, within) in cases {
@@ -104,6 +104,53 @@ fn a_late_tick_is_counted_and_is_a_fault_only_while_outputs_are_on() {
 }
 
 #[test]
+fn the_stop_button_ends_what_is_under_way_and_refuses_more() {
+    let mut bench = displaying();
+    bench.spoil = |i| i.stop_pressed = true;
+    bench.tick();
+    assert_eq!((bench.outputs, bench.board.state(), bench.faults()), (Outputs::default(), State::Idle, vec![]));
+    assert_eq!(bench.refusal(&set_mode(PALPATE)), Refusal::Stopped);
+    bench.spoil = |_| {};
+    bench.tick();
+    bench.mode(PALPATE);
+    bench.ticks(5);
+    assert!(bench.outputs.arm_run);
+    bench.spoil = |i| i.stop_pressed = true;
+    bench.tick();
+    assert_eq!((bench.outputs.arm_run, bench.board.state()), (false, State::Retract));
+}
+
+#[test]
+fn lateness_is_measured_from_start_to_start() {
+    let mut bench = Bench::new();
+    bench.spoil = |i| i.period_us = 48_000;
+    bench.ticks(3);
+    assert!(bench.faults().is_empty());
+    let Report::Status(status) = bench.ask(&Request::Status(Empty {})) else { panic!() };
+    assert_eq!((status.ticks_late, status.period_max_us, status.deadlines_missed), (3, 48_000, 0));
+    trips(&mut displaying(), |i| i.period_us = 30_001, Fault::DeadlineMissed, 1);
+    // A tick that comes 10 ms late is still no hazard.
+    let mut bench = displaying();
+    bench.spoil = |i| i.period_us = 30_000;
+    bench.ticks(5);
+    assert_eq!(bench.faults(), []);
+}
+
+/// The outputs went off without the machine: it must not go on as if they were on.
+#[test]
+fn a_trip_of_the_interlock_is_a_fault_that_says_which_task_was_silent() {
+    trips(&mut displaying(), |i| i.interlock = Some(crate::interlock::Trip::Silent(2)), Fault::Interlock, 1);
+    let mut bench = displaying();
+    bench.spoil = |i| i.interlock = Some(crate::interlock::Trip::Silent(2));
+    bench.tick();
+    let value = bench.reports.iter().find_map(|r| match r {
+        Report::Fault(fault) => Some(fault.value),
+        _ => None,
+    });
+    assert_eq!(value, Some(3.0));
+}
+
+#[test]
 fn a_blocked_shaft_is_a_stall_after_two_seconds() {
     let mut bench = Bench::new();
     bench.finger_n = 2.5;
@@ -135,13 +182,13 @@ fn a_hot_coil_is_first_reduced_and_never_reaches_its_trip() {
             bench.send(&Request::Status(Empty {}));
         }
         bench.tick();
-        hottest = hottest.max(bench.board.coil_c);
+        hottest = hottest.max(bench.board.machine.coil_c);
         bench.reports.clear();
     }
     assert!(bench.faults().is_empty(), "{:?}", bench.faults());
     assert!((80.0..105.0).contains(&hottest), "{hottest}");
     // A coil that is hot all the same (a current nobody asked for) trips.
-    bench.board.coil_c = 106.0;
+    bench.board.machine.coil_c = 106.0;
     bench.tick();
     assert_eq!(bench.faults(), [Fault::CoilHot]);
     assert_eq!(bench.outputs, Outputs::default());
@@ -150,7 +197,7 @@ fn a_hot_coil_is_first_reduced_and_never_reaches_its_trip() {
 #[test]
 fn a_coil_is_taken_for_warm_after_a_reset() {
     // Its temperature before the reset is not known; a board that started cold would allow a hot winding full current.
-    assert_eq!(Bench::new().board.coil_c, 80.0);
+    assert_eq!(Bench::new().board.machine.coil_c, 80.0);
 }
 
 #[test]
@@ -168,7 +215,7 @@ fn a_coil_whose_amplifier_reads_no_current_still_heats_in_the_model() {
         bench.reports.clear();
     }
     // Without current the model would cool from its 80 degrees.
-    assert!(bench.board.coil_c > 81.0, "{}", bench.board.coil_c);
+    assert!(bench.board.machine.coil_c > 81.0, "{}", bench.board.machine.coil_c);
 }
 
 #[test]
@@ -179,7 +226,7 @@ fn faults_stay_latched_until_they_are_cleared_with_the_cause_gone() {
     bench.spoil = |_| {};
     bench.ticks(10);
     assert_eq!(bench.faults(), [Fault::LoadCellOpen]);
-    assert_eq!(bench.refusal(&Request::SetMode(PALPATE)), Refusal::Faulted);
+    assert_eq!(bench.refusal(&set_mode(PALPATE)), Refusal::Faulted);
     bench.accept(&Request::ClearFaults(Empty {}));
     bench.tick();
     assert_eq!(bench.board.state(), State::Idle);

@@ -1,17 +1,31 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod end_stop;
 mod hazards;
+mod holders;
 mod link;
 mod palpation;
+mod setup;
+mod wires;
 
 use super::*;
 use crate::flash::{BANK_LEN, RamFlash};
+use crate::link::LinkId;
 use crate::sensor::{coil_ratio, fsr_ratio, load_cell_ratio, potentiometer_ratio, probe_ratio};
 use crate::testbed::{Foam, factored_table};
 use protocol::frame::{Decoder, MAX_FRAME, encode_request};
-use protocol::message::{Accepted, Empty, Refusal, Refused, Request};
+use protocol::message::{Accepted, Build, Empty, Mode, ModeRequest, Outcome, Refusal, Refused, Request, Telemetry};
 
 type RamBoard = Board<RamFlash<Vec<u8>>>;
+
+/// What is at the pin of a wire that is off.
+#[derive(Clone, Copy)]
+enum Pin {
+    /// The resistor of the drawing: ground within a tick.
+    Pulled,
+    /// A capacitor, which a leakage carries off so far, as fraction of the reference.
+    Bare { leak: f32 },
+}
 
 /// A board with its surroundings: an arm that presses a foam, a finger, a shaft that follows its command.
 struct Bench {
@@ -24,14 +38,24 @@ struct Bench {
     foam: Option<Foam>,
     finger_n: f32,
     shaft_mm: f32,
+    /// What the potentiometer reads too much, mm.
+    shaft_off_mm: f32,
     outputs: Outputs,
+    /// Channel whose wire is off, what is at its pin, and what the pins hold.
+    off: Option<(usize, Pin)>,
+    pins: [f32; 5],
     /// Changes the inputs of every tick.
     spoil: fn(&mut Inputs),
 }
 
 impl Bench {
     fn with_flash(bytes: Vec<u8>, cause: ResetCause) -> Self {
-        let identity = Identity { unique_id: *b"unit test 01", reset_cause: cause };
+        let identity = Identity {
+            unique_id: *b"unit test 01",
+            reset_cause: cause,
+            build: Build::UNKNOWN,
+            last_run: LastRun::NONE,
+        };
         let board = Board::new(BoardConfig::default(), RamFlash::new(bytes), identity);
         Bench {
             board,
@@ -43,7 +67,10 @@ impl Bench {
             foam: None,
             finger_n: 0.0,
             shaft_mm: 0.0,
+            shaft_off_mm: 0.0,
             outputs: Outputs::default(),
+            off: None,
+            pins: [0.0; 5],
             spoil: |_| {},
         }
     }
@@ -61,23 +88,40 @@ impl Bench {
     }
 
     fn tick(&mut self) {
-        let c = &self.board.config;
+        let c = &self.board.machine.config;
         let force_n = self.foam.map_or(0.0, |foam| foam.force_n(foam.height_mm - f64::from(self.probe_mm)) as f32);
         let raw = RawSamples {
             load_cell: load_cell_ratio(force_n, &c.calibration.load_cell),
             fsr: fsr_ratio(self.finger_n, &c.calibration.fsr),
-            potentiometer: potentiometer_ratio(self.shaft_mm, &c.calibration.potentiometer),
+            potentiometer: potentiometer_ratio(self.shaft_mm + self.shaft_off_mm, &c.calibration.potentiometer),
             probe_position: probe_ratio(self.probe_mm, &c.calibration.probe),
             coil_current: coil_ratio(self.outputs.coil_target_a, &c.shunt),
         };
+        let raw = self.wired(raw);
         let mut inputs = Inputs { raw, fresh: true, tick_us: 400, ..Inputs::default() };
         (self.spoil)(&mut inputs);
         self.outputs = self.board.tick(&inputs);
         let step_mm = if self.outputs.arm_run { -self.outputs.arm_rate_mm_s / 50.0 } else { 10.0 / 50.0 };
         self.probe_mm = (self.probe_mm + step_mm).min(self.home_mm);
         // First-order stand-in for the actuator: gain 1 mm/V, 0.25 s.
-        self.shaft_mm += 0.08 * (self.outputs.actuator_v - self.shaft_mm);
+        self.shaft_mm = (self.shaft_mm + 0.08 * (self.outputs.actuator_v - self.shaft_mm)).max(0.0);
         self.collect();
+    }
+
+    /// A pin whose wire is off follows the channel converted before it with 1.25 s (100 nF and 5 pF at 16 kHz).
+    fn wired(&mut self, raw: RawSamples) -> RawSamples {
+        let (held, mut channels) = (self.pins, raw.channels());
+        if let Some((channel, pin)) = self.off {
+            let rest = match pin {
+                Pin::Pulled => 0.0,
+                Pin::Bare { leak } => {
+                    held[channel] + (1.0 - (-0.02f32 / 1.25).exp()) * (held[(channel + 4) % 5] + leak - held[channel])
+                }
+            };
+            channels[channel] = rest;
+        }
+        self.pins = channels;
+        RawSamples::from_channels(channels)
     }
 
     fn ticks(&mut self, count: usize) {
@@ -87,7 +131,7 @@ impl Bench {
     fn collect(&mut self) {
         let mut buffer = [0; 512];
         loop {
-            let count = self.board.take_transmit(&mut buffer);
+            let count = self.board.take_transmit(LinkId::Usb, &mut buffer);
             if count == 0 {
                 return;
             }
@@ -104,8 +148,8 @@ impl Bench {
     fn send(&mut self, request: &Request) {
         let mut buffer = [0; MAX_FRAME];
         let bytes = encode_request(request, self.seq, &mut buffer).unwrap();
-        self.board.receive(bytes);
-        self.seq += 1;
+        self.board.receive(LinkId::Usb, bytes);
+        self.seq = self.seq.wrapping_add(1);
         self.collect();
     }
 
@@ -125,13 +169,13 @@ impl Bench {
 
     fn accept(&mut self, request: &Request) {
         match self.ask(request) {
-            Report::Accepted(Accepted { of, seq }) => assert_eq!((of, seq), (request.kind(), self.seq - 1)),
+            Report::Accepted(Accepted { of, seq }) => assert_eq!((of, seq), (request.kind(), self.seq.wrapping_sub(1))),
             other => panic!("{other:?}"),
         }
     }
 
     fn mode(&mut self, mode: Mode) {
-        self.accept(&Request::SetMode(mode));
+        self.accept(&set_mode(mode));
     }
 
     /// Ticks with a status request every half second, as a host does, until `done`.
@@ -149,7 +193,7 @@ impl Bench {
     }
 
     fn faults(&self) -> Vec<protocol::fault::Fault> {
-        self.board.safety.latched().iter().collect()
+        self.board.machine.safety.latched().iter().collect()
     }
 
     fn verdict(&self) -> Option<&protocol::message::Verdict> {
@@ -158,6 +202,11 @@ impl Bench {
             _ => None,
         })
     }
+}
+
+/// A request for a mode with the longest lease.
+fn set_mode(mode: Mode) -> Request {
+    Request::SetMode(ModeRequest { mode, lease_ms: LEASE_MS.1 })
 }
 
 const PALPATE: Mode = Mode::Palpate { rate_mm_s: 4.0, depth_mm: 3.5 };

@@ -76,17 +76,17 @@ fn idle_stops_a_palpation_and_the_arm_returns_at_once() {
 #[test]
 fn requests_that_cannot_be_carried_out_are_refused_with_the_reason() {
     let mut bench = Bench::blank();
-    assert_eq!(bench.refusal(&Request::SetMode(PALPATE)), Refusal::NoTable);
+    assert_eq!(bench.refusal(&set_mode(PALPATE)), Refusal::NoTable);
     let mut bench = Bench::new();
     for (rate_mm_s, depth_mm) in [(0.5, 3.0), (8.0, 3.0), (2.0, 4.5), (2.0, 0.1), (f32::NAN, 3.0), (2.0, f32::NAN)] {
         let mode = Mode::Palpate { rate_mm_s, depth_mm };
-        assert_eq!(bench.refusal(&Request::SetMode(mode)), Refusal::OutOfRange, "{rate_mm_s} {depth_mm}");
+        assert_eq!(bench.refusal(&set_mode(mode)), Refusal::OutOfRange, "{rate_mm_s} {depth_mm}");
     }
-    assert_eq!(bench.refusal(&Request::SetMode(Mode::Display { material: 8 })), Refusal::OutOfRange);
+    assert_eq!(bench.refusal(&set_mode(Mode::Display { material: 8 })), Refusal::OutOfRange);
     bench.mode(PALPATE);
     bench.tick();
     let other = Mode::Palpate { rate_mm_s: 1.0, depth_mm: 3.5 };
-    assert_eq!(bench.refusal(&Request::SetMode(other)), Refusal::Busy);
+    assert_eq!(bench.refusal(&set_mode(other)), Refusal::Busy);
     // The same again is a repeated request.
     bench.mode(PALPATE);
     assert_eq!(bench.refusal(&Request::Tare(Empty {})), Refusal::Busy);
@@ -125,10 +125,10 @@ fn calibration_and_tare_survive_a_restart() {
     bench.accept(&Request::Tare(Empty {}));
     bench.tick();
     assert!(bench.board.measured().load_cell_n.abs() < 1e-5);
-    calibration.load_cell.zero_ratio = bench.board.calibration.load_cell.zero_ratio;
-    let identity = bench.board.identity.clone();
+    calibration.load_cell.zero_ratio = bench.board.machine.calibration.load_cell.zero_ratio;
+    let identity = bench.board.machine.identity.clone();
     let again = Board::new(BoardConfig::default(), bench.board.into_store(), identity);
-    assert_eq!(again.calibration, calibration);
+    assert_eq!(again.machine.calibration, calibration);
     let mut bench = Bench::new();
     let mut useless = crate::sensor::DEFAULT_CALIBRATION;
     useless.load_cell.n_per_ratio = f32::NAN;

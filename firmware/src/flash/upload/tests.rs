@@ -79,6 +79,26 @@ fn tables_alternate_between_slots_and_survive_a_restart() {
     assert_eq!(flash.rule_violations(), 0);
 }
 
+/// The board goes on with the table that a restart would find, whichever write was the one that failed: also the one that retires the old
+/// table, after which both slots hold a good one.
+#[test]
+fn after_a_write_that_failed_the_table_in_use_is_the_one_of_a_restart() {
+    let mut first = (blank(), None);
+    good(&mut first.0, &mut first.1, &small(1.0)).unwrap();
+    let mut second = first.clone();
+    good(&mut second.0, &mut second.1, &small(7.0)).unwrap();
+    for (flash, active) in [first, second] {
+        let (mut whole, before) = (flash.clone(), flash.operations());
+        good(&mut whole, &mut active.clone(), &small(3.0)).unwrap();
+        for cut in 0..whole.operations() - before {
+            let (mut flash, mut active) = (flash.clone(), active);
+            flash.set_power(PowerCut::After(cut));
+            assert!(good(&mut flash, &mut active, &small(3.0)).is_err());
+            assert_eq!(active, find_active(flash.bytes()).0, "cut after {cut}");
+        }
+    }
+}
+
 #[test]
 fn a_power_cut_at_any_write_leaves_the_old_table_or_the_new_one() {
     let (old, new) = (small(1.0), small(7.0));

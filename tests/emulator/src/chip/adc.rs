@@ -38,6 +38,8 @@ pub struct Adc {
     status: u32,
     /// Codes of the scan in progress, and when it ends.
     scan: Option<(Vec<u16>, Time)>,
+    /// Requests that DMA did not serve, since the reset.
+    pub overruns: u64,
     /// Injected fault: triggers and starts are ignored.
     pub dead: bool,
 }
@@ -100,6 +102,7 @@ impl Adc {
     /// A request that the DMA stream did not serve.
     pub fn overrun(&mut self) {
         self.status |= OVR;
+        self.overruns += 1;
     }
 
     /// Value of a register.

@@ -18,17 +18,20 @@ impl Chip {
             0x4000_0400 => self.tim3.read(offset, now),
             0x4000_0800 => self.tim4.read(offset, now),
             0x4000_0c00 => self.tim5.read(offset, now),
+            0x4000_1400 => self.tim7.read(offset, now),
             0x4000_3000 => self.watchdog.read(offset, now),
             0x4000_4800 => self.usart.read(offset, now),
             0x4000_7000 => self.pwr.read(offset),
             0x4001_0000 => self.tim1.read(offset, now),
             0x4001_0400 => self.tim8.read(offset, now),
             0x4001_2000 => self.adc.read(offset),
+            0x4001_3c00 => self.exti.read(offset),
             port @ 0x4002_0000..0x4002_2c00 => self.ports[(port - 0x4002_0000) as usize / 0x400].read(offset),
             0x4002_3800 => self.rcc.read(offset),
             0x4002_3c00 => self.flash.read(offset, now),
             0x4002_6400 => self.dma2.read(offset),
             0x5000_0000..0x5004_0000 => self.usb.read((address - 0x5000_0000) as usize),
+            0xe004_2000 => self.dbgmcu.read(offset),
             0xe000_e000..0xe000_f000 => self.nvic.read((address - 0xe000_e000) as usize),
             _ => 0,
         }
@@ -45,6 +48,7 @@ impl Chip {
                 self.ticks += u64::from(offset == 0x40);
             }
             0x4000_0c00 => self.tim5.write(offset, value, now),
+            0x4000_1400 => self.tim7.write(offset, value, now),
             0x4000_3000 => self.watchdog.write(offset, value, now),
             0x4000_4800 => self.usart.write(offset, value, now),
             0x4000_7000 => self.pwr.write(offset, value),
@@ -56,6 +60,7 @@ impl Chip {
                     self.scan();
                 }
             }
+            0x4001_3c00 => self.exti.write(offset, value),
             port @ 0x4002_0000..0x4002_2c00 => self.ports[(port - 0x4002_0000) as usize / 0x400].write(offset, value),
             0x4002_3800 => self.rcc.write(offset, value),
             0x4002_3c00 => {
@@ -66,6 +71,7 @@ impl Chip {
             }
             0x4002_6400 => self.dma2.write(offset, value),
             0x5000_0000..0x5004_0000 => self.usb.write((address - 0x5000_0000) as usize, value),
+            0xe004_2000 => self.dbgmcu.write(offset, value),
             0xe000_e000..0xe000_f000 => self.nvic.write((address - 0xe000_e000) as usize, value),
             _ => {}
         }

@@ -18,13 +18,25 @@ pub enum Reset {
 pub struct Rcc {
     words: [u32; 0x24],
     flags: u32,
+    /// Injected fault: the 8 MHz clock does not come, or stops.
+    pub external_dead: bool,
 }
 
 const CR: usize = 0x00;
 const PLLCFGR: usize = 0x04;
 const CFGR: usize = 0x08;
+const CIR: usize = 0x0c;
 const BDCR: usize = 0x70;
 const CSR: usize = 0x74;
+
+const HSION: u32 = 1;
+const HSEON: u32 = 1 << 16;
+const HSERDY: u32 = 1 << 17;
+const CSSON: u32 = 1 << 19;
+
+/// Flag of the clock security system, and the bit that clears it.
+const CSSF: u32 = 1 << 7;
+const CSSC: u32 = 1 << 23;
 
 /// Reset flags of CSR.
 const BORRSTF: u32 = 1 << 25;
@@ -49,7 +61,23 @@ impl Rcc {
         let mut words = [0; 0x24];
         words[CR / 4] = 0x83;
         words[PLLCFGR / 4] = 0x2400_3010;
-        Rcc { words, flags: flags | kept }
+        Rcc { words, flags: flags | kept, external_dead: earlier.is_some_and(|rcc| rcc.external_dead) }
+    }
+
+    /// Stops the 8 MHz clock, or lets it come back. A stop that the clock security system watches
+    /// switches to the internal clock and sets its flag (RM0090 section 6.2.7).
+    pub fn set_external_dead(&mut self, dead: bool) {
+        self.external_dead = dead;
+        if dead && self.words[CR / 4] & (HSEON | CSSON) == HSEON | CSSON {
+            self.words[CR / 4] = (self.words[CR / 4] & !(HSEON | CSSON)) | HSION;
+            self.words[CFGR / 4] &= !3;
+            self.words[CIR / 4] |= CSSF;
+        }
+    }
+
+    /// True while the clock security system asks for the non-maskable interrupt.
+    pub fn nmi(&self) -> bool {
+        self.words[CIR / 4] & CSSF != 0
     }
 
     /// Core clock, Hz.
@@ -63,7 +91,7 @@ impl Rcc {
         let word = self.words.get(offset / 4).copied().unwrap_or(0);
         match offset {
             // Every oscillator and PLL that is on (HSI, HSE, PLL, PLLI2S, PLLSAI) is ready: its next bit.
-            CR => word | (word & 0x1501_0001) << 1,
+            CR => (word | (word & 0x1501_0001) << 1) & if self.external_dead { !HSERDY } else { !0 },
             CFGR => (word & !0xc) | (word & 3) << 2,
             BDCR => word | (word & 1) << 1,
             CSR => (word & 0x00ff_ffff) | (word & 1) << 1 | self.flags,
@@ -77,7 +105,12 @@ impl Rcc {
             self.flags = 0;
         }
         if let Some(word) = self.words.get_mut(offset / 4) {
-            *word = if offset == CSR { value & !RMVF } else { value };
+            *word = match offset {
+                CSR => value & !RMVF,
+                CIR if value & CSSC == 0 => (value & !CSSF) | (*word & CSSF),
+                CIR => value & !(CSSC | CSSF),
+                _ => value,
+            };
         }
     }
 }
@@ -86,6 +119,8 @@ impl Rcc {
 #[derive(Debug, Clone, Default)]
 pub struct Pwr {
     cr: u32,
+    /// The supply lies below the level of the voltage detector.
+    pub supply_low: bool,
 }
 
 impl Pwr {
@@ -93,9 +128,19 @@ impl Pwr {
     pub fn read(&self, offset: usize) -> u32 {
         match offset {
             0 => self.cr,
-            4 => 1 << 14 | (self.cr & 3 << 16),
+            4 => 1 << 14 | (self.cr & 3 << 16) | u32::from(self.supply_is_seen_low()) << 2,
             _ => 0,
         }
+    }
+
+    /// Puts the register to its reset value.
+    pub fn reset(&mut self) {
+        self.cr = 0;
+    }
+
+    /// Output of the voltage detector.
+    pub fn supply_is_seen_low(&self) -> bool {
+        self.supply_low && self.cr & 1 << 4 != 0
     }
 
     /// Sets a register.

@@ -1,4 +1,5 @@
-//! Flash controller: keys, erase and program with their rules and durations (RM0090 section 3).
+//! Flash controller: keys, erase and program with their rules and durations (RM0090 section 3); of
+//! the caches only what the rules for them say.
 
 use crate::time::{MICROSECOND, MILLISECOND, Time};
 
@@ -15,12 +16,22 @@ const PGPERR: u32 = 1 << 6;
 const PGSERR: u32 = 1 << 7;
 const BSY: u32 = 1 << 16;
 
+const PRFTEN: u32 = 1 << 8;
+const ICEN: u32 = 1 << 9;
+const DCEN: u32 = 1 << 10;
+const ICRST: u32 = 1 << 11;
+const DCRST: u32 = 1 << 12;
+
 const PG: u32 = 1;
 const SER: u32 = 1 << 1;
 const STRT: u32 = 1 << 16;
 const LOCK: u32 = 1 << 31;
 
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
+const OPTION_KEYS: [u32; 2] = [0x0819_2a3b, 0x4c5d_6e7f];
+
+const OPTLOCK: u32 = 1;
+const OPTSTRT: u32 = 1 << 1;
 
 /// Bytes of both banks.
 pub const FLASH_LEN: usize = 2 << 20;
@@ -51,12 +62,55 @@ pub struct Flash {
     busy_until: Time,
     /// Programs and erases since the chip was made.
     pub operations: u64,
+    /// Programs and erases with the data cache on, which may corrupt it (ES0206 section 2.2.12),
+    /// and resets of a cache that was on (RM0090 section 3.6.4), since the chip was made.
+    pub violations: u64,
+    /// Option bytes in place: OPTCR without its two lowest bits.
+    pub options: u32,
+    optcr: u32,
+    option_keys: usize,
+    /// Injected fault: programs and erases end with an error and change nothing.
+    pub broken: bool,
 }
 
 impl Flash {
     /// After a reset: locked.
-    pub fn new(operations: u64) -> Self {
-        Flash { acr: 0, cr: LOCK, status: 0, keys: 0, busy_until: 0, operations }
+    pub fn new() -> Self {
+        Flash {
+            acr: 0,
+            cr: LOCK,
+            status: 0,
+            keys: 0,
+            busy_until: 0,
+            operations: 0,
+            violations: 0,
+            options: 0x0fff_aaec,
+            optcr: 0x0fff_aaec | OPTLOCK,
+            option_keys: 0,
+            broken: false,
+        }
+    }
+
+    /// Puts the registers to their reset values.
+    pub fn reset(&mut self) {
+        let Flash { operations, violations, options, broken, .. } = *self;
+        *self = Flash { operations, violations, options, optcr: options | OPTLOCK, broken, ..Flash::new() };
+    }
+
+    /// True if every instruction fetch waits for the flash: wait states, and no cache and prefetch
+    /// to hide them.
+    pub fn is_slow(&self) -> bool {
+        self.acr & 0xf != 0 && self.acr & (ICEN | PRFTEN) != ICEN | PRFTEN
+    }
+
+    /// True if an operation may begin: with the data cache on none may.
+    fn may_begin(&mut self) -> bool {
+        let violated = self.acr & DCEN != 0;
+        self.violations += u64::from(violated);
+        if violated || self.broken {
+            self.status |= PGSERR;
+        }
+        !violated && !self.broken
     }
 
     /// Offset and length of a sector by its number in CR (SNB: 0 to 11 bank 1, 16 to 27 bank 2).
@@ -90,6 +144,9 @@ impl Flash {
             self.status |= WRPERR;
             return (unchanged, 0);
         }
+        if !self.may_begin() {
+            return (unchanged, 0);
+        }
         // Programming only clears bits.
         (Change::Word(offset, old & value), self.begin(offset, PROGRAM, now))
     }
@@ -113,7 +170,7 @@ impl Flash {
             SR if self.is_busy(now) => self.status & !EOP | BSY,
             SR => self.status,
             CR => self.cr,
-            OPTCR => 0x0fff_aaed,
+            OPTCR => self.optcr,
             _ => 0,
         }
     }
@@ -121,7 +178,12 @@ impl Flash {
     /// Sets a register; an erase that it starts, and for how long the core stands still by it.
     pub fn write(&mut self, offset: usize, value: u32, now: Time) -> Option<(Change, Time)> {
         match offset {
-            ACR => self.acr = value,
+            ACR => {
+                for (reset, enable) in [(ICRST, ICEN), (DCRST, DCEN)] {
+                    self.violations += u64::from(value & reset != 0 && (self.acr | value) & enable != 0);
+                }
+                self.acr = value;
+            }
             KEYR => {
                 // Both keys in order unlock; a wrong one locks until the next reset, which no image of ours needs.
                 self.keys = if KEYS.get(self.keys) == Some(&value) { self.keys + 1 } else { 0 };
@@ -130,12 +192,29 @@ impl Flash {
                     self.cr &= !LOCK;
                 }
             }
-            OPTKEYR | OPTCR => {}
+            OPTKEYR => {
+                self.option_keys =
+                    if OPTION_KEYS.get(self.option_keys) == Some(&value) { self.option_keys + 1 } else { 0 };
+                if self.option_keys == OPTION_KEYS.len() {
+                    self.option_keys = 0;
+                    self.optcr &= !OPTLOCK;
+                }
+            }
+            OPTCR if self.optcr & OPTLOCK == 0 => {
+                self.optcr = value & !OPTSTRT;
+                // At once: it is a debugger that writes them, whose halted core lets no time pass.
+                if value & OPTSTRT != 0 && !self.is_busy(now) {
+                    self.options = value & !(OPTLOCK | OPTSTRT);
+                }
+            }
             SR => self.status &= !value,
             CR if self.cr & LOCK == 0 || value & LOCK != 0 => {
                 self.cr = value & !STRT;
                 if value & STRT != 0 && value & SER != 0 && !self.is_busy(now) {
                     let (at, length) = Flash::sector(value >> 3 & 0x1f)?;
+                    if !self.may_begin() {
+                        return None;
+                    }
                     let (_, duration) = ERASE.into_iter().find(|(kib, _)| kib * 1024 == length)?;
                     return Some((Change::Erase(at, length), self.begin(at, duration, now)));
                 }
@@ -152,7 +231,7 @@ mod tests {
     use super::*;
 
     fn unlocked() -> Flash {
-        let mut flash = Flash::new(0);
+        let mut flash = Flash::new();
         for key in KEYS {
             flash.write(KEYR, key, 0);
         }
@@ -161,7 +240,7 @@ mod tests {
 
     #[test]
     fn a_locked_or_unprepared_controller_changes_nothing_and_says_so() {
-        let mut flash = Flash::new(0);
+        let mut flash = Flash::new();
         assert_eq!(flash.program(0x10_0000, 4, 7, 1, 0).0, Change::Word(0x10_0000, 7));
         assert_eq!(flash.read(SR, 0) & PGSERR, PGSERR);
         let mut flash = unlocked();
@@ -178,6 +257,22 @@ mod tests {
         assert_eq!(flash.read(SR, PROGRAM - 1) & BSY, BSY);
         assert_eq!(flash.read(SR, PROGRAM) & (BSY | EOP), EOP);
         assert_eq!(flash.program(0xc_0000, 4, !0, 5, PROGRAM), (Change::Word(0xc_0000, 5), PROGRAM));
+    }
+
+    #[test]
+    fn with_the_data_cache_on_nothing_is_written_and_every_try_is_counted() {
+        let mut flash = unlocked();
+        flash.write(ACR, DCEN, 0);
+        flash.write(CR, PG | 2 << 8, 0);
+        assert_eq!(flash.program(0x10_0000, 4, !0, 1, 0), (Change::Word(0x10_0000, !0), 0));
+        assert_eq!(flash.read(SR, 0) & (PGSERR | BSY), PGSERR);
+        assert_eq!(flash.write(CR, SER | STRT | 16 << 3 | 2 << 8, 0), None);
+        assert_eq!((flash.violations, flash.operations), (2, 0));
+        flash.write(ACR, DCEN | DCRST, 0);
+        assert_eq!(flash.violations, 3);
+        flash.write(ACR, 0, 0);
+        flash.write(ACR, DCRST | ICRST, 0);
+        assert_eq!(flash.violations, 3);
     }
 
     #[test]

@@ -1,10 +1,12 @@
-//! GPIO ports A to K (RM0090 section 8): outputs as the program sets them; inputs read low.
+//! GPIO ports A to K (RM0090 section 8): outputs as the program sets them; inputs read low unless something drives them.
 
 /// One port.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Port {
     words: [u32; 10],
     output: u32,
+    /// Pins that the surroundings drive high.
+    input: u32,
 }
 
 const MODER: usize = 0x00;
@@ -18,10 +20,16 @@ impl Port {
         self.words[MODER / 4] >> (2 * pin) & 3 == 1 && self.output >> pin & 1 != 0
     }
 
+    /// Drives a pin from outside, high or low.
+    pub fn drive(&mut self, pin: u32, high: bool) {
+        self.input = self.input & !(1 << pin) | u32::from(high) << pin;
+    }
+
     /// Value of a register.
     pub fn read(&self, offset: usize) -> u32 {
         match offset {
-            ODR | IDR => self.output,
+            ODR => self.output,
+            IDR => self.output | self.input,
             _ => self.words.get(offset / 4).copied().unwrap_or(0),
         }
     }

@@ -6,7 +6,9 @@
 mod adc;
 mod bus;
 mod clock;
+mod dbgmcu;
 mod dma;
+mod exti;
 mod flash;
 mod gpio;
 mod nvic;
@@ -18,13 +20,15 @@ mod watchdog;
 pub use adc::INPUTS;
 pub use clock::Reset;
 pub use flash::{Change, FLASH_LEN};
-pub use nvic::HARD_FAULT;
+pub use nvic::{HARD_FAULT, NMI};
 
 use crate::time::{MILLISECOND, Time};
 
 use adc::Adc;
 use clock::{Pwr, Rcc};
+use dbgmcu::Dbgmcu;
 use dma::Dma;
+use exti::{Exti, PVD_LINE};
 use flash::Flash;
 use gpio::Port;
 use nvic::Nvic;
@@ -37,8 +41,10 @@ use watchdog::Watchdog;
 pub const FLASH_BASE: u32 = 0x0800_0000;
 
 /// Interrupt numbers (RM0090 table 63).
+const PVD_IRQ: u32 = 1;
 const USART3_IRQ: u32 = 39;
 const TIM5_IRQ: u32 = 50;
+const TIM7_IRQ: u32 = 55;
 const DMA2_STREAM0_IRQ: u32 = 56;
 
 /// Channels of a scan and scans of half the ring: what the plant's step of 1 ms covers.
@@ -99,12 +105,15 @@ pub struct Chip {
     pub nvic: Nvic,
     rcc: Rcc,
     pwr: Pwr,
+    dbgmcu: Dbgmcu,
+    exti: Exti,
     flash: Flash,
     ports: [Port; 11],
     tim1: Timer,
     tim3: Timer,
     tim4: Timer,
     tim5: Timer,
+    tim7: Timer,
     tim8: Timer,
     adc: Adc,
     dma2: Dma,
@@ -131,12 +140,15 @@ impl Chip {
             nvic: Nvic::new(),
             rcc: Rcc::new(Reset::Power, None),
             pwr: Pwr::default(),
-            flash: Flash::new(0),
+            dbgmcu: Dbgmcu::new(),
+            exti: Exti::default(),
+            flash: Flash::new(),
             ports: [Port::default(); 11],
             tim1: Timer::new(2, true),
             tim3: Timer::new(4, false),
             tim4: Timer::new(4, false),
             tim5: Timer::new(4, false),
+            tim7: Timer::new(4, false),
             tim8: Timer::new(2, true),
             adc: Adc::default(),
             dma2: Dma::default(),
@@ -157,13 +169,18 @@ impl Chip {
         self.stepped_ticks = 0;
         self.nvic = Nvic::new();
         self.rcc = Rcc::new(cause, Some(&self.rcc));
-        self.pwr = Pwr::default();
-        self.flash = Flash::new(self.flash.operations);
+        self.pwr.reset();
+        if matches!(cause, Reset::Power | Reset::BrownOut) {
+            self.dbgmcu.power_on();
+        }
+        self.exti = Exti::default();
+        self.flash.reset();
         self.ports = [Port::default(); 11];
         self.tim1 = Timer::new(2, true);
         self.tim3 = Timer::new(4, false);
         self.tim4 = Timer::new(4, false);
         self.tim5 = Timer::new(4, false);
+        self.tim7 = Timer::new(4, false);
         self.tim8 = Timer::new(2, true);
         let dead = self.adc.dead;
         self.adc = Adc::default();
@@ -198,6 +215,53 @@ impl Chip {
         self.flash.operations
     }
 
+    /// Breaches of the rules for the flash's caches since the chip was made.
+    pub fn flash_violations(&self) -> u64 {
+        self.flash.violations
+    }
+
+    /// True if every instruction waits for the flash.
+    pub fn flash_is_slow(&self) -> bool {
+        self.flash.is_slow()
+    }
+
+    /// Option bytes in place, in the places of OPTCR.
+    pub fn options(&self) -> u32 {
+        self.flash.options
+    }
+
+    /// Injected fault: no program or erase succeeds any more.
+    pub fn set_flash_broken(&mut self, broken: bool) {
+        self.flash.broken = broken;
+    }
+
+    /// Sets the revision code of the chip: 0x1007 is revision 1, 0x2001 revision 3.
+    pub fn set_revision(&mut self, revision: u16) {
+        self.dbgmcu.revision = revision;
+    }
+
+    /// Injected fault: the 8 MHz clock stops, or does not come at the next start.
+    pub fn set_external_clock_dead(&mut self, dead: bool) {
+        self.rcc.set_external_dead(dead);
+        self.update();
+    }
+
+    /// Injected fault: the supply falls below the level of the voltage detector, or is back.
+    pub fn set_supply_low(&mut self, low: bool) {
+        self.pwr.supply_low = low;
+        self.update();
+    }
+
+    /// Conversions that DMA did not fetch, since the reset.
+    pub fn converter_overruns(&self) -> u64 {
+        self.adc.overruns
+    }
+
+    /// True if a pin of port A to K is a general-purpose output that is driven high.
+    pub fn pin_is_high(&self, port: char, pin: u32) -> bool {
+        self.ports[(port as usize).saturating_sub('A' as usize).min(10)].high(pin)
+    }
+
     /// Puts bytes on the line to the board.
     pub fn feed(&mut self, bytes: &[u8]) {
         self.usart.feed(bytes, self.now);
@@ -207,6 +271,11 @@ impl Chip {
     /// Bytes that the board has sent since the last call.
     pub fn take_sent(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.usart.sent)
+    }
+
+    /// Presses the blue button (PC13), or releases it.
+    pub fn press_button(&mut self, pressed: bool) {
+        self.ports[2].drive(13, pressed);
     }
 
     /// Injected fault: the converter no longer converts.
@@ -231,6 +300,7 @@ impl Chip {
             self.scan();
         }
         self.tim5.sync(now);
+        self.tim7.sync(now);
         self.usart.sync(now);
         if self.step_due <= now {
             self.step(false);
@@ -266,9 +336,13 @@ impl Chip {
     /// Works out interrupt lines and the next event anew.
     fn update(&mut self) {
         let line = |on: bool, number: u32| u128::from(on) << number;
+        self.exti.set_level(PVD_LINE, self.pwr.supply_is_seen_low());
+        self.nvic.nmi = self.rcc.nmi();
         self.nvic.set_lines(
             line(self.usart.line(), USART3_IRQ)
+                | line(self.exti.line(PVD_LINE), PVD_IRQ)
                 | line(self.tim5.line(), TIM5_IRQ)
+                | line(self.tim7.line(), TIM7_IRQ)
                 | line(self.dma2.line(0), DMA2_STREAM0_IRQ),
         );
         let events = [
@@ -276,6 +350,7 @@ impl Chip {
             self.adc.next_event(),
             self.tim3.next_event(true),
             self.tim5.next_event(false),
+            self.tim7.next_event(false),
             self.usart.next_event(),
             Some(self.step_due),
         ];

@@ -1,5 +1,8 @@
 //! Interrupt controller and the system control block's registers that the image uses (ARMv7-M ARM, B3).
 
+/// Number of the non-maskable interrupt.
+pub const NMI: u32 = 2;
+
 /// Number of the HardFault exception.
 pub const HARD_FAULT: u32 = 3;
 
@@ -18,6 +21,8 @@ pub struct Nvic {
     priorities: [u8; 128],
     /// Exceptions being served, innermost last.
     active: Vec<u32>,
+    /// The line of the non-maskable interrupt, which the clock security system holds.
+    pub nmi: bool,
     vector_table: u32,
     words: [u32; 0x40],
     /// The program asked for a reset.
@@ -28,6 +33,7 @@ const ICSR: usize = 0xd04;
 const VTOR: usize = 0xd08;
 const AIRCR: usize = 0xd0c;
 const CCR: usize = 0xd14;
+const CFSR: usize = 0xd28;
 
 impl Nvic {
     /// After a reset: all off.
@@ -38,6 +44,7 @@ impl Nvic {
             lines: 0,
             priorities: [0; 128],
             active: Vec::new(),
+            nmi: false,
             vector_table: 0,
             words: [0; 0x40],
             reset_requested: false,
@@ -57,6 +64,7 @@ impl Nvic {
 
     fn priority(&self, exception: u32) -> i32 {
         match exception {
+            NMI => -2,
             HARD_FAULT => -1,
             // Four bits are implemented.
             n => i32::from(self.priorities[(n - EXTERNAL) as usize] & 0xf0),
@@ -70,6 +78,9 @@ impl Nvic {
 
     /// The exception that preempts what runs, if there is one.
     pub fn deliverable(&self) -> Option<u32> {
+        if self.nmi && self.running() > self.priority(NMI) {
+            return Some(NMI);
+        }
         let mut waiting = self.pending & self.enabled;
         let mut best: Option<(i32, u32)> = None;
         while waiting != 0 {
@@ -87,6 +98,11 @@ impl Nvic {
             self.pending &= !(1 << (exception - EXTERNAL));
         }
         self.active.push(exception);
+    }
+
+    /// Notes in the fault status register why a fault is entered.
+    pub fn set_fault_status(&mut self, bits: u32) {
+        self.words[(CFSR - 0xd00) / 4] |= bits;
     }
 
     /// The innermost exception has been served; a line that is still high pends it again.

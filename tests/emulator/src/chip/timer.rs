@@ -85,6 +85,26 @@ impl Timer {
 
     /// Sets the flags of all that happened until `now`; returns how often the counter overflowed.
     pub fn sync(&mut self, now: Time) -> u64 {
+        let before = self.preload(now);
+        before + self.pass(now)
+    }
+
+    /// An update takes over a prescaler that was written meanwhile; returns the overflows until then.
+    fn preload(&mut self, now: Time) -> u64 {
+        if self.word(PSC) == self.prescaler || self.word(CR1) & UDIS != 0 || !self.runs() {
+            return 0;
+        }
+        let Some(update) = self.next(self.seen, 0).filter(|at| *at <= self.ticks(now)) else {
+            return 0;
+        };
+        let at = self.since + update * self.tick();
+        let overflows = self.pass(at);
+        self.prescaler = self.word(PSC);
+        self.rebase(at, 0);
+        overflows
+    }
+
+    fn pass(&mut self, now: Time) -> u64 {
         let ticks = self.ticks(now);
         if ticks == self.seen {
             return 0;
@@ -212,6 +232,18 @@ mod tests {
         assert_eq!(timer.read(SR, 119) & UIF, 0);
         assert_eq!((timer.read(CNT, 120), timer.read(SR, 120) & UIF), (0, UIF));
         assert_eq!(timer.sync(120 + 3 * 120), 3);
+    }
+
+    /// RM0090 section 18.4.11: a written prescaler counts from the next update on.
+    #[test]
+    fn a_prescaler_is_taken_over_at_the_next_overflow() {
+        let mut timer = Timer::new(4, false);
+        for (offset, value) in [(ARR, 9), (PSC, 1), (CR1, CEN)] {
+            timer.write(offset, value, 0);
+        }
+        // Ten counts of 4 units, then ten of 8.
+        assert_eq!((timer.sync(39), timer.sync(40), timer.sync(119), timer.sync(120)), (0, 1, 0, 1));
+        assert_eq!(timer.sync(120 + 5 * 80), 5);
     }
 
     #[test]

@@ -81,9 +81,10 @@ impl Core {
         // An instruction that faults (there is none in a blank chip) leaves the core where it is: locked up, and halted.
         let _ = self.uc.emu_start(u64::from(pc | 1), NOWHERE, 0, 1);
         let shared = self.uc.get_data_mut();
-        for reached in [&mut shared.breakpoint, &mut shared.faulted, &mut shared.returning, &mut shared.sleeping] {
+        for reached in [&mut shared.breakpoint, &mut shared.returning, &mut shared.sleeping] {
             *reached = false;
         }
+        shared.faulted = None;
         self.halt();
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use unicorn_engine::RegisterARM;
 
-use crate::chip::{FLASH_BASE, Reset};
+use crate::chip::{FLASH_BASE, NMI, Reset};
 
 use super::{Activity, Core, CoreError, RAM_BASE};
 
@@ -32,7 +32,8 @@ impl Core {
         let Some(exception) = self.chip().nvic.deliverable() else {
             return Ok(());
         };
-        if self.activity == Activity::LockedUp || self.register(RegisterARM::PRIMASK)? & 1 != 0 {
+        let masked = exception != NMI && self.register(RegisterARM::PRIMASK)? & 1 != 0;
+        if masked || self.activity == Activity::LockedUp {
             return Ok(());
         }
         self.enter_exception(exception)

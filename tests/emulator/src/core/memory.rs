@@ -2,7 +2,7 @@
 
 use unicorn_engine::{HookType, Prot, Unicorn, uc_error};
 
-use crate::chip::{Change, FLASH_BASE, FLASH_LEN};
+use crate::chip::{Change, FLASH_BASE, FLASH_LEN, NMI};
 
 use super::{Core, CoreError, RAM_BASE, RAM_LEN, Shared};
 
@@ -81,7 +81,8 @@ pub(super) fn settle(uc: &mut Unicorn<'_, Shared>) -> bool {
     }
     let shared = uc.get_data();
     let chip = &shared.chip;
-    chip.now >= shared.until || chip.reset.is_some() || chip.nvic.deliverable().is_some() && !masked(uc)
+    let interrupted = chip.nvic.deliverable().is_some_and(|exception| exception == NMI || !masked(uc));
+    chip.now >= shared.until || chip.reset.is_some() || interrupted
 }
 
 fn masked(uc: &Unicorn<'_, Shared>) -> bool {

@@ -22,7 +22,10 @@ pub(crate) const RAM_LEN: usize = 192 << 10;
 /// Never reached: there is no memory.
 const NOWHERE: u64 = 0xf000_0000;
 
-/// Numbers that unicorn gives to what ends a block (QEMU's `EXCP_BKPT` and `EXCP_EXCEPTION_EXIT`).
+/// Numbers that unicorn gives to what ends a block (QEMU's `EXCP_UDEF`, `EXCP_PREFETCH_ABORT`,
+/// `EXCP_BKPT` and `EXCP_EXCEPTION_EXIT`).
+const UNDEFINED: u32 = 1;
+const PREFETCH_ABORT: u32 = 3;
 const BREAKPOINT: u32 = 7;
 const EXCEPTION_RETURN: u32 = 8;
 
@@ -42,8 +45,8 @@ struct Shared {
     returning: bool,
     /// A breakpoint was reached.
     breakpoint: bool,
-    /// A fault was raised.
-    faulted: bool,
+    /// A fault was raised: unicorn's number for it.
+    faulted: Option<u32>,
     /// Changes of the flash, while somebody wants to know them.
     flash_log: Option<Vec<Change>>,
     /// Injected fault.
@@ -66,6 +69,16 @@ enum Activity {
     LockedUp,
 }
 
+/// Bits of the configurable fault status register (ARMv7-M ARM, B3.2.15) for a fault that unicorn
+/// raised: of a fetch, of an instruction, else of data.
+fn fault_status(raised: Option<u32>) -> u32 {
+    match raised {
+        Some(PREFETCH_ABORT) => 1 << 8,
+        Some(UNDEFINED) => 1 << 16,
+        _ => 1 << 9,
+    }
+}
+
 /// Something that stops the emulation for good.
 #[derive(Debug, thiserror::Error)]
 pub enum CoreError {
@@ -83,6 +96,8 @@ pub enum CoreError {
 pub struct Core {
     uc: Unicorn<'static, Shared>,
     activity: Activity,
+    /// When a hang ends by itself.
+    held_until: Option<Time>,
     /// Depth of nested exceptions above which a hung program waits.
     hung_below: Option<usize>,
     /// A debugger is connected, and wants the core halted after a reset.
@@ -117,7 +132,7 @@ impl Core {
             sleeping: false,
             returning: false,
             breakpoint: false,
-            faulted: false,
+            faulted: None,
             flash_log: None,
             trap: None,
             trapped: false,
@@ -128,6 +143,7 @@ impl Core {
         let mut core = Core {
             uc,
             activity: Activity::Running,
+            held_until: None,
             hung_below: None,
             debugged: false,
             catch_reset: false,
@@ -146,7 +162,7 @@ impl Core {
         uc.add_block_hook(1, 0, |uc, address, size| {
             let shared = uc.get_data_mut();
             if shared.counted.take() != Some(address) {
-                let clocks = shared.cost.half_clocks(address as u32, size);
+                let clocks = shared.cost.half_clocks(address as u32, size, shared.chip.flash_is_slow());
                 shared.chip.now += clocks * (SECOND / 2) / shared.chip.core_hz();
             }
             if memory::settle(uc) {
@@ -169,7 +185,7 @@ impl Core {
             match number {
                 EXCEPTION_RETURN => shared.returning = true,
                 BREAKPOINT => shared.breakpoint = true,
-                _ => shared.faulted = true,
+                _ => shared.faulted = Some(number),
             }
             let _ = uc.emu_stop();
         })?;
@@ -196,6 +212,12 @@ impl Core {
         self.uc.get_data().cost.instructions
     }
 
+    /// Lets every instruction take so many half clocks, whatever the flash's accelerator does;
+    /// `None` ends it.
+    pub fn assume_half_clocks(&mut self, half_clocks: Option<u64>) {
+        self.uc.get_data_mut().cost.assumed = half_clocks;
+    }
+
     /// Runs until `until`.
     ///
     /// # Errors
@@ -210,6 +232,10 @@ impl Core {
                 break;
             }
             self.take_exception()?;
+            let now = self.chip().now;
+            if self.activity == Activity::Hung && self.held_until.take_if(|at| *at <= now).is_some() {
+                self.activity = Activity::Running;
+            }
             match self.activity {
                 Activity::Running => self.execute()?,
                 _ => self.wait(until),
@@ -224,8 +250,9 @@ impl Core {
             self.activity = Activity::Running;
             return;
         }
+        let held_until = self.held_until.filter(|_| self.activity == Activity::Hung).unwrap_or(Time::MAX);
         let chip = self.chip_mut();
-        chip.now = chip.due.min(until).max(chip.now);
+        chip.now = chip.due.min(until).min(held_until).max(chip.now);
         memory::settle(&mut self.uc);
     }
 
@@ -247,7 +274,8 @@ impl Core {
             self.at_breakpoint = true;
             return Ok(());
         }
-        if faulted || breakpoint || result.is_err() {
+        if faulted.is_some() || breakpoint || result.is_err() {
+            self.chip_mut().nvic.set_fault_status(fault_status(faulted));
             return self.fault();
         }
         if trapped {
@@ -279,6 +307,7 @@ impl Core {
         shared.event = false;
         shared.counted = None;
         shared.chip.reset_to(cause);
+        self.held_until = None;
     }
 
     fn fault(&mut self) -> Result<(), CoreError> {

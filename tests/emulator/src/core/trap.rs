@@ -3,6 +3,7 @@
 use unicorn_engine::RegisterARM;
 
 use super::{Activity, Core, CoreError, RAM_BASE};
+use crate::time::Time;
 
 /// What an injected fault does to the program when it reaches a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,10 +12,14 @@ pub enum Deed {
     Hang,
     /// The same with interrupts masked.
     HangMasked,
+    /// It gets on from there after so much time; interrupts are served meanwhile.
+    Hold(Time),
     /// The function returns at once, having done nothing.
     Skip,
     /// It goes on with so many bytes of stack left.
     StackLeft(u32),
+    /// It goes on at another address, with these arguments (R0 to R2).
+    Jump(u32, [u32; 3]),
 }
 
 /// A place and what happens there.
@@ -59,11 +64,22 @@ impl Core {
                 self.set_register(RegisterARM::PRIMASK, 1)?;
                 self.activity = Activity::Hung;
             }
+            Deed::Hold(time) => {
+                self.activity = Activity::Hung;
+                self.held_until = Some(self.chip().now + time);
+            }
             Deed::Skip => {
                 let back = self.register(RegisterARM::LR)?;
                 self.set_register(RegisterARM::PC, back | 1)?;
                 // Until it is called off.
                 self.uc.get_data_mut().trap = Some(trap);
+            }
+            Deed::Jump(address, arguments) => {
+                for (register, value) in [RegisterARM::R0, RegisterARM::R1, RegisterARM::R2].into_iter().zip(arguments)
+                {
+                    self.set_register(register, value)?;
+                }
+                self.set_register(RegisterARM::PC, address | 1)?;
             }
             Deed::StackLeft(bytes) => self.set_register(RegisterARM::SP, RAM_BASE + (bytes & !7))?,
         }

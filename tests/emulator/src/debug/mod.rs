@@ -30,8 +30,8 @@ const S_RESET_ST: u32 = 1 << 25;
 /// DEMCR: halt after a reset.
 const VC_CORERESET: u32 = 1;
 
-/// Registers that never change: CPUID of a Cortex-M4 r0p1, chip of the STM32F42x, breakpoint unit with six comparators.
-const FIXED: [(u32, u32); 2] = [(0xe000_ed00, 0x410f_c241), (0xe004_2000, 0x2003_6419)];
+/// Registers that never change: CPUID of a Cortex-M4 r0p1, breakpoint unit with six comparators.
+const CPUID: (u32, u32) = (0xe000_ed00, 0x410f_c241);
 const FP_CTRL: (u32, u32) = (0xe000_2000, 0x60);
 
 /// The board as the debugger's access port sees it.
@@ -42,7 +42,7 @@ pub struct Target {
     data: u32,
     /// Resets that the debugger has been told of.
     resets: usize,
-    /// Breakpoint unit and DBGMCU, kept as written: neither does anything here.
+    /// Breakpoint unit, kept as written: it does nothing here.
     words: BTreeMap<u32, u32>,
 }
 
@@ -83,10 +83,8 @@ impl Target {
     }
 
     fn word(&mut self, address: u32) -> Result<u32, CoreError> {
-        if let Some((_, value)) = FIXED.into_iter().find(|(at, _)| *at == address) {
-            return Ok(value);
-        }
         Ok(match address {
+            at if at == CPUID.0 => CPUID.1,
             DHCSR => {
                 self.turn()?;
                 let resets = self.board.resets().len();
@@ -104,7 +102,7 @@ impl Target {
             }
             DCRDR => self.data,
             DEMCR => self.demcr,
-            0xe000_2000..0xe000_3000 | 0xe004_2000..0xe004_3000 => self.words.get(&address).copied().unwrap_or(0),
+            0xe000_2000..0xe000_3000 => self.words.get(&address).copied().unwrap_or(0),
             _ => self.board.core().chip_mut().read(address),
         })
     }
@@ -145,7 +143,7 @@ impl Target {
             DCRDR => self.data = value,
             DEMCR => self.demcr = value,
             DHCSR | DFSR => {}
-            0xe000_2000..0xe000_3000 | 0xe004_2000..0xe004_3000 => {
+            0xe000_2000..0xe000_3000 => {
                 self.words.insert(address, value);
             }
             _ => core.chip_mut().write(address, value),

@@ -4,7 +4,14 @@ use emulator::board::EmulatedBoard;
 use palpate::plant::{Broken, Foam, Input, Touch};
 use palpate::simulated_board::SimulatedBoard;
 use protocol::frame::{self, CRC32, Decoder, MAX_FRAME};
-use protocol::message::{CHUNK_LEN, Empty, FaultReport, Report, Request, TableBegin, TableChunk, Telemetry, Verdict};
+use protocol::message::{
+    CHUNK_LEN, Empty, FaultReport, Mode, ModeRequest, Report, Request, TableBegin, TableChunk, Telemetry, Verdict,
+};
+
+/// A request for a mode with the longest lease.
+pub fn set_mode(mode: Mode) -> Request {
+    Request::SetMode(ModeRequest { mode, lease_ms: 1000 })
+}
 
 /// One thing that is done to the board.
 pub enum Act {

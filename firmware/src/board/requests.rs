@@ -1,98 +1,74 @@
 //! Requests: what each one does, and when it is refused.
 
-use super::{Board, FIRMWARE_VERSION};
+use super::FIRMWARE_VERSION;
+use super::lease::LEASE_MS;
+use super::machine::Machine;
+use super::talk::Talk;
 use crate::display::Display;
-use crate::flash::{CalibrationStore, SLOT_LEN, TableStore};
-use crate::link::Priority;
+use crate::flash::{CalibrationStore, SLOT_LEN, Setup, TableStore};
+use crate::link::{LinkId, Priority};
 use crate::mode::TableLimits;
 use crate::pid::{Pid, gains_are_usable};
 use crate::search::Slice;
 use crate::sensor::{calibration_is_usable, tared};
-use protocol::frame::Frame;
 use protocol::message::{
-    Accepted, Calibration, DecodeError, Gains, Hello, HelloRequest, Mode, Refusal, Refused, Report, Request, Slot,
-    State, Status, TableState,
+    Accepted, Calibration, CalibrationState, Gains, Hello, Mode, ModeRequest, Refusal, Refused, Report, Request,
+    SCHEMA_HASH, Slot, State, Status, TableBegin, TableState,
 };
-use protocol::{PROTOCOL_VERSION, TICK_HZ, TICK_S, message, rescue};
+use protocol::{PROTOCOL_VERSION, TICK_HZ, TICK_S};
+
+/// Number of the request that begins an upload.
+const TABLE_BEGIN: u8 = Request::TableBegin(TableBegin { length: 0, crc: 0 }).kind();
+
+/// A zero that has moved by less is the old one: two deviations of the noise of a tick's mean, 0.2 mN.
+const TARE_RATIO: f32 = 2e-5;
 
 /// What a request led to. Lives for one call on the stack, where its size does no harm.
 #[allow(clippy::large_enum_variant)]
-enum Answer {
+pub(super) enum Answer {
     Accepted,
     Report(Report),
     /// Nothing now; the answer follows.
     Later,
 }
 
-/// A frame taken out of the decoder's buffer; likewise.
-#[allow(clippy::large_enum_variant)]
-enum Incoming {
-    Rescue,
-    Request(Request),
-    Refused { kind: u8, reason: Refusal },
-    Nothing,
-}
-
-impl<S: TableStore + CalibrationStore> Board<S> {
-    pub(super) fn receive_byte(&mut self, byte: u8) {
-        let Some(frame) = self.receiver.push(byte) else {
-            return;
-        };
-        let seq = frame.seq;
-        match understand(&frame) {
-            Incoming::Rescue => {
-                let answer = rescue::Answer::of_this_build(FIRMWARE_VERSION);
-                self.transmitter.rescue(answer);
-            }
-            Incoming::Request(request) => self.carry_out(&request, seq),
-            Incoming::Refused { kind, reason } => {
-                self.receiver.rejected = self.receiver.rejected.saturating_add(1);
-                self.refuse(kind, seq, reason);
-            }
-            Incoming::Nothing => {
-                self.receiver.rejected = self.receiver.rejected.saturating_add(1);
-            }
-        }
-    }
-
-    fn carry_out(&mut self, request: &Request, seq: u16) {
+impl<S: TableStore + CalibrationStore> Machine<S> {
+    /// Carries out a request of a link and answers it there.
+    pub(super) fn carry_out(&mut self, link: LinkId, talk: &mut Talk, request: &Request, seq: u16) {
         let of = request.kind();
-        if self.schema_mismatch && !matches!(request, Request::Hello(_)) {
-            return self.refuse(of, seq, Refusal::SchemaMismatch);
-        }
-        self.safety.link_alive();
-        let report = match self.answer(request, seq) {
+        self.lease.heard(link);
+        let report = match self.answer(link, talk, request, seq) {
             Ok(Answer::Accepted) => Report::Accepted(Accepted { of, seq }),
             Ok(Answer::Report(report)) => report,
             Ok(Answer::Later) => return,
-            Err(reason) => return self.refuse(of, seq, reason),
+            Err(reason) => return talk.refuse(of, seq, reason),
         };
-        self.transmitter.report(&report, Priority::Answer);
+        talk.report(&report, Priority::Answer);
     }
 
-    fn refuse(&mut self, of: u8, seq: u16, reason: Refusal) {
-        let report = Report::Refused(Refused { of, seq, reason });
-        self.transmitter.report(&report, Priority::Answer);
-    }
-
-    fn answer(&mut self, request: &Request, seq: u16) -> Result<Answer, Refusal> {
+    fn answer(&mut self, link: LinkId, talk: &mut Talk, request: &Request, seq: u16) -> Result<Answer, Refusal> {
         match request {
-            Request::Hello(hello) => Ok(Answer::Report(self.greet(hello))),
-            Request::Status(_) => Ok(Answer::Report(Report::Status(self.status()))),
-            Request::SetMode(mode) => self.set_mode(*mode),
-            Request::SetGains(gains) => self.set_gains(gains),
+            Request::Hello(hello) => {
+                talk.greeted(hello);
+                Ok(Answer::Report(Report::Hello(self.hello())))
+            }
+            Request::Status(_) => Ok(Answer::Report(Report::Status(self.status(link, talk)))),
+            Request::SetMode(asked) => self.set_mode(link, asked),
+            Request::SetGains(gains) => self.set_gains(link, gains),
             Request::GetCalibration(_) => Ok(Answer::Report(Report::Calibration(self.calibration.clone()))),
             Request::SetCalibration(calibration) => self.set_calibration(calibration.clone()),
             Request::Tare(_) => self.tare(),
             Request::ClearFaults(_) => self.clear_faults(),
             Request::SetTelemetry(rate) => {
-                self.telemetry.set(rate.divider);
+                talk.set_telemetry(rate.divider);
                 Ok(Answer::Accepted)
             }
+            Request::ExpectSurface(surface) => self.expect_surface(surface),
+            Request::SetFitted(fitted) => self.set_fitted(fitted),
             Request::TableBegin(begin) => {
                 self.outputs_must_be_off()?;
                 self.upload.begin(&mut self.store, &mut self.active, begin)?;
-                self.begin_seq = Some(seq);
+                self.begun = Some((link, seq));
                 Ok(Answer::Later)
             }
             Request::TableChunk(chunk) => {
@@ -106,41 +82,60 @@ impl<S: TableStore + CalibrationStore> Board<S> {
                 self.table_broken = false;
                 Ok(Answer::Report(Report::TableState(self.table_state())))
             }
+            Request::GetLastRun(_) => Ok(Answer::Report(Report::LastRun(self.identity.last_run.clone()))),
             Request::TableQuery(_) => Ok(Answer::Report(Report::TableState(self.table_state()))),
         }
     }
 
-    fn greet(&mut self, hello: &HelloRequest) -> Report {
-        self.schema_mismatch = hello.protocol_version != PROTOCOL_VERSION || hello.schema_hash != message::SCHEMA_HASH;
-        if !self.schema_mismatch {
-            self.telemetry.set(1);
-        }
-        Report::Hello(Hello {
+    fn hello(&self) -> Hello {
+        Hello {
             protocol_version: PROTOCOL_VERSION,
-            schema_hash: message::SCHEMA_HASH,
+            schema_hash: SCHEMA_HASH,
             firmware_version: FIRMWARE_VERSION,
+            build: self.identity.build.clone(),
             unique_id: self.identity.unique_id,
             simulated: self.config.simulated,
             slot_len: SLOT_LEN as u32,
             reset_cause: self.identity.reset_cause,
-        })
+        }
     }
 
-    fn status(&self) -> Status {
+    fn status(&self, link: LinkId, talk: &Talk) -> Status {
         Status {
             uptime_ms: self.tick.wrapping_mul(1000 / TICK_HZ),
             mode: self.mode.commanded,
             state: self.mode.state,
             faults: self.safety.latched(),
-            frames_rejected: self.receiver.rejected,
-            frames_dropped: self.transmitter.dropped,
+            frames_rejected: talk.rejected(),
+            frames_dropped: talk.dropped(),
             deadlines_missed: self.safety.deadlines_missed,
             tick_max_us: self.safety.tick_max_us,
+            ticks_late: self.safety.ticks_late,
+            period_max_us: self.safety.period_max_us,
+            holder: self.lease.seen_from(link),
             table_hash: self.active.map_or([0; 16], |a| a.checked.hash()),
+            calibration: self.calibration_state,
+            fitted: self.fitted.clone(),
         }
     }
 
-    fn set_mode(&mut self, mode: Mode) -> Result<Answer, Refusal> {
+    /// The motion belongs to the link that holds it.
+    fn must_not_be_held_from(&self, link: LinkId) -> Result<(), Refusal> {
+        if self.lease.is_held_from(link) { Err(Refusal::Held) } else { Ok(()) }
+    }
+
+    fn set_mode(&mut self, link: LinkId, asked: &ModeRequest) -> Result<Answer, Refusal> {
+        let mode = asked.mode;
+        if mode != Mode::Idle {
+            self.must_not_be_held_from(link)?;
+            if self.stop_pressed {
+                return Err(Refusal::Stopped);
+            }
+            let (shortest_ms, longest_ms) = LEASE_MS;
+            if !(shortest_ms..=longest_ms).contains(&asked.lease_ms) {
+                return Err(Refusal::OutOfRange);
+            }
+        }
         // Asked again for what is under way: the answer to the first request was lost.
         if mode == self.mode.commanded && matches!(self.mode.state, State::Approach | State::Contact) {
             return Ok(Answer::Accepted);
@@ -148,36 +143,45 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         if mode != Mode::Idle && self.upload.is_erasing() {
             return Err(Refusal::Busy);
         }
-        // Bank 2 must not be read during an erase.
-        let limits = if self.upload.is_erasing() {
-            None
-        } else {
-            self.table().map(|t| TableLimits {
-                depth_max_mm: t.depth_max_mm(),
-                materials: t.material_count(),
-                // All slices of a table are alike in size.
-                searchable: Slice::nearest(&t, 0.0, 0.0).is_some(),
-            })
-        };
         if mode != Mode::Idle && !self.safety.latched().is_empty() {
             return Err(Refusal::Faulted);
         }
+        self.is_fitted_for(mode)?;
         let displayed = self.mode.state == State::Display;
+        let limits = self.table_limits();
         self.mode.request(&self.config.mode, mode, limits)?;
         match mode {
             Mode::Palpate { rate_mm_s, .. } => {
                 self.palpation.start(rate_mm_s);
+                self.watch_press();
                 self.palpations = self.palpations.wrapping_add(1);
                 self.palpation_rate_mm_s = rate_mm_s;
                 self.contact_ticks = (0, 0, 0);
             }
-            Mode::Display { .. } if !displayed => self.display = Display::default(),
+            Mode::Display { .. } if !displayed => self.display = Display::at(self.measured.shaft_mm),
             _ => {}
+        }
+        if mode != Mode::Idle {
+            self.lease.grant(link, asked.lease_ms);
         }
         Ok(Answer::Accepted)
     }
 
-    fn set_gains(&mut self, gains: &Gains) -> Result<Answer, Refusal> {
+    /// What a mode needs to know of the table; nothing during an erase, when bank 2 must not be read.
+    fn table_limits(&self) -> Option<TableLimits> {
+        if self.upload.is_erasing() {
+            return None;
+        }
+        self.table().map(|t| TableLimits {
+            depth_max_mm: t.depth_max_mm(),
+            materials: t.material_count(),
+            // All slices of a table are alike in size.
+            searchable: Slice::nearest(&t, 0.0, 0.0).is_some(),
+        })
+    }
+
+    fn set_gains(&mut self, link: LinkId, gains: &Gains) -> Result<Answer, Refusal> {
+        self.must_not_be_held_from(link)?;
         if !gains_are_usable(gains) {
             return Err(Refusal::OutOfRange);
         }
@@ -187,16 +191,10 @@ impl<S: TableStore + CalibrationStore> Board<S> {
     }
 
     fn set_calibration(&mut self, calibration: Calibration) -> Result<Answer, Refusal> {
-        self.outputs_must_be_off()?;
-        if self.upload.is_erasing() {
-            return Err(Refusal::Busy);
-        }
         if !calibration_is_usable(&calibration) {
             return Err(Refusal::OutOfRange);
         }
-        self.store.save_calibration(&calibration).map_err(|_| Refusal::FlashFailed)?;
-        self.calibration = calibration;
-        Ok(Answer::Accepted)
+        self.store_setup(Setup { calibration, fitted: self.fitted.clone() })
     }
 
     /// Takes the load cell's last mean reading as zero.
@@ -204,7 +202,14 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         if self.age_ticks > 0 || self.tick == 0 {
             return Err(Refusal::Busy);
         }
+        if self.calibration_state == CalibrationState::Unreadable {
+            return Err(Refusal::CalibrationLost);
+        }
         let mut calibration = self.calibration.clone();
+        if (self.raw.load_cell - calibration.load_cell.zero_ratio).abs() < TARE_RATIO {
+            self.outputs_must_be_off()?;
+            return Ok(Answer::Accepted);
+        }
         calibration.load_cell = tared(&calibration.load_cell, self.raw.load_cell);
         self.set_calibration(calibration)
     }
@@ -217,26 +222,22 @@ impl<S: TableStore + CalibrationStore> Board<S> {
     }
 
     /// Idle, or held off by a fault.
-    fn outputs_must_be_off(&self) -> Result<(), Refusal> {
+    pub(super) fn outputs_must_be_off(&self) -> Result<(), Refusal> {
         match self.mode.state {
             State::Idle | State::Fault => Ok(()),
             _ => Err(Refusal::Busy),
         }
     }
 
-    pub(super) fn poll_upload(&mut self) {
-        let Some(result) = self.upload.poll(&mut self.store) else {
-            return;
+    /// Goes on with an erase; what its end is answered with, and where.
+    pub(super) fn poll_upload(&mut self) -> Option<(LinkId, Report)> {
+        let result = self.upload.poll(&mut self.store)?;
+        let (link, seq) = self.begun.take()?;
+        let report = match result {
+            Ok(()) => Report::TableState(self.table_state()),
+            Err(reason) => Report::Refused(Refused { of: TABLE_BEGIN, seq, reason }),
         };
-        let seq = self.begin_seq.take().unwrap_or(0);
-        match result {
-            Ok(()) => {
-                let report = Report::TableState(self.table_state());
-                self.transmitter.report(&report, Priority::Answer);
-            }
-            // 0x10 is TableBegin in the table of messages.
-            Err(reason) => self.refuse(0x10, seq, reason),
-        }
+        Some((link, report))
     }
 
     fn table_state(&self) -> TableState {
@@ -246,16 +247,5 @@ impl<S: TableStore + CalibrationStore> Board<S> {
             next_offset: self.upload.next_offset(),
             length: self.upload.length(),
         }
-    }
-}
-
-fn understand(frame: &Frame<'_>) -> Incoming {
-    if frame.kind == rescue::KIND {
-        return if frame.body.starts_with(&rescue::QUESTION) { Incoming::Rescue } else { Incoming::Nothing };
-    }
-    match Request::decode(frame.kind, frame.body) {
-        Ok(request) => Incoming::Request(request),
-        Err(DecodeError::Unknown { kind }) => Incoming::Refused { kind, reason: Refusal::Unknown },
-        Err(DecodeError::Malformed { kind }) => Incoming::Refused { kind, reason: Refusal::Malformed },
     }
 }

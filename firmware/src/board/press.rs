@@ -1,0 +1,97 @@
+//! What guards a press, and what the board is set up for.
+
+use super::Inputs;
+use super::machine::Machine;
+use super::requests::Answer;
+use crate::config::BoardConfig;
+use crate::flash::{CalibrationStore, Loaded, Setup, TableStore};
+use crate::plausible::{Contradiction, Plausible, Reading};
+use crate::sensor::{ALL_FITTED, calibration_is_usable};
+use protocol::lut::{Table, axis_name};
+use protocol::message::{CalibrationState, Fitted, Mode, Refusal, State, Surface};
+
+/// Setup of a board at start: what is stored, or the firmware's own calibration and everything fitted.
+pub(super) fn setup_at_start(config: &BoardConfig, store: &mut impl CalibrationStore) -> (Setup, CalibrationState) {
+    let own = || Setup { calibration: config.calibration.clone(), fitted: ALL_FITTED };
+    match store.load_setup() {
+        Loaded::Stored(setup) if calibration_is_usable(&setup.calibration) => (setup, CalibrationState::Stored),
+        Loaded::Nothing => (own(), CalibrationState::Default),
+        // Out of the limits of this firmware is as bad as torn.
+        Loaded::Stored(_) | Loaded::Unreadable => (own(), CalibrationState::Unreadable),
+    }
+}
+
+impl<S: TableStore + CalibrationStore> Machine<S> {
+    /// Begins to watch a press, and says how low it may go without contact.
+    pub(super) fn watch_press(&mut self) {
+        self.plausible = Plausible::default();
+        let mode = &self.config.mode;
+        let floor_mm = match self.expected_mm.take() {
+            Some(surface_mm) => surface_mm - mode.blind_mm,
+            None => self.table().and_then(|t| lowest_mm(&t)).map_or(0.0, |low_mm| low_mm - mode.below_table_mm),
+        };
+        self.floor_mm = floor_mm;
+    }
+
+    pub(super) fn expect_surface(&mut self, surface: &Surface) -> Result<Answer, Refusal> {
+        self.outputs_must_be_off()?;
+        let height_mm = surface.height_mm;
+        if !(height_mm > self.config.mode.travel_min_mm && height_mm < self.config.mode.travel_max_mm) {
+            return Err(Refusal::OutOfRange);
+        }
+        self.expected_mm = Some(height_mm);
+        Ok(Answer::Accepted)
+    }
+
+    pub(super) fn set_fitted(&mut self, fitted: &Fitted) -> Result<Answer, Refusal> {
+        if self.calibration_state == CalibrationState::Unreadable {
+            return Err(Refusal::CalibrationLost);
+        }
+        self.store_setup(Setup { calibration: self.calibration.clone(), fitted: fitted.clone() })
+    }
+
+    /// Stores and takes on a setup; one that is stored already is not written again.
+    pub(super) fn store_setup(&mut self, setup: Setup) -> Result<Answer, Refusal> {
+        self.outputs_must_be_off()?;
+        if self.upload.is_erasing() {
+            return Err(Refusal::Busy);
+        }
+        let same = setup.calibration == self.calibration && setup.fitted == self.fitted;
+        if !(same && self.calibration_state == CalibrationState::Stored) {
+            self.store.save_setup(&setup).map_err(|_| Refusal::FlashFailed)?;
+        }
+        (self.calibration, self.fitted) = (setup.calibration, setup.fitted);
+        self.calibration_state = CalibrationState::Stored;
+        Ok(Answer::Accepted)
+    }
+
+    /// Refuses a mode by the name of the part that it needs and that is not fitted.
+    pub(super) fn is_fitted_for(&self, mode: Mode) -> Result<(), Refusal> {
+        match mode {
+            Mode::Palpate { .. } if !self.fitted.palpator => Err(Refusal::NoPalpator),
+            Mode::Display { .. } if !(self.fitted.actuator || self.fitted.coil) => Err(Refusal::NoDisplay),
+            _ => Ok(()),
+        }
+    }
+
+    /// What this tick's readings contradict, while the arm presses.
+    pub(super) fn contradiction(&mut self, inputs: &Inputs) -> Contradiction {
+        match (self.mode.state, self.mode.commanded) {
+            (State::Approach | State::Contact, Mode::Palpate { rate_mm_s, .. }) if inputs.fresh => {
+                let reading = Reading {
+                    probe_mm: self.measured.probe_mm,
+                    force_n: self.measured.load_cell_n,
+                    rate_mm_s,
+                    contact_noise_n: self.palpation.contact_noise_n(),
+                };
+                self.plausible.step(&self.config.plausible, &reading)
+            }
+            _ => Contradiction::default(),
+        }
+    }
+}
+
+/// Height of the lowest specimen that a table knows, mm.
+fn lowest_mm(table: &Table<'_>) -> Option<f32> {
+    table.axis(axis_name::HEIGHT).map(|axis| axis.value(0))
+}
