@@ -283,10 +283,10 @@ fn boards_of_other_versions_are_recognised_by_the_rescue_message() {
          write newer firmware with `palpate flash`"
     );
     assert!(
-        open(1)
+        open(protocol::PROTOCOL_VERSION)
             .starts_with("serial:/dev/ttyACM0 runs firmware 2.3.4, built from another message table (schema abadcafe,"),
         "{}",
-        open(1)
+        open(protocol::PROTOCOL_VERSION)
     );
 }
 
