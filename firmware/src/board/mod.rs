@@ -120,11 +120,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
 
     /// Takes bytes from a link and carries out what they ask for.
     pub fn receive(&mut self, link: LinkId, bytes: &[u8]) {
-        let [usb, uart] = &mut self.talks;
-        let talk = match link {
-            LinkId::Usb => usb,
-            LinkId::Uart => uart,
-        };
+        let talk = talk_of(&mut self.talks, link);
         for byte in bytes {
             if let Some((request, seq)) = talk.push(*byte) {
                 self.machine.carry_out(link, talk, &request, seq);
@@ -134,15 +130,7 @@ impl<S: TableStore + CalibrationStore> Board<S> {
 
     /// Moves bytes for a link into `out`; returns how many.
     pub fn take_transmit(&mut self, link: LinkId, out: &mut [u8]) -> usize {
-        self.talk(link).take_transmit(out)
-    }
-
-    fn talk(&mut self, link: LinkId) -> &mut Talk {
-        let [usb, uart] = &mut self.talks;
-        match link {
-            LinkId::Usb => usb,
-            LinkId::Uart => uart,
-        }
+        talk_of(&mut self.talks, link).take_transmit(out)
     }
 
     /// One control tick.
@@ -153,10 +141,9 @@ impl<S: TableStore + CalibrationStore> Board<S> {
                 talk.report(report, Priority::Answer);
             }
         });
-        if let Some((link, report)) = self.machine.poll_upload() {
-            self.talk(link).report(&report, Priority::Answer);
+        if let Some((link, report)) = machine.poll_upload() {
+            talk_of(talks, link).report(&report, Priority::Answer);
         }
-        let Board { machine, talks } = self;
         for talk in talks {
             if talk.record_is_due() {
                 talk.report(&Report::Telemetry(machine.record(inputs)), Priority::Telemetry);
@@ -208,6 +195,15 @@ impl<S: TableStore + CalibrationStore> Board<S> {
     /// The table in use, if there is one.
     pub fn table(&self) -> Option<Table<'_>> {
         self.machine.table()
+    }
+}
+
+/// The talk of a link.
+fn talk_of(talks: &mut [Talk; LinkId::ALL.len()], link: LinkId) -> &mut Talk {
+    let [usb, uart] = talks;
+    match link {
+        LinkId::Usb => usb,
+        LinkId::Uart => uart,
     }
 }
 
