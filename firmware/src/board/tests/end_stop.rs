@@ -63,16 +63,7 @@ fn a_finger_after_an_hour_at_the_stop_is_followed_as_at_once() {
 fn a_shaft_blocked_away_from_its_stop_is_a_stall_in_time() {
     let mut bench = Bench::new();
     bench.mode(Mode::Display { material: 2 });
-    let mut ticks = 0;
-    while bench.board.state() == State::Display {
-        bench.shaft_mm = 0.5;
-        if ticks % 25 == 0 {
-            bench.send(&Request::Status(Empty {}));
-        }
-        bench.tick();
-        ticks += 1;
-        assert!(ticks < 400);
-    }
+    let ticks = bench.ticks_with_shaft_at(0.5);
     assert_eq!(bench.faults(), [Fault::ActuatorStall]);
     // 9.6 V/(mm s) need 0.8 s for 3.8 V, then two seconds.
     assert!((130..170).contains(&ticks), "{ticks}");

@@ -155,16 +155,7 @@ fn a_blocked_shaft_is_a_stall_after_two_seconds() {
     let mut bench = Bench::new();
     bench.finger_n = 2.5;
     bench.mode(Mode::Display { material: 2 });
-    let mut ticks = 0;
-    while bench.board.state() == State::Display {
-        bench.shaft_mm = 0.0;
-        if ticks % 25 == 0 {
-            bench.send(&Request::Status(Empty {}));
-        }
-        bench.tick();
-        ticks += 1;
-        assert!(ticks < 400);
-    }
+    let ticks = bench.ticks_with_shaft_at(0.0);
     assert_eq!(bench.faults(), [Fault::ActuatorStall]);
     // The limit, and the ticks in which target and integral rise.
     assert!((100..200).contains(&ticks), "{ticks}");

@@ -128,6 +128,21 @@ impl Bench {
         (0..count).for_each(|_| self.tick());
     }
 
+    /// Ticks until a display ends, its shaft held where it is and its host alive.
+    fn ticks_with_shaft_at(&mut self, shaft_mm: f32) -> u32 {
+        let mut ticks = 0;
+        while self.board.state() == State::Display {
+            self.shaft_mm = shaft_mm;
+            if ticks % 25 == 0 {
+                self.send(&Request::Status(Empty {}));
+            }
+            self.tick();
+            ticks += 1;
+            assert!(ticks < 400);
+        }
+        ticks
+    }
+
     fn collect(&mut self) {
         let mut buffer = [0; 512];
         loop {
