@@ -66,22 +66,13 @@ impl End {
     }
 }
 
-/// A change of state.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Change {
-    /// Since start, ms.
-    pub time_ms: u32,
-    /// The new state.
-    pub state: State,
-}
-
 /// What a run left behind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Last {
     /// Why it ended; `None` if it was reset without knowing why.
     pub end: Option<End>,
     /// Its latest changes of state, oldest first.
-    pub changes: Vec<Change, CHANGES>,
+    pub changes: Vec<StateChange, CHANGES>,
 }
 
 impl From<&Last> for LastRun {
@@ -98,7 +89,7 @@ impl From<&Last> for LastRun {
             Some(End::SupplyLow) => RunEnd::SupplyLow,
             Some(End::Interrupt { number }) => RunEnd::Interrupt { number: *number as u32 },
         };
-        run.changes = last.changes.iter().map(|c| StateChange { time_ms: c.time_ms, state: c.state }).collect();
+        run.changes = last.changes.clone();
         run
     }
 }
@@ -128,7 +119,7 @@ impl Trace {
     }
 
     /// Notes a change of state.
-    pub fn change(&mut self, change: Change) {
+    pub fn change(&mut self, change: StateChange) {
         let at = RING + 2 * (self.0[COUNT] as usize % CHANGES);
         self.0[at] = change.time_ms;
         self.0[at + 1] = change.state as u32;
@@ -170,12 +161,12 @@ impl Trace {
         }
     }
 
-    fn read_changes(&self) -> Vec<Change, CHANGES> {
+    fn read_changes(&self) -> Vec<StateChange, CHANGES> {
         let count = self.0[COUNT] as usize;
         let kept = (count.saturating_sub(CHANGES)..count).filter_map(|number| {
             let at = RING + 2 * (number % CHANGES);
             let state = STATES.get(self.0[at + 1] as usize)?;
-            Some(Change { time_ms: self.0[at], state: *state })
+            Some(StateChange { time_ms: self.0[at], state: *state })
         });
         kept.collect()
     }
@@ -209,7 +200,7 @@ mod tests {
         let noise: [u32; WORDS] = core::array::from_fn(|i| (i as u32).wrapping_mul(2_654_435_761));
         assert_eq!(Trace(noise).begin(), None);
         let mut trace = begun();
-        trace.change(Change { time_ms: 5, state: State::Display });
+        trace.change(StateChange { time_ms: 5, state: State::Display });
         for bit in 0..32 * WORDS {
             let mut broken = trace;
             broken.0[bit / 32] ^= 1 << (bit % 32);
@@ -239,7 +230,7 @@ mod tests {
     fn the_latest_sixteen_changes_are_kept_in_order() {
         let mut trace = begun();
         for number in 0..40_u32 {
-            trace.change(Change { time_ms: 20 * number, state: STATES[number as usize % STATES.len()] });
+            trace.change(StateChange { time_ms: 20 * number, state: STATES[number as usize % STATES.len()] });
         }
         let last = trace.begin().unwrap();
         let times: std::vec::Vec<u32> = last.changes.iter().map(|change| change.time_ms).collect();

@@ -12,11 +12,11 @@ use embassy_stm32::pac;
 use embassy_stm32::pac::iwdg::vals::Key;
 use firmware::trace::End;
 
-use super::{lamp, record, stop, supply};
+use super::{interlock, lamp, record, supply};
 
 /// Ends the run.
 fn end(end: &End) -> ! {
-    stop::outputs_off();
+    interlock::outputs_off();
     cortex_m::interrupt::disable();
     record::end(end);
     lamp::red();

@@ -15,12 +15,12 @@ mod reset;
 mod revision;
 mod sampling;
 mod serial;
-mod stop;
 mod supply;
 mod usb;
 
 use core::cell::RefCell;
 
+use defmt_rtt as _;
 use embassy_executor::{InterruptExecutor, Spawner};
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::interrupt;
@@ -85,6 +85,8 @@ fn tell_start(reset_cause: ResetCause, external: bool) {
         defmt::error!("chip before revision 3: USB off");
     }
 }
+
+defmt::timestamp!("{=u64:us}", embassy_time::Instant::now().as_micros());
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
@@ -175,7 +177,7 @@ async fn main(spawner: Spawner) {
     })();
     if spawned.is_err() {
         // Each task has one place and is spawned once, so this cannot be; without tasks nothing may run.
-        stop::outputs_off();
+        interlock::outputs_off();
         defmt::error!("a task could not be started");
     }
 }

@@ -6,8 +6,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use embassy_sync::once_lock::OnceLock;
 use embassy_time::Instant;
-use firmware::trace::{Change, End, Last, Trace};
-use protocol::message::{LastRun, State};
+use firmware::trace::{End, Last, Trace};
+use protocol::message::{LastRun, State, StateChange};
 
 /// Not cleared by a reset, and not by the start.
 struct Kept(UnsafeCell<Trace>);
@@ -76,7 +76,7 @@ pub fn state(state: State) {
     static BEFORE: AtomicU32 = AtomicU32::new(u32::MAX);
     if BEFORE.swap(state as u32, Ordering::Relaxed) != state as u32 {
         let time_ms = Instant::now().as_millis() as u32;
-        with(|trace| trace.change(Change { time_ms, state }));
+        with(|trace| trace.change(StateChange { time_ms, state }));
     }
 }
 
