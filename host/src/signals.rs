@@ -2,10 +2,17 @@
 
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use signal_hook::iterator::Signals;
+
+/// Signals that come sooner than this after the first one say the same thing: a closed window gives one from the kernel and
+/// one from the shell, `timeout` one to the process and one to its group, and systemd two kinds at once.
+const SAME_REQUEST: Duration = Duration::from_secs(1);
 
 /// Sets `stop` on SIGTERM, SIGINT and SIGQUIT, and on SIGHUP (a terminal whose window was closed, a lost ssh) unless `nohup`
-/// asked to outlive it. A second signal of the kind ends the process at once, in case the first one waits for a disk.
+/// asked to outlive it. One that is repeated after a second ends the process at once, in case the first one waits for a disk.
 ///
 /// # Errors
 /// Those of the system.
@@ -15,13 +22,26 @@ pub(crate) fn stop_on_signals(stop: &Arc<AtomicBool>) -> io::Result<()> {
     if !is_ignored(signal_hook::consts::SIGHUP) {
         signals.push(signal_hook::consts::SIGHUP);
     }
-    for signal in signals {
-        signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(stop))?;
-        signal_hook::flag::register(signal, Arc::clone(stop))?;
+    for signal in &signals {
+        signal_hook::flag::register(*signal, Arc::clone(stop))?;
     }
+    let (mut signals, stop) = (Signals::new(signals)?, Arc::clone(stop));
+    std::thread::spawn(move || {
+        let mut first = None;
+        for signal in signals.forever() {
+            stop.store(true, Ordering::Relaxed);
+            if is_repeated(*first.get_or_insert_with(Instant::now), Instant::now()) {
+                signal_hook::low_level::exit(128 + signal);
+            }
+        }
+    });
     Ok(())
 }
 
+/// A signal at `now` is a request of its own beside the one at `first`.
+fn is_repeated(first: Instant, now: Instant) -> bool {
+    now.duration_since(first) >= SAME_REQUEST
+}
 /// Makes a file that outgrows the shell's limit (`ulimit -f`) an error of its writer, which it can tell, instead of the
 /// end of the process.
 ///

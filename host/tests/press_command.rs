@@ -97,23 +97,28 @@ fn a_press_says_what_it_found_and_never_writes_over_a_recording() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_brings_the_arm_home_before_it_ends() {
-    let (served, folder) = (Served::start(), tempfile::tempdir().unwrap());
-    served.upload(folder.path());
-    let mut press = served.press(folder.path(), &["--rate", "1"]).stderr(Stdio::piped()).spawn().unwrap();
-    let csv = folder.path().join("press.csv");
-    let deadline = Instant::now() + Duration::from_secs(30);
-    while !std::fs::read_to_string(&csv).is_ok_and(|text| text.contains(",Approach,")) {
-        assert!(Instant::now() < deadline, "the arm does not move");
-        std::thread::sleep(Duration::from_millis(20));
+fn a_signal_brings_the_arm_home_before_it_ends() {
+    // A closed window sends one from the kernel and one from the shell; systemd sends two kinds.
+    for signals in [&["-INT"][..], &["-HUP", "-HUP"], &["-TERM", "-HUP"]] {
+        let (served, folder) = (Served::start(), tempfile::tempdir().unwrap());
+        served.upload(folder.path());
+        let mut press = served.press(folder.path(), &["--rate", "1"]).stderr(Stdio::piped()).spawn().unwrap();
+        let csv = folder.path().join("press.csv");
+        let deadline = Instant::now() + Duration::from_secs(30);
+        while !std::fs::read_to_string(&csv).is_ok_and(|text| text.contains(",Approach,")) {
+            assert!(Instant::now() < deadline, "the arm does not move");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        for signal in signals {
+            assert!(Command::new("kill").args([signal, press.id().to_string().as_str()]).status().unwrap().success());
+        }
+        let ended = press.wait().unwrap();
+        assert_eq!(ended.code(), Some(5), "{signals:?}");
+        // It has waited: the board is at rest at once, and no fault of a lost link follows.
+        let status = served.state();
+        assert_eq!((&status["state"], &status["faults"]), (&"Idle".into(), &serde_json::json!([])), "{signals:?}");
+        let recorded = std::fs::read_to_string(&csv).unwrap();
+        let last = recorded.lines().last().unwrap();
+        assert!(last.contains(",Idle,"), "{last}");
     }
-    assert!(Command::new("kill").args(["-INT", &press.id().to_string()]).status().unwrap().success());
-    let ended = press.wait().unwrap();
-    assert_eq!(ended.code(), Some(5));
-    // It has waited: the board is at rest at once, and no fault of a lost link follows.
-    let status = served.state();
-    assert_eq!((&status["state"], &status["faults"]), (&"Idle".into(), &serde_json::json!([])));
-    let recorded = std::fs::read_to_string(&csv).unwrap();
-    let last = recorded.lines().last().unwrap();
-    assert!(last.contains(",Idle,"), "{last}");
 }

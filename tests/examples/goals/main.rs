@@ -2,7 +2,8 @@
 //! `cargo run --release -p tests --example goals -- --cases 800 --seed 40000`.
 //!
 //! `--cases` is the number of all (80 unless stated), `--seed` the first of their seeds: choose one that was not
-//! used before. A line a case, and the table at the end. 800 take about 90 minutes on two cores.
+//! used before. A line a case, and the table at the end. 800 take about 90 minutes on two cores. `--only ideal` or
+//! `--only laboratory` runs one half of them.
 
 mod goals;
 
@@ -20,19 +21,22 @@ use tests::score::share::Yardstick;
 use tests::score::{ScoreError, Scored, suite};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let (cases, first) = cases_and_seed(std::env::args().skip(1), (80, 40_000))?;
+    let (words, only) = half(std::env::args().skip(1).collect())?;
+    let (cases, first) = cases_and_seed(words.into_iter(), (80, 40_000))?;
     let start = Instant::now();
     let (solver, models) = (Solver::new(), Models::default());
     let yardstick = Yardstick { solver: &solver, models: &models };
     // as many of each design
     let each = (cases / 2).div_ceil(Design::ALL.len());
-    let ideal: Vec<Case> = Design::ALL.iter().flat_map(|design| suite::cases(*design, each, first)).collect();
+    let designs: &[Design] = if only == Some(Half::Laboratory) { &[] } else { &Design::ALL };
+    let ideal: Vec<Case> = designs.iter().flat_map(|design| suite::cases(*design, each, first)).collect();
     let ideal = on_all_cores(&ideal, |case| {
         let scored = Scored::of(case, &solver, &models);
         told(scored.as_ref().map(Scored::line));
         scored
     });
-    let worlds: Vec<World> = (first..first + (cases / 2) as u64).map(World::drawn).collect();
+    let worlds = if only == Some(Half::Ideal) { 0 } else { cases as u64 / 2 };
+    let worlds: Vec<World> = (first..first + worlds).map(World::drawn).collect();
     let worlds = on_all_cores(&worlds, |world| {
         let judged = judged(world, &yardstick);
         told(judged.as_ref().map(|one| one.as_ref().map_or_else(|| "no world".to_owned(), Judged::line)));
@@ -51,6 +55,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         rayon::current_num_threads(),
     );
     if failed == 0 { Ok(()) } else { Err(format!("{failed} could not be scored").into()) }
+}
+
+/// One half of the cases.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Half {
+    Ideal,
+    Laboratory,
+}
+
+/// Takes `--only` out of the words.
+fn half(mut words: Vec<String>) -> Result<(Vec<String>, Option<Half>), String> {
+    let Some(at) = words.iter().position(|word| word == "--only") else { return Ok((words, None)) };
+    let only = match words.get(at + 1).map(String::as_str) {
+        Some("ideal") => Half::Ideal,
+        Some("laboratory") => Half::Laboratory,
+        _ => return Err("--only: expected ideal or laboratory".into()),
+    };
+    words.drain(at..=at + 1);
+    Ok((words, Some(only)))
 }
 
 fn judged(world: &World, yardstick: &Yardstick<'_>) -> Result<Option<Judged>, ScoreError> {
