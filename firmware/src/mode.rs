@@ -23,6 +23,9 @@ pub struct ModeConfig {
     pub force_end_n: f32,
     /// The probe has returned when it is this far above the specimen (without contact: above its lowest point), mm.
     pub clearance_mm: f32,
+    /// It has returned, too, when it is so far below the highest place of its approach, mm: a press that is stopped where
+    /// it begins cannot rise by the clearance.
+    pub home_mm: f32,
     /// Longest approach, ticks.
     pub approach_ticks: u32,
     /// Longest contact, ticks.
@@ -42,6 +45,8 @@ impl Default for ModeConfig {
             below_table_mm: 2.0,
             force_end_n: 7.5,
             clearance_mm: 1.0,
+            // Four codes of the converter.
+            home_mm: 0.1,
             // 90 mm of travel at 1 mm/s and 50 Hz; 8 mm likewise; 90 mm at 4 mm/s and some.
             approach_ticks: 4_500,
             contact_ticks: 400,
@@ -61,6 +66,8 @@ pub struct ModeState {
     ended: Outcome,
     /// Height of the probe where it was lowest, mm.
     lowest_mm: f32,
+    /// Height of the probe where the approach was highest, mm.
+    highest_mm: f32,
 }
 
 impl Default for ModeState {
@@ -104,7 +111,14 @@ pub enum ModeEvent {
 impl ModeState {
     /// Idle.
     pub const fn new() -> Self {
-        ModeState { commanded: Mode::Idle, state: State::Idle, ticks: 0, ended: Outcome::Aborted, lowest_mm: 0.0 }
+        ModeState {
+            commanded: Mode::Idle,
+            state: State::Idle,
+            ticks: 0,
+            ended: Outcome::Aborted,
+            lowest_mm: 0.0,
+            highest_mm: f32::NEG_INFINITY,
+        }
     }
 
     fn enter(&mut self, state: State) {
@@ -169,6 +183,7 @@ impl ModeState {
             Mode::Idle => State::Idle,
         };
         self.commanded = mode;
+        self.highest_mm = f32::NEG_INFINITY;
         self.enter(next);
         Ok(())
     }
@@ -199,6 +214,7 @@ impl ModeState {
     }
 
     fn approach(&mut self, config: &ModeConfig, input: &ModeInput) {
+        self.highest_mm = self.highest_mm.max(input.probe_mm);
         if input.force_n >= config.force_end_n {
             // Something hard, before the contact was understood: back before the force limit makes it a fault.
             self.retract(Outcome::TooShort, input.probe_mm);
@@ -234,7 +250,7 @@ impl ModeState {
         let clear = if input.contact {
             input.depth_mm <= -config.clearance_mm
         } else {
-            input.probe_mm >= self.lowest_mm + config.clearance_mm
+            input.probe_mm >= (self.lowest_mm + config.clearance_mm).min(self.highest_mm - config.home_mm)
         };
         if (clear || self.ticks > config.retract_ticks) && input.analysed {
             self.commanded = Mode::Idle;
@@ -296,9 +312,11 @@ mod tests {
     fn an_arm_that_does_not_move_ends_every_state_of_motion() {
         let config = ModeConfig::default();
         let mut mode = approaching();
-        assert_eq!(steps_in_state(&mut mode, &FREE), config.approach_ticks + 1);
+        mode.step(&config, &FREE);
+        let lower = ModeInput { probe_mm: 15.0, ..FREE };
+        assert_eq!(steps_in_state(&mut mode, &lower), config.approach_ticks);
         assert_eq!((mode.state, mode.ended()), (State::Retract, Outcome::NoContact));
-        assert_eq!(steps_in_state(&mut mode, &FREE), config.retract_ticks + 1);
+        assert_eq!(steps_in_state(&mut mode, &lower), config.retract_ticks + 1);
         assert_eq!(mode.state, State::Idle);
 
         let mut mode = approaching();
@@ -307,6 +325,20 @@ mod tests {
         assert_eq!(mode.state, State::Contact);
         assert_eq!(steps_in_state(&mut mode, &stuck), config.contact_ticks + 1);
         assert_eq!((mode.state, mode.ended()), (State::Retract, Outcome::TooShort));
+    }
+
+    #[test]
+    fn a_press_that_is_stopped_where_it_begins_has_returned_when_it_is_there_again() {
+        let config = ModeConfig::default();
+        let mut mode = approaching();
+        for probe_mm in [20.0, 19.7, 19.4] {
+            mode.step(&config, &ModeInput { probe_mm, ..FREE });
+        }
+        mode.request(&config, Mode::Idle, LIMITS).unwrap();
+        let rising = [19.3, 19.5, 19.85].map(|probe_mm| mode.step(&config, &ModeInput { probe_mm, ..FREE }));
+        assert_eq!(rising, [ModeEvent::None; 3]);
+        let home = ModeInput { probe_mm: 19.92, ..FREE };
+        assert_eq!(mode.step(&config, &home), ModeEvent::Ended(Outcome::Aborted));
     }
 
     #[test]
