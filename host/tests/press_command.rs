@@ -95,6 +95,20 @@ fn a_press_says_what_it_found_and_never_writes_over_a_recording() {
     assert_eq!((&status["state"], &status["faults"]), (&"Idle".into(), &serde_json::json!([])));
 }
 
+#[test]
+fn with_the_surface_stated_a_press_without_contact_ends_a_millimetre_below_it() {
+    let (served, folder) = (Served::start(), tempfile::tempdir().unwrap());
+    served.upload(folder.path());
+    let pressed = served.press(folder.path(), &["--rate", "4", "--surface", "25"]).output().unwrap();
+    assert_eq!(pressed.status.code(), Some(4), "{}", String::from_utf8_lossy(&pressed.stderr));
+    let mut rows = csv::Reader::from_path(folder.path().join("press.csv")).unwrap();
+    let at = rows.headers().unwrap().iter().position(|name| name == "sensor_probe_mm").unwrap();
+    let heights = rows.records().filter_map(|row| row.unwrap().get(at)?.parse::<f64>().ok());
+    let lowest = heights.fold(f64::INFINITY, f64::min);
+    // Without it the arm would turn a millimetre above the plate.
+    assert!((23.5..24.2).contains(&lowest), "{lowest} mm");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_signal_brings_the_arm_home_before_it_ends() {

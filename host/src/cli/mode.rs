@@ -44,7 +44,7 @@ pub enum ModeChoice {
     },
 }
 
-fn positive_mm(text: &str) -> Result<f32, String> {
+pub(super) fn positive_mm(text: &str) -> Result<f32, String> {
     positive(text).map(|mm| mm as f32).map_err(|_| format!("{text} is not a height above 0 mm"))
 }
 

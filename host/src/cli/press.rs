@@ -10,7 +10,7 @@ use protocol::lut::Table;
 use protocol::message::{Mode, Outcome, Recognition};
 use serde_json::{Value, json};
 
-use super::mode::{Pressed, Unfinished, palpate, positive, pressed_text};
+use super::mode::{Pressed, Unfinished, palpate, positive, positive_mm, pressed_text};
 use super::monitor::depth;
 use super::progress::Progress;
 use crate::demo::{Stage, bench_foams, demo_table};
@@ -33,7 +33,7 @@ const UNFINISHED: u8 = 5;
     after_help = "Exit status: 0 a material of the library was touched; 2 bad input, no board, or one that refuses; 3 the material is not \
 in the library (its parameters are printed); 4 no result: no contact, too short, deeper than the table and so on; 5 aborted: Ctrl-C, a fault, \
 the time is over, the board is lost or a file cannot be written.\n\
-Ctrl-C switches the outputs off first and waits until the arm is home; a second one ends at once, and the board stops by itself."
+Ctrl-C switches the outputs off first and waits until the arm is home; one repeated after a second ends at once, and the board stops by itself."
 )]
 pub struct Arguments {
     /// The board: sim, auto (the one on USB), tcp:HOST:PORT or serial:PATH
@@ -45,6 +45,9 @@ pub struct Arguments {
     /// Depth after contact, mm
     #[arg(long, default_value_t = 4.0, value_name = "MM", value_parser = depth)]
     depth: f32,
+    /// Height of the specimen's surface above the base plate, mm: a press without contact ends a millimetre below it
+    #[arg(long, value_name = "MM", value_parser = positive_mm)]
+    surface: Option<f32>,
     /// Longest time until the arm is home again, s; then outputs go off
     #[arg(long, default_value_t = 180.0, value_name = "S", value_parser = positive)]
     timeout: f64,
@@ -85,6 +88,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<u8> {
     let mut recorder = Recorder::create_new(arguments.csv.as_deref(), arguments.mcap.as_deref()).into_diagnostic()?;
     recorder.about(&about).into_diagnostic()?;
     let [csv, mcap] = [recorder.csv_path(), recorder.mcap_path()].map(|path| path.map(Path::to_path_buf));
+    if let Some(height_mm) = arguments.surface {
+        session.expect_surface(height_mm).into_diagnostic()?;
+    }
     let mode = Mode::Palpate { rate_mm_s: arguments.rate, depth_mm: arguments.depth };
     let ended = palpate(&mut session, mode, arguments.timeout, &stop, Some(&mut recorder));
     // Whatever has happened: what was said until then is the recording.
