@@ -84,3 +84,29 @@ fn flash_refuses_what_is_no_firmware_and_no_table() {
     let error = palpate(&["flash"]);
     assert!(String::from_utf8_lossy(&error.stderr).contains("nothing to write"));
 }
+
+#[test]
+fn the_self_test_drives_nothing_without_a_yes_and_knows_the_display_board() {
+    let served = Served::start();
+    let asked = palpate(&["selftest", "--board", &served.1]);
+    let text = String::from_utf8_lossy(&asked.stderr).replace("\n  │", "");
+    assert_eq!(asked.status.code(), Some(2));
+    assert!(text.contains("nothing was driven") && text.contains("--yes"), "{text}");
+    let other = palpate(&["selftest", "--yes", "--board", &served.1]);
+    let text = String::from_utf8_lossy(&other.stderr).replace("\n  │", "");
+    assert_eq!(other.status.code(), Some(2));
+    assert!(text.contains("the firmware of the display board runs there"), "{text}");
+    let status = stdout(&palpate(&["board", "status", "--board", &served.1]));
+    assert!(status.contains("state      Idle") && status.contains("faults     none"), "{status}");
+}
+
+#[test]
+fn a_raw_image_is_made_from_an_elf_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let (elf, bin) = (folder.path().join("board.elf"), folder.path().join("board.bin"));
+    std::fs::write(&elf, "no ELF").unwrap();
+    let refused = palpate(&["flash", elf.to_str().unwrap(), "--bin", bin.to_str().unwrap()]);
+    assert_eq!(refused.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&refused.stderr).replace("\n  │", "");
+    assert!(text.contains("it is not an ELF file") && !bin.exists(), "{text}");
+}

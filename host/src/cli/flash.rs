@@ -1,7 +1,7 @@
 //! `palpate flash`.
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -9,7 +9,7 @@ use miette::IntoDiagnostic;
 use probe_rs::probe::list::Lister;
 use serde_json::json;
 
-use crate::flash::{self, BrownOut, CHIP, Expected, Firmware, Greeted, Job, Step, StepProgress, TableImage};
+use crate::flash::{self, BrownOut, CHIP, Expected, Firmware, Greeted, Job, Step, StepProgress, TableImage, Written};
 use crate::link::Address;
 
 /// What to write, and through which probe.
@@ -30,6 +30,9 @@ pub struct Arguments {
     setup: bool,
     /// Firmware, an ELF file
     elf: Option<PathBuf>,
+    /// Write the firmware to this file instead, as a raw image for drag and drop or DFU, and touch no board
+    #[arg(long, value_name = "FILE", requires = "elf", conflicts_with_all = ["list", "table", "board", "probe"])]
+    bin: Option<PathBuf>,
     /// Look-up table, as `palpate lut` writes it
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
@@ -53,24 +56,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.setup {
         return set_up(&lister, arguments);
     }
+    if let (Some(bin), Some(elf)) = (&arguments.bin, &arguments.elf) {
+        return raw_image(elf, bin, arguments.json);
+    }
     let job = Job {
         probe: arguments.probe.clone(),
         chip: arguments.chip.clone(),
         firmware: arguments.elf.as_deref().map(Firmware::read).transpose().into_diagnostic()?,
         table: arguments.table.as_deref().map(TableImage::read).transpose().into_diagnostic()?,
     };
-    let mut bar: Option<(Step, ProgressBar)> = None;
-    let written = flash::write(&lister, &job, |p| show(&mut bar, p)).into_diagnostic()?;
-    if let Some((_, bar)) = bar {
-        bar.finish();
-    }
-    if !arguments.json {
-        outln!(
-            "written and verified: {} bytes of firmware, {} bytes of table",
-            written.firmware_bytes,
-            written.table_bytes
-        );
-    }
+    let written = written(&lister, &job, arguments.json)?;
     let greeted = match &arguments.board {
         Some(address) => {
             let expected = Expected {
@@ -92,6 +87,42 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         None => outln!("not greeted: with --board LINK the version of the board that starts is compared"),
     }
     Ok(())
+}
+
+/// Writes the raw image, and says how it gets onto a board.
+fn raw_image(elf: &Path, bin: &Path, json: bool) -> miette::Result<()> {
+    let firmware = Firmware::read(elf).into_diagnostic()?;
+    let (image, crc) = (firmware.raw().into_diagnostic()?, firmware.crc().into_diagnostic()?);
+    super::file::save(bin, &image)?;
+    if json {
+        outln!("{}", json!({ "bin": bin, "bytes": image.len(), "image_crc": crc }));
+    } else {
+        outln!(
+            "{}: {} bytes, CRC {crc:08x}. Copy it to the NUCLEO's drive, or with BOOT0 high and the user USB port:\n\
+             dfu-util -a 0 -s 0x08000000:leave -D {}",
+            bin.display(),
+            image.len(),
+            bin.display()
+        );
+    }
+    Ok(())
+}
+
+/// Writes a job with a bar, and tells what was written unless it is told as `json`.
+pub(super) fn written(lister: &Lister, job: &Job, json: bool) -> miette::Result<Written> {
+    let mut bar: Option<(Step, ProgressBar)> = None;
+    let written = flash::write(lister, job, |p| show(&mut bar, p)).into_diagnostic()?;
+    if let Some((_, bar)) = bar {
+        bar.finish();
+    }
+    if !json {
+        outln!(
+            "written and verified: {} bytes of firmware, {} bytes of table",
+            written.firmware_bytes,
+            written.table_bytes
+        );
+    }
+    Ok(written)
 }
 
 /// Sets the brown-out level after a yes.
@@ -127,7 +158,7 @@ fn ask(level: u8) -> bool {
 }
 
 /// A board that a probe can write.
-fn real_board(text: &str) -> Result<Address, String> {
+pub(super) fn real_board(text: &str) -> Result<Address, String> {
     match text.parse() {
         Ok(Address::Simulated) => {
             Err("the simulated board has no flash to write: expected auto, tcp:HOST:PORT or serial:PATH".into())

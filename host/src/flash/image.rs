@@ -55,6 +55,14 @@ impl Firmware {
     /// # Errors
     /// [`FlashingError::Firmware`] for an ELF file that puts nothing there.
     pub fn crc(&self) -> Result<u32, FlashingError> {
+        Ok(CRC32.checksum(&self.raw()?))
+    }
+
+    /// What it puts into flash, from the start of bank 1 to its last byte: a `.bin` file.
+    ///
+    /// # Errors
+    /// [`FlashingError::Firmware`] for an ELF file that puts nothing there.
+    pub fn raw(&self) -> Result<Vec<u8>, FlashingError> {
         let wrong = |reason: String| FlashingError::Firmware { path: self.path.clone(), reason };
         let elf = ElfFile32::<Endianness>::parse(&*self.bytes).map_err(|error| wrong(error.to_string()))?;
         let mut image = Vec::new();
@@ -75,7 +83,7 @@ impl Firmware {
         if image.is_empty() {
             return Err(wrong("it puts nothing into flash".into()));
         }
-        Ok(CRC32.checksum(&image))
+        Ok(image)
     }
 }
 

@@ -38,6 +38,7 @@ fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
         table: Some(TableImage::from_bytes(Path::new("demo.lut"), table.clone()).unwrap()),
     };
     let mut verified = 0;
+    let raw = job.firmware.as_ref().unwrap().raw().unwrap();
     let written = write(&lister(board.clone()), &job, |progress| {
         if progress.step == Step::Verify {
             verified = progress.done;
@@ -52,6 +53,8 @@ fn image_and_table_get_into_a_blank_chip_which_then_runs_them() {
     let crc = job.firmware.as_ref().unwrap().crc().unwrap();
     let (greeted, other_table, other_image) = board
         .with(move |target| {
+            // The raw image is what the probe has written.
+            assert!(target.board().flash().is_ok_and(|flash| flash.starts_with(&raw)));
             let mut greet = |crc, hash| {
                 let expected = Expected { image_crc: Some(crc), table_hash: Some(hash) };
                 greet_once(EmulatedUart::new(target.board()), &expected)
