@@ -12,9 +12,10 @@ use emulator::link::EmulatedUart;
 use firmware::flash::{Setup, journal};
 use firmware::sensor::ALL_FITTED;
 use palpate::session::{Patience, Session};
+use protocol::fault::Fault;
 use protocol::frame::{self, Decoder, MAX_FRAME};
 use protocol::lut::Table;
-use protocol::message::{Calibration, Empty, Report, Request};
+use protocol::message::{Calibration, CalibrationState, Empty, Report, Request};
 
 /// The two journals, as offsets in the flash.
 const JOURNALS: [usize; 2] = [0xc_0000, 0xe_0000];
@@ -226,4 +227,23 @@ fn a_cut_while_a_full_journal_is_moved_loses_nothing() {
         let found = revived.calibration(flash);
         assert!(found == latest, "{found:?} after write {at} of {}", changes.len());
     });
+}
+
+#[test]
+fn a_journal_that_cannot_be_read_is_told_and_nothing_of_it_is_erased() {
+    let mut board = common::board();
+    // As another version of the firmware would have left it: not blank, no record of this one.
+    for journal in JOURNALS {
+        board.core().set_flash(journal, &[0x5a; 3 * journal::RECORD_LEN]).unwrap();
+    }
+    let before = board.flash().unwrap();
+    board.core().log_flash(true);
+    board.power_cycle(Reset::Power).unwrap();
+    board.run_s(3.0).unwrap();
+    assert_eq!(board.core().log_flash(false), []);
+    assert!(board.flash().unwrap() == before);
+    let (mut session, _) = Session::open(EmulatedUart::new(&mut board), Patience::default()).unwrap();
+    let status = session.status().unwrap();
+    assert_eq!(status.calibration, CalibrationState::Unreadable);
+    assert!(status.faults.contains(Fault::CalibrationLost), "{:?}", status.faults);
 }
