@@ -1,6 +1,6 @@
 //! Identification, control and safety of the display board as pure steps.
 //!
-//! The same library runs in the microcontroller's image (`src/main.rs`) and in the host's simulated
+//! The same library runs in the microcontroller's image (`src/image`) and in the host's simulated
 //! board; both talk to [`board::Board`], which composes everything below. Each concept is a step
 //! `(configuration, state, input) -> output` in a file of its own:
 //!
@@ -25,6 +25,7 @@
 //! | [`flash`] | table slots, upload, power cuts |
 //! | [`link`] | frames in, frames out, bounded queue |
 //! | [`trace`] | what the last run left behind in RAM: states, why it ended |
+//! | [`selftest`] | means of what the self-test program sees |
 //! | [`config`] | every number the board owns, in one place |
 //!
 //! Nothing allocates, nothing panics, and outputs are off unless a mode turns them on. Units are mm, N, MPa, s,
@@ -41,6 +42,8 @@ pub mod display;
 pub mod fast;
 pub mod fingerprint;
 pub mod flash;
+#[cfg(all(feature = "board", target_os = "none"))]
+pub mod image;
 pub mod interlock;
 pub mod kalman;
 pub mod link;
@@ -55,6 +58,7 @@ pub mod readings;
 pub mod recognition;
 pub mod safety;
 pub mod search;
+pub mod selftest;
 pub mod sensor;
 pub mod surface;
 pub mod telemetry;

@@ -1,10 +1,13 @@
-//! Image of the display board (STM32F429ZI on a NUCLEO-F429ZI): embassy tasks around [`firmware::board::Board`].
+//! The display board (STM32F429ZI on a NUCLEO-F429ZI): embassy tasks around [`firmware::board::Board`].
 //!
 //! Pins, tasks, rates and flashing: `docs/board.md`. On the host this is a stub.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-mod image;
+#[embassy_executor::main]
+async fn main(spawner: embassy_executor::Spawner) {
+    firmware::image::board::run(spawner);
+}
 
 #[cfg(not(target_os = "none"))]
 fn main() {

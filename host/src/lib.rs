@@ -22,6 +22,7 @@ mod ownership;
 pub mod plant;
 pub mod report;
 pub mod results;
+pub mod selftest;
 pub mod session;
 mod signals;
 pub mod simulate;

@@ -112,6 +112,10 @@ encode_message! {
     encode_request(crate::message::Request);
     /// Frames a report.
     encode_report(crate::message::Report);
+    /// Frames a request to the self-test program.
+    encode_selftest_request(crate::selftest::Request);
+    /// Frames an answer of the self-test program.
+    encode_selftest_report(crate::selftest::Report);
 }
 
 /// Collects bytes and hands out frames. Garbage costs at most the frame it falls into.

@@ -6,6 +6,7 @@
 //! | [`message`] | the one table of messages, and their bodies |
 //! | [`frame`] | COBS framing, CRC-32, sequence numbers, resynchronisation |
 //! | [`rescue`] | the frozen "who are you" that any two versions can exchange |
+//! | [`selftest`] | the conversation with the self-test program |
 //! | [`fault`] | fault codes both sides know |
 //! | [`lut`] | the table format: zero-copy reader, interpolation, writer (feature `std`) |
 //!
@@ -19,6 +20,7 @@ pub mod frame;
 pub mod lut;
 pub mod message;
 pub mod rescue;
+pub mod selftest;
 mod wire;
 
 /// Version of the message set. Messages are append-only within a version.

@@ -2,13 +2,13 @@
 
 use core::sync::atomic::Ordering;
 
+use crate::board::{Board, Inputs};
+use crate::interlock::{Power, Task};
+use crate::link::LinkId;
 use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_time::{Duration, Instant, Ticker};
-use firmware::board::{Board, Inputs};
-use firmware::interlock::{Power, Task};
-use firmware::link::LinkId;
 
 use super::flash::BoardFlash;
 use super::outputs::{Actuator, Arm};

@@ -5,12 +5,12 @@
 
 use core::panic::PanicInfo;
 
+use crate::trace::End;
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use embassy_stm32::interrupt;
 use embassy_stm32::pac;
 use embassy_stm32::pac::iwdg::vals::Key;
-use firmware::trace::End;
 
 use super::{interlock, lamp, record, supply};
 

@@ -4,13 +4,11 @@
 //! `docs/decisions/0009-flash-and-caches.md`.
 #![allow(unsafe_code)]
 
+use crate::flash::{BANK_LEN, CalibrationStore, EraseProgress, FlashError, Loaded, Setup, TableStore, WORD, journal};
 use embassy_stm32::pac::flash::regs::Acr;
 use embassy_stm32::pac::flash::vals::Psize;
 use embassy_stm32::peripherals::FLASH;
 use embassy_stm32::{Peri, pac};
-use firmware::flash::{
-    BANK_LEN, CalibrationStore, EraseProgress, FlashError, Loaded, Setup, TableStore, WORD, journal,
-};
 
 /// Bank 2 in the address space.
 const BANK_2: usize = 0x0810_0000;
@@ -223,7 +221,7 @@ impl TableStore for BoardFlash {
     }
 
     fn start_erase(&mut self, sector: u8) -> Result<(), FlashError> {
-        if firmware::flash::sector_range(sector).is_none() {
+        if crate::flash::sector_range(sector).is_none() {
             return Err(FlashError);
         }
         self.erasing.get_or_insert_with(DataCacheOff::begin);

@@ -1,10 +1,11 @@
 //! The interlock's hands: the only owner of TIM1's and TIM8's main outputs and of the arm's pin, and the only
-//! place that feeds the watchdog. What it decides is in [`firmware::interlock`].
+//! place that feeds the watchdog. What it decides is in [`crate::interlock`].
 #![allow(unsafe_code)]
 
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use crate::interlock::{Interlock, POLL_HZ, Power, TASKS, Task, Trip};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::pac::iwdg::vals::Key;
 use embassy_stm32::peripherals::{IWDG, TIM7};
@@ -14,7 +15,6 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peri, interrupt, pac};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use firmware::interlock::{Interlock, POLL_HZ, Power, TASKS, Task, Trip};
 
 /// Time the watchdog waits, us. It runs on the chip's RC oscillator, 17 to 47 kHz where 32 kHz are typical (data
 /// sheet of the STM32F429, LSI characteristics): 6.8 to 18.8 ms. It bounds what the poll cannot see, masked

@@ -1,10 +1,13 @@
-//! Start of the image: clocks, pins, tasks.
+//! What runs on the microcontroller: start, tasks, peripherals. [`board`] is the display board, [`selftest`] the program
+//! that tests a bare NUCLEO. On the host there is none of it.
 
+pub mod board;
 mod clock;
 mod control;
 mod crash;
 mod debugger;
 mod flash;
+mod hang;
 mod identity;
 mod interlock;
 mod lamp;
@@ -14,32 +17,26 @@ mod record;
 mod reset;
 mod revision;
 mod sampling;
+pub mod selftest;
 mod serial;
 mod supply;
 mod usb;
 
 use core::cell::RefCell;
 
+use crate::fast::FastLoop;
+use crate::interlock::Task;
+use crate::link::LinkId;
 use defmt_rtt as _;
 use embassy_executor::{InterruptExecutor, Spawner};
-use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::interrupt;
-use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::{adc, bind_interrupts, dma, peripherals, usart};
+use embassy_stm32::peripherals::PA12;
+use embassy_stm32::{Peri, Peripherals, bind_interrupts, dma, peripherals, usart};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
 use embassy_sync::pipe::Pipe;
-use firmware::board::{Board, Identity};
-use firmware::config::BoardConfig;
-use firmware::fast::FastLoop;
-use firmware::interlock::Task;
-use firmware::link::LinkId;
-use protocol::fault::Fault;
 use protocol::message::ResetCause;
-use static_cell::StaticCell;
-
-use self::flash::BoardFlash;
 
 bind_interrupts!(struct Irqs {
     DMA2_STREAM0 => dma::InterruptHandler<peripherals::DMA2_CH0>;
@@ -88,96 +85,75 @@ fn tell_start(reset_cause: ResetCause, external: bool) {
 
 defmt::timestamp!("{=u64:us}", embassy_time::Instant::now().as_micros());
 
-#[embassy_executor::main]
-async fn main(spawner: Spawner) {
+/// What every program begins with: why it starts, the record of the last run, clocks, caches.
+struct Start {
+    p: Peripherals,
+    reset_cause: ResetCause,
+    /// The 8 MHz clock has come.
+    external: bool,
+}
+
+fn start() -> Start {
     let reset_cause = reset::cause();
     record::begin();
     let external = clock::start_external();
     let p = embassy_stm32::init(clock::config(external));
     flash::accelerate();
-    // Off before anything else can go wrong.
-    // Stays an output for ever; its level is the interlock's.
-    core::mem::forget(Output::new(p.PD14, Level::Low, Speed::Low));
-    let coil = outputs::Coil::new(p.TIM8, p.PC6);
-    let actuator = outputs::Actuator::new(p.TIM1, p.PE9, p.PE11);
-    let arm = outputs::Arm::new(p.TIM4, p.PD15);
-    // The drivers have enabled their main outputs, at a duty of nothing.
-    interlock::outputs_off();
+    Start { p, reset_cause, external }
+}
 
+/// From here on a sagging supply and a lost clock end the run; told once the outputs are off.
+fn guard(reset_cause: ResetCause, external: bool) {
     supply::guard();
     tell_start(reset_cause, external);
     if external {
         clock::guard();
     }
-    let usb_pin = if external && !revision::is_old() {
-        Some(p.PA12)
-    } else {
-        revision::quieten(p.PA12);
-        None
-    };
+}
 
-    let config = BoardConfig::default();
-    let fast = FastLoop::new(&config.circuit, &config.shunt, config.safety.coil_a);
-    FAST.lock(|cell| cell.replace(Some(fast)));
-
-    static BOARD: StaticCell<Board<BoardFlash>> = StaticCell::new();
-    let identity = Identity {
-        unique_id: embassy_stm32::uid::uid(),
-        reset_cause,
-        build: identity::build(),
-        last_run: record::last_run(),
-    };
-    let board = BOARD.init_with(|| Board::new(config, BoardFlash::take(p.FLASH), identity));
-    if usb_pin.is_none() {
-        board.latch(Fault::UsbOff);
+/// USB's pin, where USB and this chip go together; else kept still.
+fn usb_pin(pin: Peri<'static, PA12>, external: bool) -> Option<Peri<'static, PA12>> {
+    if external && !revision::is_old() {
+        return Some(pin);
     }
+    revision::quieten(pin);
+    None
+}
 
-    let panel = panel::Panel::new(p.PB0, p.PB7, p.PB14, p.PC13);
-
-    interrupt::UART5.set_priority(Priority::P6);
-    let sampling = sampling::Sampling::new(
-        adc::Adc::new(p.ADC1),
-        p.DMA2_CH0,
-        p.TIM3,
-        sampling::Pins {
-            load_cell: p.PA3,
-            fsr: p.PC0,
-            potentiometer: p.PC3,
-            probe_position: p.PC2,
-            coil_current: p.PB1,
-        },
-    );
-    let usb = usb_pin.map(|pin| usb::start(p.USB_OTG_FS, pin, p.PA11));
-    let uart = serial::start(p.USART3, p.PD9, p.PD8);
-
-    let absent: &[Task] = match (&usb, &uart) {
-        (Some(_), Some(_)) => &[],
-        (None, Some(_)) => &[Task::UsbSend],
-        (Some(_), None) => &[Task::UartReceive, Task::UartSend],
-        (None, None) => &[Task::UsbSend, Task::UartReceive, Task::UartSend],
-    };
-    interlock::start(p.TIM7, p.IWDG, absent);
-    let spawned = (|| {
-        SAMPLING.start(interrupt::UART5).spawn(sampling::run(sampling, coil)?);
-        match usb {
-            Some(usb) => {
-                spawner.spawn(usb::device(usb.device)?);
-                spawner.spawn(usb::receive(usb.receiver)?);
-                spawner.spawn(usb::send(usb.sender)?);
-            }
-            None => spawner.spawn(usb::absent()?),
-        }
-        // Without a UART (its baud rate cannot be wrong here) USB alone still serves.
-        if let Some((tx, rx)) = uart {
-            spawner.spawn(serial::receive(rx)?);
-            spawner.spawn(serial::send(tx)?);
-        }
-        spawner.spawn(control::run(board, actuator, arm, panel)?);
-        Ok::<(), embassy_executor::SpawnError>(())
-    })();
-    if spawned.is_err() {
-        // Each task has one place and is spawned once, so this cannot be; without tasks nothing may run.
-        interlock::outputs_off();
-        defmt::error!("a task could not be started");
+/// The links as they are: what has none is not watched.
+fn absent(usb: bool, uart: bool) -> &'static [Task] {
+    match (usb, uart) {
+        (true, true) => &[],
+        (false, true) => &[Task::UsbSend],
+        (true, false) => &[Task::UartReceive, Task::UartSend],
+        (false, false) => &[Task::UsbSend, Task::UartReceive, Task::UartSend],
     }
+}
+
+/// Spawns the tasks of the links.
+fn spawn_links(
+    spawner: Spawner,
+    usb: Option<usb::Usb>,
+    uart: Option<serial::Halves>,
+) -> Result<(), embassy_executor::SpawnError> {
+    match usb {
+        Some(usb) => {
+            spawner.spawn(usb::device(usb.device)?);
+            spawner.spawn(usb::receive(usb.receiver)?);
+            spawner.spawn(usb::send(usb.sender)?);
+        }
+        None => spawner.spawn(usb::absent()?),
+    }
+    // Without a UART (its baud rate cannot be wrong here) USB alone still serves.
+    if let Some((tx, rx)) = uart {
+        spawner.spawn(serial::receive(rx)?);
+        spawner.spawn(serial::send(tx)?);
+    }
+    Ok(())
+}
+
+/// Each task has one place and is spawned once, so none can fail to start; without tasks nothing may run.
+fn refuse_to_run() {
+    interlock::outputs_off();
+    defmt::error!("a task could not be started");
 }

@@ -2,10 +2,10 @@
 //! ticks, LD2 (PB7, blue) is lit while outputs are on, LD3 (PB14, red) while a fault is latched. B1 (PC13) stops
 //! what is under way, as `palpate board mode idle` does.
 
+use crate::interlock::Power;
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::peripherals::{PB0, PB7, PB14, PC13};
-use firmware::interlock::Power;
 
 /// Ticks between two changes of the green lamp: it blinks once a second.
 const BLINK_TICKS: u32 = 25;

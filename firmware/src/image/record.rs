@@ -1,12 +1,12 @@
-//! The record of this run in RAM, and that of the last one ([`firmware::trace`]).
+//! The record of this run in RAM, and that of the last one ([`crate::trace`]).
 #![allow(unsafe_code)]
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use crate::trace::{End, Last, Trace};
 use embassy_sync::once_lock::OnceLock;
 use embassy_time::Instant;
-use firmware::trace::{End, Last, Trace};
 use protocol::message::{LastRun, State, StateChange};
 
 /// Not cleared by a reset, and not by the start.

@@ -6,15 +6,15 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use crate::fast::FAST_HZ;
+use crate::interlock::Task;
+use crate::sensor::RawSamples;
 use embassy_stm32::adc::{Adc, AdcChannel, Exten, RingBufferedAdc, SampleTime};
 use embassy_stm32::peripherals::{ADC1, DMA2_CH0, PA3, PB1, PC0, PC2, PC3, TIM3};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::low_level::{MasterMode, RoundTo, Timer};
 use embassy_stm32::{Peri, pac, triggers};
 use embassy_time::{Duration, with_timeout};
-use firmware::fast::FAST_HZ;
-use firmware::interlock::Task;
-use firmware::sensor::RawSamples;
 use static_cell::StaticCell;
 
 use super::outputs::Coil;
@@ -50,7 +50,7 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// Prepares both; [`run`] lets them go.
+    /// Prepares both; [`Sampling::begin`] lets them go.
     pub fn new(adc: Adc<'static, ADC1>, dma: Peri<'static, DMA2_CH0>, timer: Peri<'static, TIM3>, pins: Pins) -> Self {
         static RING: StaticCell<[u16; 2 * HALF]> = StaticCell::new();
         // 84 + 12 clocks of 21 MHz a channel: 23 us a scan.
@@ -76,10 +76,26 @@ impl Sampling {
         Sampling { ring, trigger }
     }
 
-    /// The ring first: a scan that finds its stream off overruns the converter.
-    fn begin(&mut self) {
+    /// Lets them go. The ring first: a scan that finds its stream off overruns the converter.
+    pub fn begin(&mut self) {
         self.ring.start();
         self.trigger.start();
+    }
+
+    /// The mean of the next millisecond; `None`, and [`OVERRUN`] set, if the ring overran or no reading came for
+    /// [`PATIENCE`]: then the converter has been started anew.
+    pub async fn next(&mut self) -> Option<RawSamples> {
+        let mut half = [0u16; HALF];
+        match with_timeout(PATIENCE, self.ring.read(&mut half)).await {
+            Ok(Ok(_)) => return Some(mean(&half)),
+            Ok(Err(_)) => defmt::warn!("converter ring overran"),
+            Err(_) => {
+                defmt::error!("no readings for 5 ms, converter restarted");
+                self.restart();
+            }
+        }
+        OVERRUN.store(true, Ordering::Relaxed);
+        None
     }
 
     /// After a stop of the converter (its overrun flag blocks DMA): starts converter and ring from their beginnings.
@@ -125,28 +141,14 @@ fn mean(half: &[u16; HALF]) -> RawSamples {
 /// converter that says nothing for 5 ms.
 #[embassy_executor::task]
 pub async fn run(mut sampling: Sampling, mut coil: Coil) -> ! {
-    let mut half = [0u16; HALF];
     sampling.begin();
     loop {
-        match with_timeout(PATIENCE, sampling.ring.read(&mut half)).await {
-            Ok(Ok(_)) => {
-                let raw = mean(&half);
-                let duty = FAST.lock(|cell| cell.borrow_mut().as_mut().map_or(0.0, |fast| fast.step(&raw)));
-                coil.set(duty);
-            }
-            Ok(Err(_)) => {
-                // Whatever the current is now, nobody has looked at it.
-                coil.set(0.0);
-                OVERRUN.store(true, Ordering::Relaxed);
-                defmt::warn!("converter ring overran");
-            }
-            Err(_) => {
-                coil.set(0.0);
-                OVERRUN.store(true, Ordering::Relaxed);
-                defmt::error!("no readings for 5 ms, converter restarted");
-                sampling.restart();
-            }
-        }
+        // Without a reading nobody has looked at the current, whatever it is now.
+        let duty = match sampling.next().await {
+            Some(raw) => FAST.lock(|cell| cell.borrow_mut().as_mut().map_or(0.0, |fast| fast.step(&raw))),
+            None => 0.0,
+        };
+        coil.set(duty);
         // Readings or not: that none come is latched as a fault; a reset would not bring a dead converter back.
         interlock::turn(Task::Sampling);
     }

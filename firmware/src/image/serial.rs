@@ -1,12 +1,12 @@
 //! UART link: USART3 to the ST-LINK's virtual serial port, 115200 8N1.
 
+use crate::interlock::Task;
+use crate::link::LinkId;
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::{PD8, PD9, USART3};
 use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
 use embassy_time::{Duration, Instant, with_timeout};
 use embedded_io_async::{Read, Write};
-use firmware::interlock::Task;
-use firmware::link::LinkId;
 use static_cell::StaticCell;
 
 use super::{Irqs, PACKET_LEN, Packet, RECEIVED, TO_UART, interlock};
@@ -20,7 +20,8 @@ const STUCK: Duration = Duration::from_millis(200);
 /// Time for 23 bytes. The driver (embassy-stm32 0.6.0) does not wake a writer that waits for room in its buffer, so it is asked again.
 const ROOM: Duration = Duration::from_millis(2);
 
-type Halves = (BufferedUartTx<'static>, BufferedUartRx<'static>);
+/// Transmitter and receiver.
+pub type Halves = (BufferedUartTx<'static>, BufferedUartRx<'static>);
 
 pub fn start(uart: Peri<'static, USART3>, rx: Peri<'static, PD9>, tx: Peri<'static, PD8>) -> Option<Halves> {
     static TX: StaticCell<[u8; 256]> = StaticCell::new();

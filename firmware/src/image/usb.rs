@@ -1,13 +1,13 @@
 //! USB link: a CDC-ACM serial port on the full-speed device (PA11, PA12).
 
+use crate::interlock::Task;
+use crate::link::LinkId;
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::{PA11, PA12, USB_OTG_FS};
 use embassy_stm32::usb::{Config as OtgConfig, Driver};
 use embassy_time::{Duration, with_timeout};
 use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
 use embassy_usb::{Builder, Config, UsbDevice};
-use firmware::interlock::Task;
-use firmware::link::LinkId;
 use static_cell::StaticCell;
 
 use super::{Irqs, PACKET_LEN, Packet, RECEIVED, TO_USB, interlock};

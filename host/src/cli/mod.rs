@@ -21,6 +21,7 @@ pub mod monitor;
 pub mod plan;
 pub mod press;
 pub mod progress;
+pub mod selftest;
 pub mod simulate;
 pub mod study;
 pub mod sweep;
@@ -54,6 +55,8 @@ enum Command {
     Press(press::Arguments),
     /// Write firmware and table through a debug probe
     Flash(flash::Arguments),
+    /// Test a bare NUCLEO with three wires: chip, converter, flash, interlock, watchdog, links
+    Selftest(selftest::Arguments),
     /// Look at recordings and write the experiment.toml that reads them
     Init(init::Arguments),
     /// Find a material's parameters in indentation recordings
@@ -88,6 +91,7 @@ pub fn main() -> ExitCode {
         Command::Board(arguments) => board::run(&arguments),
         Command::Press(arguments) => press::run(&arguments).map(|told| status = told),
         Command::Flash(arguments) => flash::run(&arguments),
+        Command::Selftest(arguments) => selftest::run(&arguments).map(|told| status = told),
         Command::Init(arguments) => init::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),

@@ -55,16 +55,29 @@ fn listed(ports: &[Port], none: &str, some: &str) -> String {
 /// [`FindError`] when there is none, or more than one of the kind.
 pub fn find(ports: &[Port]) -> Result<&Port, FindError> {
     let own = |port: &&Port| port.usb == Some(BOARD);
-    let probe = |port: &&Port| port.usb.is_some_and(|(vendor, product)| vendor == ST && ST_LINKS.contains(&product));
-    let mut found: Vec<&Port> = ports.iter().filter(own).collect();
-    if found.is_empty() {
-        found = ports.iter().filter(probe).collect();
+    let found: Vec<&Port> = ports.iter().filter(own).collect();
+    match found[..] {
+        [one] => Ok(one),
+        [] => find_uart(ports),
+        _ => Err(FindError::Several(found.into_iter().cloned().collect())),
     }
+}
+
+/// The port of the one debug probe among `ports`: the UART of its board.
+///
+/// # Errors
+/// [`FindError`] when there is none, or more than one.
+pub fn find_uart(ports: &[Port]) -> Result<&Port, FindError> {
+    let found: Vec<&Port> = ports.iter().filter(|port| is_probe(port)).collect();
     match found[..] {
         [one] => Ok(one),
         [] => Err(FindError::None(ports.to_vec())),
         _ => Err(FindError::Several(found.into_iter().cloned().collect())),
     }
+}
+
+fn is_probe(port: &Port) -> bool {
+    port.usb.is_some_and(|(vendor, product)| vendor == ST && ST_LINKS.contains(&product))
 }
 
 /// The serial ports of this computer.
@@ -114,6 +127,7 @@ mod tests {
         let other = port("/dev/ttyUSB0", (0x0403, 0x6001), "FT1");
         assert_eq!(find(&[built_in(), probe.clone(), other.clone(), own.clone()]), Ok(&own));
         assert_eq!(find(&[other.clone(), probe.clone(), built_in()]), Ok(&probe));
+        assert_eq!(find_uart(&[own.clone(), probe.clone()]), Ok(&probe));
         // A probe of ST without a serial port, and a converter of another maker, are none.
         assert!(find(&[port("/dev/ttyACM0", (0x0483, 0x3748), "1"), other]).is_err());
     }

@@ -77,6 +77,9 @@ pub enum SessionError {
 
 fn version_text(board: &str, answer: &rescue::Answer) -> String {
     let [major, minor, patch] = answer.firmware_version;
+    if answer.schema_hash_low == protocol::selftest::SCHEMA_HASH as u32 {
+        return format!("{board} runs the self-test program: `palpate flash ELF` puts the firmware back");
+    }
     let who = format!("{board} runs firmware {major}.{minor}.{patch}");
     if answer.protocol_version == PROTOCOL_VERSION {
         format!(

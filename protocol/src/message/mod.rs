@@ -20,7 +20,7 @@ pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor, Su
 pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
 pub use telemetry::{FaultReport, Raw, Telemetry};
 
-use crate::wire::{FNV_BASIS, Wire, fold, fold_number, wire};
+use crate::wire::{FNV_BASIS, Wire, fold, fold_number, messages, wire};
 
 wire! {
     /// No content.
@@ -115,64 +115,8 @@ impl Refusal {
     }
 }
 
-/// Declares the table: the enumeration, its numbers, encoding, decoding and the schema hash.
-macro_rules! messages {
-    ($($(#[$outer:meta])* pub enum $set:ident { $($(#[$doc:meta])* $kind:literal $name:ident($body:ty),)* })*) => {
-        $(
-            $(#[$outer])*
-            #[derive(Debug, Clone, PartialEq)]
-            pub enum $set { $($(#[$doc])* $name($body),)* }
-
-            impl $set {
-                /// Number and name of every message of this direction.
-                pub const TABLE: &'static [(u8, &'static str)] = &[$(($kind, stringify!($name)),)*];
-
-                /// Number of this message's kind.
-                pub const fn kind(&self) -> u8 {
-                    match self { $(Self::$name(_) => $kind,)* }
-                }
-
-                /// Writes the body into `buffer`; returns the used part.
-                ///
-                /// # Errors
-                /// `SerializeBufferFull` when `buffer` is too short.
-                pub fn encode<'b>(&self, buffer: &'b mut [u8]) -> Result<&'b mut [u8], postcard::Error> {
-                    match self { $(Self::$name(body) => postcard::to_slice(body, buffer),)* }
-                }
-
-                /// Reads a message of kind `kind` from `body`. Bytes left over are an error.
-                ///
-                /// # Errors
-                /// [`DecodeError::Unknown`] for a number not in the table of this direction,
-                /// [`DecodeError::Malformed`] for a body that is not one of this kind.
-                pub fn decode(kind: u8, body: &[u8]) -> Result<Self, DecodeError> {
-                    match kind {
-                        $($kind => match postcard::take_from_bytes::<$body>(body) {
-                            Ok((value, [])) => Ok(Self::$name(value)),
-                            _ => Err(DecodeError::Malformed { kind }),
-                        },)*
-                        _ => Err(DecodeError::Unknown { kind }),
-                    }
-                }
-            }
-        )*
-
-        /// Fingerprint of the whole table: numbers, names, the shape of every body with all types inside, and the longest body.
-        pub const SCHEMA_HASH: u64 = {
-            let mut hash = FNV_BASIS;
-            $($(
-                hash = fold(hash, stringify!($kind));
-                hash = fold(hash, stringify!($name));
-                hash = fold_number(hash, <$body as Wire>::SHAPE);
-            )*)*
-            // A longer body would be refused by the other side's frames.
-            hash = fold_number(hash, crate::frame::MAX_BODY as u64);
-            hash
-        };
-    };
-}
-
 messages! {
+    SCHEMA_HASH;
     /// From host to board.
     pub enum Request {
         /// Who are you? Answered by [`Report::Hello`].

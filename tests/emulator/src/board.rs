@@ -9,6 +9,7 @@ use palpate::plant::{Bench, Broken, Foam, Input, Jitter, Touch};
 use crate::chip::{FLASH_BASE, Pins, Reset};
 use crate::core::{Core, CoreError, Deed, Trap};
 use crate::elf::{ElfError, Image};
+use crate::jumpers::Jumpers;
 use crate::surroundings::{SharedBench, Surroundings};
 use crate::time::{MICROSECOND, MILLISECOND, Time, seconds};
 
@@ -81,6 +82,17 @@ impl EmulatedBoard {
     pub fn new(image: Image, seed: u64, jitter: Jitter, lsi_hz: u64) -> Result<Self, EmulatorError> {
         let bench = Rc::new(RefCell::new(Bench::new(seed, jitter)));
         let core = Core::new(&image, Box::new(Surroundings::new(Rc::clone(&bench))), lsi_hz)?;
+        Ok(EmulatedBoard { image, core, bench })
+    }
+
+    /// A bare NUCLEO with wires from pin to pin, and no bench.
+    ///
+    /// # Errors
+    /// [`EmulatorError`].
+    pub fn bare(image: Image, jumpers: Jumpers, lsi_hz: u64) -> Result<Self, EmulatorError> {
+        let core = Core::new(&image, Box::new(jumpers), lsi_hz)?;
+        // Stays unconnected.
+        let bench = Rc::new(RefCell::new(Bench::new(0, Jitter::NONE)));
         Ok(EmulatedBoard { image, core, bench })
     }
 

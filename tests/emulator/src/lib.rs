@@ -9,6 +9,7 @@ pub mod chip;
 pub mod core;
 pub mod debug;
 pub mod elf;
+pub mod jumpers;
 pub mod link;
 pub mod server;
 pub mod surroundings;

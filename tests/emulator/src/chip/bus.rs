@@ -1,6 +1,8 @@
 //! Which register answers at which address (RM0090 table 1).
 
 use super::Chip;
+use super::gpio::IDR;
+use super::timer::Timer;
 
 impl Chip {
     /// The program has written to flash, whose word there was `old`.
@@ -26,7 +28,7 @@ impl Chip {
             0x4001_0400 => self.tim8.read(offset, now),
             0x4001_2000 => self.adc.read(offset),
             0x4001_3c00 => self.exti.read(offset),
-            port @ 0x4002_0000..0x4002_2c00 => self.ports[(port - 0x4002_0000) as usize / 0x400].read(offset),
+            port @ 0x4002_0000..0x4002_2c00 => self.read_port((port - 0x4002_0000) as usize / 0x400, offset),
             0x4002_3800 => self.rcc.read(offset),
             0x4002_3c00 => self.flash.read(offset, now),
             0x4002_6400 => self.dma2.read(offset),
@@ -35,6 +37,19 @@ impl Chip {
             0xe000_e000..0xe000_f000 => self.nvic.read((address - 0xe000_e000) as usize),
             _ => 0,
         }
+    }
+
+    /// A register of a port; levels with what the timers drive (pins of the image: PC6, PD15, PE9, PE11).
+    fn read_port(&self, number: usize, offset: usize) -> u32 {
+        let port = &self.ports[number];
+        let high = |timer: &Timer, channel, pin| u32::from(timer.is_high(channel, self.now)) << pin;
+        let driven = match (number, offset) {
+            (2, IDR) => high(&self.tim8, 0, 6),
+            (3, IDR) => high(&self.tim4, 3, 15),
+            (4, IDR) => high(&self.tim1, 0, 9) | high(&self.tim1, 1, 11),
+            _ => 0,
+        };
+        port.read(offset) | port.alternate(driven)
     }
 
     /// Sets the register at an address, which is word-aligned.

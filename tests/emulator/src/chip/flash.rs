@@ -91,6 +91,12 @@ impl Flash {
         }
     }
 
+    /// Sets the option bytes, as a programmer does.
+    pub fn set_options(&mut self, options: u32) {
+        self.options = options;
+        self.optcr = options | OPTLOCK;
+    }
+
     /// Puts the registers to their reset values.
     pub fn reset(&mut self) {
         let Flash { operations, violations, options, broken, .. } = *self;

@@ -11,13 +11,19 @@ pub struct Port {
 
 const MODER: usize = 0x00;
 const ODR: usize = 0x14;
-const IDR: usize = 0x10;
+/// Levels of the pins.
+pub const IDR: usize = 0x10;
 const BSRR: usize = 0x18;
 
 impl Port {
     /// True if the pin is a general-purpose output that is driven high.
     pub fn high(&self, pin: u32) -> bool {
         self.words[MODER / 4] >> (2 * pin) & 3 == 1 && self.output >> pin & 1 != 0
+    }
+
+    /// The pins of `levels` that are given to a peripheral (alternate function).
+    pub fn alternate(&self, levels: u32) -> u32 {
+        (0..16).filter(|pin| self.words[MODER / 4] >> (2 * pin) & 3 == 2).map(|pin| levels & 1 << pin).sum()
     }
 
     /// Drives a pin from outside, high or low.

@@ -230,6 +230,11 @@ impl Chip {
         self.flash.options
     }
 
+    /// Sets brown-out level 3, as a setup does.
+    pub fn set_brown_out_3(&mut self) {
+        self.flash.set_options(self.flash.options & !0b1100);
+    }
+
     /// Injected fault: no program or erase succeeds any more.
     pub fn set_flash_broken(&mut self, broken: bool) {
         self.flash.broken = broken;

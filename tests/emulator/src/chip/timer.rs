@@ -168,6 +168,11 @@ impl Timer {
         if on && enabled { high.min(1.0) } else { 0.0 }
     }
 
+    /// True while output `channel` (0 to 3) drives its pin high (PWM mode 1).
+    pub fn is_high(&self, channel: usize, now: Time) -> bool {
+        self.duty(channel) > 0.0 && self.count(now) < u64::from(self.words[CCR1 / 4 + channel])
+    }
+
     /// Value of a register.
     pub fn read(&mut self, offset: usize, now: Time) -> u32 {
         self.sync(now);

@@ -6,9 +6,11 @@ use crate::chip::{Change, FLASH_BASE, FLASH_LEN, NMI};
 
 use super::{Core, CoreError, RAM_BASE, RAM_LEN, Shared};
 
-/// Page of the factory data: unique number (RM0090 section 39).
+/// Page of the factory data: unique number, size of the flash, calibration of the reference (RM0090 section 39, data sheet).
 const SYSTEM: u64 = 0x1fff_7000;
 const UNIQUE_ID: u64 = 0x1fff_7a10;
+const FLASH_SIZE: u64 = 0x1fff_7a22;
+const REFERENCE_AT_3V3: u64 = 0x1fff_7a2a;
 
 /// Ranges of registers: APB and AHB1, USB, private peripheral bus.
 const REGISTERS: [(u64, u64); 3] = [(0x4000_0000, 0x8_0000), (0x5000_0000, 0x4_0000), (0xe000_0000, 0x10_0000)];
@@ -19,6 +21,9 @@ pub(super) fn map(uc: &mut Unicorn<'static, Shared>) -> Result<(), uc_error> {
     uc.mem_map(RAM_BASE.into(), RAM_LEN as u64, Prot::ALL)?;
     uc.mem_map(SYSTEM, 0x1000, Prot::READ)?;
     uc.mem_write(UNIQUE_ID, b"palpate-emu\0")?;
+    uc.mem_write(FLASH_SIZE, &((FLASH_LEN / 1024) as u16).to_le_bytes())?;
+    // 1.21 V of 3.3 V in codes of 12 bit.
+    uc.mem_write(REFERENCE_AT_3V3, &1502_u16.to_le_bytes())?;
     for (base, length) in REGISTERS {
         let read = move |uc: &mut Unicorn<'_, Shared>, offset: u64, size: usize| {
             settle(uc);

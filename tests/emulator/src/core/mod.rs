@@ -275,7 +275,8 @@ impl Core {
             return Ok(());
         }
         if faulted.is_some() || breakpoint || result.is_err() {
-            self.chip_mut().nvic.set_fault_status(fault_status(faulted));
+            let undefined = (result == Err(uc_error::INSN_INVALID)).then_some(UNDEFINED);
+            self.chip_mut().nvic.set_fault_status(fault_status(undefined.or(faulted)));
             return self.fault();
         }
         if trapped {

@@ -26,6 +26,11 @@ pub fn image_path() -> PathBuf {
     std::env::var_os("PALPATE_IMAGE").map_or_else(|| built("palpate-board"), PathBuf::from)
 }
 
+/// Where the self-test program is.
+pub fn selftest_path() -> PathBuf {
+    std::env::var_os("PALPATE_SELFTEST").map_or_else(|| built("selftest"), PathBuf::from)
+}
+
 /// Where the identification alone is.
 pub fn bits_path() -> PathBuf {
     std::env::var_os("PALPATE_BITS").map_or_else(|| built("bits"), PathBuf::from)
