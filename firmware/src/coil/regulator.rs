@@ -145,5 +145,10 @@ mod tests {
         }
         // Current arrives above target: the duty must leave its limit at once.
         assert!(pi.step(&mut state, 2.5, 2.9) < 0.98);
+        // Nor at the duty that the hottest coil needs for a smaller target.
+        for _ in 0..10_000 {
+            pi.step(&mut state, 1.0, 0.0);
+        }
+        assert!(pi.step(&mut state, 1.0, 1.1) < 1.65 * 13.0 / 36.0);
     }
 }

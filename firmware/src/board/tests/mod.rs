@@ -1,5 +1,6 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod coil;
 mod end_stop;
 mod hazards;
 mod holders;
