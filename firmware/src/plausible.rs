@@ -175,6 +175,32 @@ mod tests {
     }
 
     #[test]
+    fn two_bad_readings_between_good_ones_are_no_contradiction() {
+        let mut state = Plausible::default();
+        for i in 0..60 {
+            let mm = 20.0 - 0.08 * i as f32;
+            assert_eq!(step(&mut state, mm, 1.0, Some(0.01)), Contradiction::default());
+        }
+        for i in 60..69 {
+            let mm = 20.0 - 0.08 * i as f32;
+            let (probe_mm, force_n) = if i % 3 < 2 { (mm + 5.0, 0.5) } else { (mm, 1.0) };
+            assert_eq!(step(&mut state, probe_mm, force_n, Some(0.01)), Contradiction::default(), "{i}");
+        }
+    }
+
+    /// What a cell that was not tared reads in the air is the least that a press may read.
+    #[test]
+    fn a_load_cell_that_begins_at_a_newton_and_sinks_is_found_above_its_tared_zero() {
+        let mut state = Plausible::default();
+        for i in 0..20 {
+            assert_eq!(step(&mut state, 20.0 - 0.08 * i as f32, 1.0, None), Contradiction::default());
+        }
+        let found = (1..100).find(|i| step(&mut state, 18.4 - 0.08 * *i as f32, 0.5, None).force_n.is_some());
+        // Four readings until the smoothed one has lost a quarter of a newton, and two more.
+        assert_eq!(found, Some(6));
+    }
+
+    #[test]
     fn a_force_that_fades_in_contact_is_found_in_a_tenth_of_a_second() {
         // 5 N, then a bare pin: to -0.5 N with 1.25 s.
         let mut state = Plausible::default();

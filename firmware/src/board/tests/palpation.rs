@@ -1,5 +1,6 @@
 use super::*;
 use crate::testbed::LIBRARY;
+use protocol::message::Surface;
 
 fn palpate(bench: &mut Bench, foam: Foam, rate_mm_s: f32) -> protocol::message::Verdict {
     bench.foam = Some(foam);
@@ -59,6 +60,42 @@ fn nothing_under_the_probe_is_no_contact() {
     assert!(bench.probe_mm >= 1.0);
 }
 
+/// A table that knows no height has no lowest surface: the travel ends 1 mm above the base.
+#[test]
+fn without_a_lowest_surface_a_press_ends_at_the_end_of_the_travel() {
+    let mut bank = vec![0xff; BANK_LEN];
+    let table = crate::testbed::expanded_table(12.7);
+    bank[..table.len()].copy_from_slice(&table);
+    let mut bench = Bench::with_flash(bank, ResetCause::PowerOn);
+    bench.probe_mm = 3.0;
+    bench.mode(PALPATE);
+    bench.run_until(100, |b| b.board.state() == State::Retract);
+    // A tick of 0.08 mm.
+    let lowest_mm = bench.board.measured().probe_mm;
+    assert!((0.92..=1.0).contains(&lowest_mm), "{lowest_mm} mm");
+}
+
+#[test]
+fn a_stated_surface_is_of_one_press() {
+    let mut bench = Bench::new();
+    (bench.probe_mm, bench.home_mm) = (17.0, 17.0);
+    bench.accept(&Request::ExpectSurface(Surface { height_mm: 15.9 }));
+    assert_eq!(palpate(&mut bench, LIBRARY[0], 4.0).outcome, Outcome::NoContact);
+    assert_eq!(palpate(&mut bench, LIBRARY[0], 4.0).outcome, Outcome::Identified);
+}
+
+#[test]
+fn a_surface_is_stated_with_outputs_off_and_within_the_travel() {
+    let mut bench = Bench::new();
+    let stated = |height_mm: f32| Request::ExpectSurface(Surface { height_mm });
+    for height_mm in [-5.0, 0.0, 1.0, 90.0, f32::NAN, f32::INFINITY] {
+        assert_eq!(bench.refusal(&stated(height_mm)), Refusal::OutOfRange, "{height_mm} mm");
+    }
+    bench.accept(&stated(20.0));
+    bench.mode(PALPATE);
+    assert_eq!(bench.refusal(&stated(20.0)), Refusal::Busy);
+}
+
 #[test]
 fn idle_stops_a_palpation_and_the_arm_returns_at_once() {
     let mut bench = Bench::new();
@@ -78,7 +115,9 @@ fn requests_that_cannot_be_carried_out_are_refused_with_the_reason() {
     let mut bench = Bench::blank();
     assert_eq!(bench.refusal(&set_mode(PALPATE)), Refusal::NoTable);
     let mut bench = Bench::new();
-    for (rate_mm_s, depth_mm) in [(0.5, 3.0), (8.0, 3.0), (2.0, 4.5), (2.0, 0.1), (f32::NAN, 3.0), (2.0, f32::NAN)] {
+    for (rate_mm_s, depth_mm) in
+        [(0.5, 3.0), (0.99, 3.0), (4.01, 3.0), (8.0, 3.0), (2.0, 4.5), (2.0, 0.1), (f32::NAN, 3.0), (2.0, f32::NAN)]
+    {
         let mode = Mode::Palpate { rate_mm_s, depth_mm };
         assert_eq!(bench.refusal(&set_mode(mode)), Refusal::OutOfRange, "{rate_mm_s} {depth_mm}");
     }

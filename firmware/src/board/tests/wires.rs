@@ -103,6 +103,32 @@ fn a_load_cell_that_comes_off_never_lets_the_ball_press_with_ten_newtons() {
     }
 }
 
+/// A wire that comes off in contact, at a pin that comes to rest at a newton: a force that a press could have, but
+/// not one that it falls to.
+#[test]
+fn a_force_that_falls_in_contact_ends_the_press_before_its_depth() {
+    let off = Off { channel: LOAD_CELL, pin: Pin::Bare { leak: 0.15 }, off_mm: -2.0, expected: false };
+    let (_, deepest_mm, faults) = press(STIFF, &off);
+    assert!(deepest_mm < 3.2 && faults == [Fault::ForceImplausible], "{deepest_mm} mm {faults:?}");
+}
+
+#[test]
+fn a_glitch_that_no_reading_follows_is_one_reading_and_no_contradiction() {
+    let mut bench = Bench::new();
+    bench.foam = Some(STIFF);
+    bench.probe_mm = 14.0;
+    bench.mode(PALPATE);
+    bench.run_until(200, |b| b.board.state() == State::Contact && b.board.measured().load_cell_n > 1.0);
+    let glitch: fn(&mut Inputs) = |i| i.raw.load_cell = 0.12;
+    for spoil in [glitch, |i| i.fresh = false, |i| i.fresh = false] {
+        bench.spoil = spoil;
+        bench.tick();
+    }
+    bench.spoil = |_| {};
+    bench.ticks(5);
+    assert_eq!((bench.faults(), bench.board.state()), (vec![], State::Contact));
+}
+
 /// The same beneath the lowest surface that the table serves: 12.7 mm less 2 mm, without a word of the host.
 #[test]
 fn a_press_without_contact_ends_below_the_lowest_surface_of_the_table() {
