@@ -106,6 +106,16 @@ mod tests {
     }
 
     #[test]
+    fn every_mask_of_parts_reads_back() {
+        for bits in 0..8 {
+            let is = |bit: u8| bits & 1 << bit != 0;
+            let fitted = Fitted { palpator: is(0), actuator: is(1), coil: is(2) };
+            let setup = Setup { calibration: DEFAULT_CALIBRATION, fitted };
+            assert_eq!(latest(&record(&setup).unwrap()), Some(setup));
+        }
+    }
+
+    #[test]
     fn one_record_is_checked_and_not_the_places_behind_it() {
         let mut region = vec![0xff; 2048 * RECORD_LEN];
         region[..RECORD_LEN].copy_from_slice(&record(&with_zero(0.1)).unwrap());

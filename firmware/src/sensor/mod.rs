@@ -186,6 +186,47 @@ mod tests {
         assert!(!with(|c| c.fsr.offset = f32::INFINITY));
     }
 
+    /// Half to double the default's sensitivities, and zeros as near as the limits can bear.
+    #[test]
+    fn every_number_of_a_calibration_is_bounded() {
+        type Number = fn(&mut Calibration) -> &mut f32;
+        let usable = |number: Number, x: f32| {
+            let mut c = DEFAULT_CALIBRATION;
+            *number(&mut c) = x;
+            calibration_is_usable(&c)
+        };
+        let sensitivities: [Number; 7] = [
+            |c| &mut c.load_cell.n_per_ratio,
+            |c| &mut c.fsr.slope,
+            |c| &mut c.fsr.divider_kohm,
+            |c| &mut c.potentiometer.slope,
+            |c| &mut c.potentiometer.offset,
+            |c| &mut c.potentiometer.divider_kohm,
+            |c| &mut c.probe.mm_per_ratio,
+        ];
+        for (i, number) in sensitivities.into_iter().enumerate() {
+            let own = *number(&mut DEFAULT_CALIBRATION.clone());
+            for by in [0.51, 1.99] {
+                assert!(usable(number, by * own), "{i}: {by}");
+            }
+            for by in [0.49, 2.01, -1.0, 0.0, f32::NAN, f32::INFINITY] {
+                assert!(!usable(number, by * own), "{i}: {by}");
+            }
+        }
+        let zeros: [(Number, f32); 3] = [
+            (|c| &mut c.load_cell.zero_ratio, 0.08),
+            (|c| &mut c.probe.zero_ratio, 0.1),
+            (|c| &mut c.fsr.offset, 0.05),
+        ];
+        for (i, (number, by)) in zeros.into_iter().enumerate() {
+            let own = *number(&mut DEFAULT_CALIBRATION.clone());
+            assert!(usable(number, own + 0.99 * by) && usable(number, own - 0.99 * by), "{i}");
+            for off in [1.01 * by, -1.01 * by, f32::NAN, f32::INFINITY] {
+                assert!(!usable(number, own + off), "{i}: {off}");
+            }
+        }
+    }
+
     #[test]
     fn rails_and_nan_are_at_the_rail() {
         for ratio in [0.0, 0.005, 0.995, 1.0, f32::NAN] {

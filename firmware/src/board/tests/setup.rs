@@ -85,6 +85,59 @@ fn what_is_stored_already_is_not_written_again() {
     assert_eq!(written, [1, 0, 0, 0, 1]);
 }
 
+/// A host that tares again and again finds a little noise each time.
+#[test]
+fn a_zero_that_has_moved_by_noise_alone_is_not_written() {
+    let mut bench = Bench::new();
+    bench.tick();
+    bench.accept(&Request::SetCalibration(DEFAULT_CALIBRATION));
+    let before = bench.board.store().operations();
+    for spoil in [|i: &mut Inputs| i.raw.load_cell += 1e-5, |i: &mut Inputs| i.raw.load_cell -= 1e-5] {
+        bench.spoil = spoil;
+        bench.tick();
+        bench.accept(&Request::Tare(Empty {}));
+    }
+    assert_eq!(bench.board.store().operations(), before);
+}
+
+#[test]
+fn a_setup_that_cannot_be_stored_changes_nothing() {
+    let mut bench = Bench::new();
+    bench.tick();
+    bench.board.store_mut().set_power(crate::flash::PowerCut::After(0));
+    let mut calibration = DEFAULT_CALIBRATION;
+    calibration.load_cell.n_per_ratio = 12.0;
+    for request in [Request::SetCalibration(calibration), Request::SetFitted(DISPLAY_ALONE)] {
+        assert_eq!(bench.refusal(&request), Refusal::FlashFailed);
+    }
+    let told = status(&mut bench);
+    assert_eq!((told.calibration, told.fitted), (CalibrationState::Default, ALL_FITTED));
+    assert_eq!(bench.ask(&Request::GetCalibration(Empty {})), Report::Calibration(DEFAULT_CALIBRATION));
+}
+
+#[test]
+fn a_tare_needs_a_reading_of_this_tick() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.refusal(&Request::Tare(Empty {})), Refusal::Busy);
+    bench.tick();
+    bench.spoil = |i| i.fresh = false;
+    bench.tick();
+    assert_eq!(bench.refusal(&Request::Tare(Empty {})), Refusal::Busy);
+}
+
+#[test]
+fn a_calibration_and_a_tare_leave_the_mask() {
+    let mut bench = Bench::new();
+    bench.tick();
+    bench.accept(&Request::SetFitted(DISPLAY_ALONE));
+    bench.accept(&Request::SetCalibration(DEFAULT_CALIBRATION));
+    bench.spoil = |i| i.raw.load_cell += 1e-3;
+    bench.tick();
+    bench.accept(&Request::Tare(Empty {}));
+    assert_eq!(status(&mut bench).fitted, DISPLAY_ALONE);
+    assert_eq!(status(&mut restarted(bench)).fitted, DISPLAY_ALONE);
+}
+
 /// The display of the thesis' chapter 5: FSR, potentiometer and actuator, nothing at the other pins.
 #[test]
 fn a_display_alone_works_without_dummy_dividers() {
@@ -133,4 +186,25 @@ fn a_palpator_alone_presses_and_refuses_the_display() {
     bench.mode(PALPATE);
     bench.ticks(5);
     assert!(bench.outputs.arm_run && bench.faults().is_empty(), "{:?}", bench.faults());
+    let m = bench.board.measured();
+    assert_eq!((m.fsr_n, m.shaft_mm, m.coil_a), (0.0, 0.0, 0.0));
+}
+
+/// What floats at a pin that nothing is wired to would be 8.5 N, and a shaft beyond its stroke.
+#[test]
+fn a_coil_alone_is_driven_and_nothing_else() {
+    let mut bench = Bench::new();
+    bench.spoil = |i| (i.raw.load_cell, i.raw.potentiometer, i.raw.probe_position) = (0.95, 0.0, 1.0);
+    bench.tick();
+    bench.accept(&Request::SetFitted(Fitted { palpator: false, actuator: false, coil: true }));
+    bench.tick();
+    bench.accept(&Request::ClearFaults(Empty {}));
+    bench.tick();
+    bench.finger_n = 1.0;
+    bench.mode(Mode::Display { material: 2 });
+    bench.ticks(20);
+    assert!(bench.outputs.coil_target_a > 0.0 && bench.faults().is_empty(), "{:?}", bench.faults());
+    assert_eq!(bench.outputs.actuator_v, 0.0);
+    let m = bench.board.measured();
+    assert_eq!((m.load_cell_n, m.shaft_mm, m.probe_mm), (0.0, 0.0, 0.0));
 }
