@@ -148,6 +148,15 @@ fn unusable_gains_are_refused() {
     ] {
         assert!(!gains_are_usable(&bad), "{bad:?}");
     }
+    assert!(gains_are_usable(&GAIN_CEILING));
+    for bad in [
+        Gains { kp: 50.1, ..GAIN_CEILING },
+        Gains { ki: 501.0, ..GAIN_CEILING },
+        Gains { kd: 5.1, ..GAIN_CEILING },
+        Gains { n: 501.0, ..GAIN_CEILING },
+    ] {
+        assert!(!gains_are_usable(&bad), "{bad:?}");
+    }
 }
 
 #[test]
@@ -157,5 +166,19 @@ fn command_stays_within_its_limit_for_any_error() {
     for error in [0.0, 1e30, -1e30, 3.0, f32::MAX, -f32::MAX, 0.0] {
         let u = pid.step(&mut state, error);
         assert!(u.abs() <= U_MAX_V, "{error}: {u}");
+    }
+}
+
+/// A blocked shaft is driven at the limit itself, either way: one step short of it would be no stall.
+#[test]
+fn a_held_error_drives_the_command_to_its_limit() {
+    let pid = Pid::build(&DEFAULT_GAINS, 0.02, U_MAX_V);
+    for error_mm in [0.4, 0.55, 0.7, 1.3, 1.9] {
+        for error_mm in [error_mm, -error_mm] {
+            let mut state = PidState::default();
+            let u = (0..1000).map(|_| pid.step(&mut state, error_mm)).last().unwrap();
+            // f32 rounding of the sum that is the limit.
+            assert!((u - U_MAX_V.copysign(error_mm)).abs() < 1e-5, "{error_mm} mm: {u} V");
+        }
     }
 }

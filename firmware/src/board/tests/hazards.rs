@@ -100,6 +100,7 @@ fn a_late_tick_is_counted_and_is_a_fault_only_while_outputs_are_on() {
     assert!(bench.faults().is_empty());
     let Report::Status(status) = bench.ask(&Request::Status(Empty {})) else { panic!() };
     assert_eq!((status.deadlines_missed, status.tick_max_us), (2, 19_000));
+    assert!(bench.board.is_punctual(18_000) && !bench.board.is_punctual(18_001));
     trips(&mut displaying(), |i| i.tick_us = 19_000, Fault::DeadlineMissed, 1);
 }
 
@@ -279,6 +280,7 @@ fn a_broken_table_at_start_is_a_fault_until_a_good_one_is_uploaded() {
 #[test]
 fn a_watchdog_reset_is_told_at_the_next_start() {
     let mut bench = Bench::with_flash(vec![0xff; BANK_LEN], ResetCause::Watchdog);
+    assert_eq!(bench.refusal(&set_mode(PALPATE)), Refusal::Faulted);
     bench.tick();
     assert_eq!(bench.faults(), [Fault::WatchdogReset]);
     bench.accept(&Request::ClearFaults(Empty {}));

@@ -4,6 +4,7 @@ mod coil;
 mod end_stop;
 mod hazards;
 mod holders;
+mod limits;
 mod link;
 mod palpation;
 mod setup;
