@@ -79,7 +79,10 @@ fn a_palpation_is_held_until_its_probe_is_back() {
     bench.ticks(40);
     assert!(matches!(ask(&mut bench, LinkId::Uart, &set_mode(Mode::Idle)), Report::Accepted(_)));
     assert_eq!(bench.board.state(), State::Retract);
-    assert!(is_refused(&ask(&mut bench, LinkId::Usb, &set_mode(SHOW)), Refusal::Held));
+    for _ in 0..3 {
+        assert!(is_refused(&ask(&mut bench, LinkId::Usb, &set_mode(SHOW)), Refusal::Held));
+        bench.tick();
+    }
     bench.ticks(200);
     assert_eq!(bench.board.state(), State::Idle);
     // Both hosts learn how it ended, whoever asked for it.
@@ -125,4 +128,16 @@ fn an_old_tool_and_noise_on_one_link_change_nothing_on_the_other() {
     assert!(reports(&mut bench, LinkId::Uart).is_empty());
     assert_eq!(status(&mut bench, LinkId::Usb).frames_rejected, 0);
     assert_eq!(bench.board.state(), State::Display);
+}
+
+/// An erase takes seconds; its end is the answer to the link that asked, and to nobody else.
+#[test]
+fn the_end_of_an_erase_is_told_to_the_link_that_asked() {
+    let mut bench = Bench::new();
+    let mut buffer = [0; MAX_FRAME];
+    let begin = Request::TableBegin(message::TableBegin { length: 1000, crc: 0 });
+    bench.board.receive(LinkId::Uart, encode_request(&begin, 7, &mut buffer).unwrap());
+    bench.ticks(3);
+    assert!(matches!(reports(&mut bench, LinkId::Uart)[..], [Report::TableState(_)]));
+    assert!(bench.reports.is_empty());
 }

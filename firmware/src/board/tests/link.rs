@@ -1,4 +1,5 @@
 use super::*;
+use crate::flash::PowerCut;
 use proptest::prelude::*;
 use protocol::message::{HelloRequest, SCHEMA_HASH, TableBegin, TableChunk, TelemetryRate};
 use protocol::{PROTOCOL_VERSION, frame, rescue};
@@ -129,6 +130,45 @@ fn a_table_comes_over_the_link_and_is_used() {
     assert_eq!(state.active, protocol::message::Slot::A);
     assert_eq!(bench.board.table().unwrap().hash(), state.hash);
     bench.mode(PALPATE);
+}
+
+/// Bank 1 is not written while bank 2 is erased; and an erase that fails is told as the refusal of the request that began it.
+#[test]
+fn while_flash_is_erased_no_setup_is_stored_and_a_failure_is_told_by_name() {
+    let mut bench = Bench::blank();
+    bench.board.store_mut().set_power(PowerCut::After(1));
+    let begin = Request::TableBegin(TableBegin { length: 100_000, crc: 0 });
+    let seq = bench.seq;
+    bench.send(&begin);
+    assert!(bench.reports.is_empty());
+    let calibration = Request::SetCalibration(crate::sensor::DEFAULT_CALIBRATION);
+    assert_eq!(bench.refusal(&calibration), Refusal::Busy);
+    bench.tick();
+    let refused = Refused { of: begin.kind(), seq, reason: Refusal::FlashFailed };
+    assert_eq!(bench.reports, [Report::Refused(refused)]);
+    bench.board.store_mut().set_power(PowerCut::Never);
+    bench.accept(&calibration);
+}
+
+#[test]
+fn no_table_is_written_while_outputs_are_on() {
+    let mut bench = Bench::new();
+    bench.send(&Request::TableBegin(TableBegin { length: 1000, crc: 0 }));
+    bench.ticks(2);
+    bench.mode(PALPATE);
+    let chunk = TableChunk { offset: 0, data: heapless::Vec::from_slice(&[1; 100]).unwrap() };
+    assert_eq!(bench.refusal(&Request::TableChunk(chunk)), Refusal::Busy);
+    assert_eq!(bench.refusal(&Request::TableCommit(Empty {})), Refusal::Busy);
+}
+
+#[test]
+fn a_hello_starts_telemetry() {
+    let mut bench = Bench::new();
+    bench.ticks(2);
+    assert!(bench.reports.is_empty());
+    bench.ask(&hello(SCHEMA_HASH));
+    bench.ticks(2);
+    assert!(matches!(bench.reports[..], [Report::Telemetry(_), Report::Telemetry(_)]));
 }
 
 #[test]

@@ -142,9 +142,24 @@ fn a_corrupt_truncated_or_wrong_version_table_is_refused_and_the_old_one_stays()
     }
     // Changed on the way: the announced CRC finds it.
     assert_eq!(upload(&mut flash, &mut active, &corrupt, CRC32.checksum(&new)), Err(Refusal::TableRejected));
+    // Sound, but not the one that was announced.
+    assert_eq!(upload(&mut flash, &mut active, &small(5.0), CRC32.checksum(&new)), Err(Refusal::TableRejected));
+    assert_eq!((hash_at_start(&flash), active.unwrap().checked.hash()), (Some(hash_of(&old)), hash_of(&old)));
     assert_eq!(flash.rule_violations(), 0);
     good(&mut flash, &mut active, &new).unwrap();
     assert_eq!(hash_at_start(&flash), Some(hash_of(&new)));
+}
+
+/// What lies in the other slot and is not in use must not come back when the new table goes bad.
+#[test]
+fn a_table_that_was_not_in_use_is_retired_too() {
+    let mut flash = blank();
+    let mut forgotten = Some(ActiveTable { slot: Slot::A, checked: Table::parse(&small(1.0)).unwrap().checked() });
+    good(&mut flash, &mut forgotten, &small(1.0)).unwrap();
+    assert_eq!(forgotten.unwrap().slot, Slot::B);
+    good(&mut flash, &mut None, &small(7.0)).unwrap();
+    flash.write(0, &[0; MAGIC.len()]).unwrap();
+    assert_eq!(find_active(flash.bytes()), (None, false));
 }
 
 #[test]
