@@ -45,8 +45,8 @@ pub struct Machine<S> {
     pub(super) mode: ModeState,
     pub(super) palpation: Palpation,
     pub(super) plausible: Plausible,
-    /// Height of the surface that the next palpation is to find, mm.
-    pub(super) expected_mm: Option<f32>,
+    /// Height of the surface that a link states for its next mode, mm.
+    pub(super) expected: Option<(LinkId, f32)>,
     /// Lowest height of the probe without contact in this palpation, mm.
     pub(super) floor_mm: f32,
     pub(super) palpations: u32,
@@ -90,7 +90,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             mode: ModeState::new(),
             palpation: Palpation::new(),
             plausible: Plausible::default(),
-            expected_mm: None,
+            expected: None,
             floor_mm: 0.0,
             palpations: 0,
             palpation_rate_mm_s: 0.0,

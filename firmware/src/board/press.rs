@@ -5,6 +5,7 @@ use super::machine::Machine;
 use super::requests::Answer;
 use crate::config::BoardConfig;
 use crate::flash::{CalibrationStore, Loaded, Setup, TableStore};
+use crate::link::LinkId;
 use crate::plausible::{Contradiction, Plausible, Reading};
 use crate::sensor::{ALL_FITTED, calibration_is_usable};
 use protocol::lut::{Table, axis_name};
@@ -22,24 +23,27 @@ pub(super) fn setup_at_start(config: &BoardConfig, store: &mut impl CalibrationS
 }
 
 impl<S: TableStore + CalibrationStore> Machine<S> {
-    /// Begins to watch a press, and says how low it may go without contact.
-    pub(super) fn watch_press(&mut self) {
+    /// Begins to watch a press, and says how low it may go without contact: what was stated can end it earlier than the
+    /// table's lowest surface does, never later.
+    pub(super) fn watch_press(&mut self, stated_mm: Option<f32>) {
         self.plausible = Plausible::default();
         let mode = &self.config.mode;
-        let floor_mm = match self.expected_mm.take() {
-            Some(surface_mm) => surface_mm - mode.blind_mm,
-            None => self.table().and_then(|t| lowest_mm(&t)).map_or(0.0, |low_mm| low_mm - mode.below_table_mm),
-        };
-        self.floor_mm = floor_mm;
+        let lowest_mm = self.table().and_then(|t| lowest_mm(&t)).map_or(0.0, |low_mm| low_mm - mode.below_table_mm);
+        self.floor_mm = stated_mm.map_or(lowest_mm, |stated_mm| lowest_mm.max(stated_mm - mode.blind_mm));
     }
 
-    pub(super) fn expect_surface(&mut self, surface: &Surface) -> Result<Answer, Refusal> {
+    /// Takes what a link states for its next mode.
+    pub(super) fn take_expected(&mut self, link: LinkId) -> Option<f32> {
+        self.expected.take().filter(|(from, _)| *from == link).map(|(_, height_mm)| height_mm)
+    }
+
+    pub(super) fn expect_surface(&mut self, link: LinkId, surface: &Surface) -> Result<Answer, Refusal> {
         self.outputs_must_be_off()?;
         let height_mm = surface.height_mm;
         if !(height_mm > self.config.mode.travel_min_mm && height_mm < self.config.mode.travel_max_mm) {
             return Err(Refusal::OutOfRange);
         }
-        self.expected_mm = Some(height_mm);
+        self.expected = Some((link, height_mm));
         Ok(Answer::Accepted)
     }
 

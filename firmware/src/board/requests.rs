@@ -63,7 +63,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
                 talk.set_telemetry(rate.divider);
                 Ok(Answer::Accepted)
             }
-            Request::ExpectSurface(surface) => self.expect_surface(surface),
+            Request::ExpectSurface(surface) => self.expect_surface(link, surface),
             Request::SetFitted(fitted) => self.set_fitted(fitted),
             Request::TableBegin(begin) => {
                 self.outputs_must_be_off()?;
@@ -140,6 +140,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         if mode == self.mode.commanded && matches!(self.mode.state, State::Approach | State::Contact) {
             return Ok(Answer::Accepted);
         }
+        let stated_mm = self.take_expected(link);
         if mode != Mode::Idle && self.upload.is_erasing() {
             return Err(Refusal::Busy);
         }
@@ -153,7 +154,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         match mode {
             Mode::Palpate { rate_mm_s, .. } => {
                 self.palpation.start(rate_mm_s);
-                self.watch_press();
+                self.watch_press(stated_mm);
                 self.palpations = self.palpations.wrapping_add(1);
                 self.palpation_rate_mm_s = rate_mm_s;
                 self.contact_ticks = (0, 0, 0);

@@ -138,7 +138,7 @@ messages! {
         0x08 ClearFaults(Empty),
         /// Answered by [`Report::Accepted`].
         0x09 SetTelemetry(TelemetryRate),
-        /// For the next palpation alone. Answered by [`Report::Accepted`]; only in idle.
+        /// For the next mode that this link asks for. Answered by [`Report::Accepted`]; only in idle.
         0x0a ExpectSurface(Surface),
         /// Stored with the calibration. Answered by [`Report::Accepted`]; only in idle.
         0x0b SetFitted(Fitted),

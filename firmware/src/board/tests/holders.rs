@@ -55,6 +55,29 @@ fn a_poller_on_one_link_keeps_nothing_alive_for_another() {
 }
 
 #[test]
+fn what_one_link_states_of_a_surface_is_nothing_to_the_other_nor_to_a_later_mode() {
+    let state = Request::ExpectSurface(message::Surface { height_mm: 16.0 });
+    let press = set_mode(Mode::Palpate { rate_mm_s: 4.0, depth_mm: 3.5 });
+    let lowest_mm = |before: &[(LinkId, &Request)]| {
+        let mut bench = Bench::new();
+        bench.probe_mm = 17.0;
+        for (link, request) in before {
+            ask(&mut bench, *link, request);
+        }
+        assert!(matches!(ask(&mut bench, LinkId::Usb, &press), Report::Accepted(_)));
+        bench.run_until(1000, |b| b.board.state() == State::Retract);
+        bench.board.measured().probe_mm
+    };
+    let stated_mm = lowest_mm(&[(LinkId::Usb, &state)]);
+    assert!((14.8..=15.0).contains(&stated_mm), "{stated_mm} mm");
+    let idle = set_mode(Mode::Idle);
+    for before in [vec![(LinkId::Uart, &state)], vec![(LinkId::Usb, &state), (LinkId::Usb, &idle)]] {
+        let lowest_mm = lowest_mm(&before);
+        assert!(lowest_mm < 11.0, "{lowest_mm} mm");
+    }
+}
+
+#[test]
 fn who_holds_the_motion_is_told_and_only_the_holder_changes_it() {
     let mut bench = displaying();
     assert_eq!(status(&mut bench, LinkId::Usb).holder, Holder::You);

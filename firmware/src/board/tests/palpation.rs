@@ -85,6 +85,18 @@ fn a_stated_surface_is_of_one_press() {
 }
 
 #[test]
+fn a_stated_surface_ends_a_press_earlier_than_the_table_and_never_later() {
+    let mut bench = Bench::new();
+    bench.probe_mm = 20.0;
+    bench.accept(&Request::ExpectSurface(Surface { height_mm: 3.0 }));
+    bench.mode(PALPATE);
+    bench.run_until(1000, |b| b.board.state() == State::Retract);
+    // The table's lowest surface is at 12.7 mm.
+    let lowest_mm = bench.board.measured().probe_mm;
+    assert!((10.5..=10.7).contains(&lowest_mm), "{lowest_mm} mm");
+}
+
+#[test]
 fn a_surface_is_stated_with_outputs_off_and_within_the_travel() {
     let mut bench = Bench::new();
     let stated = |height_mm: f32| Request::ExpectSurface(Surface { height_mm });
