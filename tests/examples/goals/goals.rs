@@ -1,5 +1,6 @@
 //! The goals, and what counts towards each.
 
+use serde::{Deserialize, Serialize};
 use tests::document;
 use tests::hidden::What;
 use tests::laboratory::score::{Mark, Scored as Judged};
@@ -9,6 +10,7 @@ use tests::score::outcome::Outcome;
 use tests::score::rate::{bounded, middle_and_worst};
 
 /// What a case counts for; none where a goal is not about it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Counted {
     /// A cause dominates and shows: named, or in a set of at most three.
     found: Option<bool>,
@@ -21,7 +23,7 @@ pub struct Counted {
     /// Two effects, both visible: both found.
     two: Option<bool>,
     /// Whether the intervals of `mu` and of `alpha` hold the truth.
-    held: Vec<(&'static str, bool)>,
+    held: Vec<(String, bool)>,
     /// Priors twice as wide would change the verdict or a name.
     rests_on_priors: bool,
     /// Time of the diagnosis, s; of designs with 36 runs.
@@ -39,7 +41,7 @@ pub fn of_ideal(s: &Scored) -> Counted {
         outside: (matches!(what, What::Outside(..)) && s.any_visible())
             .then_some(matches!(s.outcome, Outcome::OutsideUnknown | Outcome::OtherForm)),
         two: (matches!(what, What::Pair(..)) && s.all_visible()).then_some(s.outcome == Outcome::Both),
-        held: s.hits.iter().filter(|h| ["mu_MPa", "alpha"].contains(&h.name)).map(|h| (h.name, h.held)).collect(),
+        held: s.hits.iter().filter(|h| ["mu_MPa", "alpha"].contains(&h.name)).map(|h| (h.name.to_owned(), h.held)).collect(),
         rests_on_priors: s.answer.rests_on_priors,
         seconds: (s.design.name() == "D36").then_some(s.answer.seconds),
     }
@@ -54,7 +56,7 @@ pub fn of_world(s: &Judged) -> Counted {
         alarm: (s.truth.what == Hidden::Clean).then_some(s.mark != Mark::Right),
         outside: of(Hidden::Outside, &[Mark::Unknown, Mark::RightKind]),
         two: of(Hidden::Two, &[Mark::Right, Mark::InSet]),
-        held: s.hits.iter().map(|h| (h.name, h.held)).collect(),
+        held: s.hits.iter().map(|h| (h.name.to_owned(), h.held)).collect(),
         rests_on_priors: s.answer.rests_on_priors,
         seconds: (s.world.design.name() == "D36").then_some(s.answer.seconds),
     }
