@@ -41,7 +41,12 @@ pub fn of_ideal(s: &Scored) -> Counted {
         outside: (matches!(what, What::Outside(..)) && s.any_visible())
             .then_some(matches!(s.outcome, Outcome::OutsideUnknown | Outcome::OtherForm)),
         two: (matches!(what, What::Pair(..)) && s.all_visible()).then_some(s.outcome == Outcome::Both),
-        held: s.hits.iter().filter(|h| ["mu_MPa", "alpha"].contains(&h.name)).map(|h| (h.name.to_owned(), h.held)).collect(),
+        held: s
+            .hits
+            .iter()
+            .filter(|h| ["mu_MPa", "alpha"].contains(&h.name))
+            .map(|h| (h.name.to_owned(), h.held))
+            .collect(),
         rests_on_priors: s.answer.rests_on_priors,
         seconds: (s.design.name() == "D36").then_some(s.answer.seconds),
     }

@@ -49,11 +49,7 @@ impl Kept {
     ///
     /// # Errors
     /// Those of finding it; a line that cannot be written is told and the run goes on.
-    pub fn of<E>(
-        &self,
-        case: String,
-        find: impl FnOnce() -> Result<Option<Counted>, E>,
-    ) -> Result<Option<Counted>, E> {
+    pub fn of<E>(&self, case: String, find: impl FnOnce() -> Result<Option<Counted>, E>) -> Result<Option<Counted>, E> {
         if let Some(counted) = self.before.get(&case) {
             return Ok(counted.clone());
         }
@@ -61,7 +57,8 @@ impl Kept {
         if let Some(file) = &self.file {
             let line = Line { case, counted: counted.clone() };
             let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
-            let kept = serde_json::to_string(&line).map_err(std::io::Error::from).and_then(|text| writeln!(file, "{text}"));
+            let kept =
+                serde_json::to_string(&line).map_err(std::io::Error::from).and_then(|text| writeln!(file, "{text}"));
             if let Err(error) = kept {
                 eprintln!("not kept: {error}");
             }

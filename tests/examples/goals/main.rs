@@ -36,10 +36,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let each = (cases / 2).div_ceil(Design::ALL.len());
     let designs: &[Design] = if only == Some(Half::Laboratory) { &[] } else { &Design::ALL };
     let ideal: Vec<Case> = designs.iter().flat_map(|design| suite::cases(*design, each, first)).collect();
-    let number = |i: usize| format!("ideal {i}");
-    let cases_of_ideal: Vec<(String, &Case)> =
-        ideal.iter().enumerate().map(|(i, case)| (format!("{} {} {}", number(i), case.design.name(), case.seed), case)).collect();
-    let ideal = on_all_cores(&cases_of_ideal, |(name, case)| {
+    let cases_of_ideal: Vec<(String, &Case)> = ideal
+        .iter()
+        .enumerate()
+        .map(|(i, case)| (format!("ideal {i} {} {}", case.design.name(), case.seed), case))
+        .collect();
+    let ideal = on_all_cores(&named, |(name, case)| {
         let counted = kept.of(name.clone(), || {
             let scored = Scored::of(case, &solver, &models)?;
             println!("{}", scored.line());
@@ -58,7 +60,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         told(counted)
     });
     let failed = [&ideal, &worlds].into_iter().flatten().filter(|(_, one)| one.is_none()).count();
-    let [ideal, worlds] = [ideal, worlds].map(|half| -> Vec<Counted> { half.into_iter().filter_map(|(_, one)| one?).collect() });
+    let [ideal, worlds] =
+        [ideal, worlds].map(|half| -> Vec<Counted> { half.into_iter().filter_map(|(_, one)| one?).collect() });
     println!("{}", table(&ideal, &worlds));
     println!(
         "{} ideal cases and {} laboratory worlds, seeds from {first}, in {:.0} min on {} threads, {} of them kept from before; \
