@@ -23,8 +23,8 @@ pub struct ModeConfig {
     pub force_end_n: f32,
     /// The probe has returned when it is this far above the specimen (without contact: above its lowest point), mm.
     pub clearance_mm: f32,
-    /// It has returned, too, when it is so far below the highest place of its approach, mm: a press that is stopped where
-    /// it begins cannot rise by the clearance.
+    /// It has returned, too, when it is so far below the place where its approach began, mm: a press that is stopped there
+    /// cannot rise by the clearance.
     pub home_mm: f32,
     /// Longest approach, ticks.
     pub approach_ticks: u32,
@@ -66,8 +66,8 @@ pub struct ModeState {
     ended: Outcome,
     /// Height of the probe where it was lowest, mm.
     lowest_mm: f32,
-    /// Height of the probe where the approach was highest, mm.
-    highest_mm: f32,
+    /// Height of the probe where the approach began, mm.
+    began_mm: f32,
 }
 
 impl Default for ModeState {
@@ -117,7 +117,7 @@ impl ModeState {
             ticks: 0,
             ended: Outcome::Aborted,
             lowest_mm: 0.0,
-            highest_mm: f32::NEG_INFINITY,
+            began_mm: f32::NEG_INFINITY,
         }
     }
 
@@ -183,7 +183,7 @@ impl ModeState {
             Mode::Idle => State::Idle,
         };
         self.commanded = mode;
-        self.highest_mm = f32::NEG_INFINITY;
+        self.began_mm = f32::NEG_INFINITY;
         self.enter(next);
         Ok(())
     }
@@ -214,7 +214,9 @@ impl ModeState {
     }
 
     fn approach(&mut self, config: &ModeConfig, input: &ModeInput) {
-        self.highest_mm = self.highest_mm.max(input.probe_mm);
+        if self.ticks == 1 {
+            self.began_mm = input.probe_mm;
+        }
         if input.force_n >= config.force_end_n {
             // Something hard, before the contact was understood: back before the force limit makes it a fault.
             self.retract(Outcome::TooShort, input.probe_mm);
@@ -250,7 +252,7 @@ impl ModeState {
         let clear = if input.contact {
             input.depth_mm <= -config.clearance_mm
         } else {
-            input.probe_mm >= (self.lowest_mm + config.clearance_mm).min(self.highest_mm - config.home_mm)
+            input.probe_mm >= (self.lowest_mm + config.clearance_mm).min(self.began_mm - config.home_mm)
         };
         if (clear || self.ticks > config.retract_ticks) && input.analysed {
             self.commanded = Mode::Idle;

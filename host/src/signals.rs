@@ -2,13 +2,16 @@
 
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
-
-use signal_hook::iterator::Signals;
+use std::sync::atomic::AtomicBool;
+#[cfg(unix)]
+use std::{
+    sync::atomic::Ordering,
+    time::{Duration, Instant},
+};
 
 /// Signals that come sooner than this after the first one say the same thing: a closed window gives one from the kernel and
 /// one from the shell, `timeout` one to the process and one to its group, and systemd two kinds at once.
+#[cfg(unix)]
 const SAME_REQUEST: Duration = Duration::from_secs(1);
 
 /// Sets `stop` on SIGTERM, SIGINT and SIGQUIT, and on SIGHUP (a terminal whose window was closed, a lost ssh) unless `nohup`
@@ -25,8 +28,14 @@ pub(crate) fn stop_on_signals(stop: &Arc<AtomicBool>) -> io::Result<()> {
     for signal in &signals {
         signal_hook::flag::register(*signal, Arc::clone(stop))?;
     }
-    let (mut signals, stop) = (Signals::new(signals)?, Arc::clone(stop));
-    std::thread::spawn(move || {
+    end_if_repeated(signals, Arc::clone(stop))
+}
+
+/// Ends the process when a signal is repeated.
+#[cfg(unix)]
+fn end_if_repeated(signals: Vec<i32>, stop: Arc<AtomicBool>) -> io::Result<()> {
+    let mut signals = signal_hook::iterator::Signals::new(signals)?;
+    let wait = move || {
         let mut first = None;
         for signal in signals.forever() {
             stop.store(true, Ordering::Relaxed);
@@ -34,14 +43,26 @@ pub(crate) fn stop_on_signals(stop: &Arc<AtomicBool>) -> io::Result<()> {
                 signal_hook::low_level::exit(128 + signal);
             }
         }
-    });
+    };
+    std::thread::Builder::new().name("signals".into()).spawn(wait)?;
+    Ok(())
+}
+
+/// Elsewhere a second signal ends it at once.
+#[cfg(not(unix))]
+fn end_if_repeated(signals: Vec<i32>, stop: Arc<AtomicBool>) -> io::Result<()> {
+    for signal in signals {
+        signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&stop))?;
+    }
     Ok(())
 }
 
 /// A signal at `now` is a request of its own beside the one at `first`.
+#[cfg(unix)]
 fn is_repeated(first: Instant, now: Instant) -> bool {
     now.duration_since(first) >= SAME_REQUEST
 }
+
 /// Makes a file that outgrows the shell's limit (`ulimit -f`) an error of its writer, which it can tell, instead of the
 /// end of the process.
 ///

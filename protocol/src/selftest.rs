@@ -41,8 +41,8 @@ wire! {
         pub options: u32,
         /// The 8 MHz clock has come.
         pub external_clock: bool,
-        /// The supply is below the level of the voltage detector.
-        pub supply_low: bool,
+        /// Access control register of the flash: prefetch, instruction and data cache in bits 8 to 10.
+        pub flash_access: u32,
         /// Reading of the internal reference at the start, and the factory's at 3.3 V; codes of 12 bit.
         pub reference: u16,
         /// See `reference`.
@@ -58,7 +58,7 @@ wire! {
     }
     /// Times that a hanging program noted, us after the end of its last control tick; 0 for never.
     pub struct Hang {
-        /// The coil's pin was low.
+        /// The actuator's reverse pin was low. No wire is there that could hold it up.
         pub pin_low_us: u32,
         /// It still ran.
         pub alive_us: u32,
@@ -97,8 +97,10 @@ wire! {
     }
     /// The interlock's permit was not renewed.
     pub struct Released {
-        /// From the last permit until the coil's pin was seen low, us; 0 if it stayed high for 200 ms.
+        /// From the last permit until the actuator's reverse pin was seen low, us; 0 if it stayed high for 200 ms.
         pub pin_low_us: u32,
+        /// The same of the coil's pin, which its wire's capacitor holds up for a while.
+        pub coil_low_us: u32,
         /// The interlock tells that it has switched off.
         pub told: bool,
     }
@@ -139,7 +141,7 @@ wire! {
         /// Whatever they are.
         pub bytes: heapless::Vec<u8, ECHO_LEN>,
     }
-    /// The run ends now, with the coil's pin on; what came of it is in the next [`Identity`].
+    /// The run ends now, with coil and actuator on; what came of it is in the next [`Identity`].
     pub struct Ending {
         /// The way.
         pub way: Way,
@@ -164,7 +166,7 @@ wire! {
         HangMasked,
         /// A panic.
         Panic,
-        /// An access to an address that does not exist.
+        /// An undefined instruction.
         HardFault,
     }
 }

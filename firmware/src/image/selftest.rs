@@ -26,7 +26,7 @@ use super::flash::BoardFlash;
 use super::outputs::{Actuator, Arm, Coil};
 use super::sampling::{self, Sampling};
 use super::{RECEIVED, SAMPLING, Start, TO_UART, TO_USB};
-use super::{absent, guard, hang, identity, interlock, outputs, record, refuse_to_run, revision, serial, supply};
+use super::{absent, guard, hang, identity, interlock, outputs, record, refuse_to_run, revision, serial};
 use super::{spawn_links, start, usb, usb_pin};
 use crate::board::FIRMWARE_VERSION;
 use crate::fingerprint::fingerprint;
@@ -68,6 +68,11 @@ fn levels() -> [bool; PINS] {
 
 fn coil_is_low() -> bool {
     pac::GPIOC.idr().read().idr(6) == Idr::LOW
+}
+
+/// PE11 has no wire whose capacitor could hold it up; the interlock switches it with the coil.
+fn reverse_is_low() -> bool {
+    pac::GPIOE.idr().read().idr(11) == Idr::LOW
 }
 
 /// The internal reference, read before the ring takes the converter; 0 from one that does not convert. By registers:
@@ -117,6 +122,8 @@ pub fn run(spawner: Spawner) {
         probe_position: p.PC2,
         coil_current: p.PB1,
     };
+    // An erase here stalls the core: before the links.
+    let flash = BoardFlash::take(p.FLASH);
     let sampling = Sampling::new(converter, p.DMA2_CH0, p.TIM3, pins);
     let usb = usb_pin.map(|pin| usb::start(p.USB_OTG_FS, pin, p.PA11));
     let uart = serial::start(p.USART3, p.PD9, p.PD8);
@@ -125,7 +132,7 @@ pub fn run(spawner: Spawner) {
         coil,
         actuator,
         arm,
-        flash: BoardFlash::take(p.FLASH),
+        flash,
         ticker: Ticker::every(TICK),
         power: Power::Off,
         start: Found { reset_cause, external, reference, hang },
@@ -207,7 +214,10 @@ async fn queue(link: LinkId, bytes: &[u8]) {
         LinkId::Usb => &TO_USB,
         LinkId::Uart => &TO_UART,
     };
-    let _ = with_timeout(TICK, pipe.write_all(bytes)).await;
+    // Half a frame would spoil the next one.
+    if pipe.free_capacity() >= bytes.len() {
+        let _ = with_timeout(TICK, pipe.write_all(bytes)).await;
+    }
 }
 
 impl Program {
@@ -291,7 +301,7 @@ impl Program {
             flash_kib: factory(FLASH_KIB),
             options: pac::FLASH.optcr().read().0,
             external_clock: *external,
-            supply_low: supply::is_low(),
+            flash_access: pac::FLASH.acr().read().0,
             reference: *reference,
             reference_at_3v3: factory(REFERENCE_AT_3V3),
             reset_cause: *reset_cause,
@@ -320,9 +330,10 @@ impl Program {
         seen.measured(now.duration_since(from).as_micros() as u32, now.as_micros())
     }
 
-    /// The coil's pin high for some ticks, each with its permit.
-    async fn coil_on(&mut self) {
+    /// Coil and actuator's reverse pin high for some ticks, each with its permit.
+    async fn both_on(&mut self) {
         self.coil.set(1.0);
+        self.actuator.set_v(-outputs::ACTUATOR_SUPPLY_V);
         self.power = Power::Display;
         for _ in 0..TICKS_BEFORE {
             self.tick().await;
@@ -330,21 +341,24 @@ impl Program {
     }
 
     async fn release(&mut self) -> Released {
-        self.coil_on().await;
+        self.both_on().await;
         let from = Instant::now();
-        let mut pin_low_us = 0;
-        while pin_low_us == 0 && from.elapsed() < STUCK {
+        let (mut pin_low_us, mut coil_low_us) = (0, 0);
+        while (pin_low_us == 0 || coil_low_us == 0) && from.elapsed() < STUCK {
             // The task lives, it only grants nothing.
             interlock::turn(Task::Control);
-            if coil_is_low() {
-                pin_low_us = from.elapsed().as_micros() as u32;
+            let now_us = from.elapsed().as_micros() as u32;
+            for (low_us, is_low) in [(&mut pin_low_us, reverse_is_low()), (&mut coil_low_us, coil_is_low())] {
+                if *low_us == 0 && is_low {
+                    *low_us = now_us.max(1);
+                }
             }
             Timer::after_micros(100).await;
         }
         let told = interlock::trip().is_some();
         self.ticker.reset();
         self.off().await;
-        Released { pin_low_us, told }
+        Released { pin_low_us, coil_low_us, told }
     }
 
     /// Half duty on the coil, everything else as always, and bank 2 busy.
@@ -362,14 +376,14 @@ impl Program {
                 break;
             }
             self.tick().await;
-            read_back(&mut written, whole);
+            check_program(&mut written, whole);
             progress = self.flash.poll_erase();
         }
         if progress == Ok(EraseProgress::Done) {
             written.erase_ms = from.elapsed().as_millis() as u32;
             while written.words < WORDS {
                 self.tick().await;
-                read_back(&mut written, whole);
+                check_program(&mut written, whole);
                 for _ in 0..WORDS_A_TICK {
                     self.write_word(&mut written);
                 }
@@ -394,14 +408,14 @@ impl Program {
     }
 
     async fn end(&mut self, ending: &Ending) -> ! {
-        self.coil_on().await;
+        self.both_on().await;
         match ending.way {
-            Way::Hang => hang::until_reset(coil_is_low),
+            Way::Hang => hang::until_reset(reverse_is_low),
             Way::HangMasked => {
                 cortex_m::interrupt::disable();
-                hang::until_reset(coil_is_low)
+                hang::until_reset(reverse_is_low)
             }
-            // What is tested is that it is told and that outputs go off.
+            // What is tested is that its place is on record.
             #[allow(clippy::panic)]
             Way::Panic => panic!("as asked"),
             Way::HardFault => cortex_m::asm::udf(),
@@ -425,7 +439,7 @@ fn compute() -> Computed {
 }
 
 /// Reads the program while the other bank is written.
-fn read_back(written: &mut Written, whole: u32) {
+fn check_program(written: &mut Written, whole: u32) {
     written.reads = written.reads.saturating_add(1);
     written.reads_wrong = written.reads_wrong.saturating_add(u16::from(identity::checksum(READ_LEN) != whole));
 }

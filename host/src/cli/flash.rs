@@ -99,7 +99,8 @@ fn raw_image(elf: &Path, bin: &Path, json: bool) -> miette::Result<()> {
     } else {
         outln!(
             "{}: {} bytes, CRC {crc:08x}. Copy it to the NUCLEO's drive, or with BOOT0 high and the user USB port:\n\
-             dfu-util -a 0 -s 0x08000000:leave -D {}",
+             dfu-util -a 0 -s 0x08000000:leave -D {}\n\
+             Then take BOOT0 low again: with it high every reset starts the boot loader, not the firmware.",
             bin.display(),
             image.len(),
             bin.display()

@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use miette::{IntoDiagnostic, miette};
@@ -10,8 +11,8 @@ use serde_json::json;
 
 use super::flash::{real_board, written};
 use crate::flash::{CHIP, Firmware, Job};
-use crate::link::{Address, Link, Serial, find_uart, ports};
-use crate::selftest::{self, Check, CheckResult, Talk};
+use crate::link::{Address, FindError, Link, Serial, find_own, find_uart, ports};
+use crate::selftest::{self, Check, Outcome, Talk, Usb};
 
 /// Exit status of a test in which a check failed.
 const FAILED: u8 = 1;
@@ -54,33 +55,55 @@ pub fn run(arguments: &Arguments) -> miette::Result<u8> {
              answer y or pass --yes"
         ));
     }
+    // Before anything is written: which board is it?
+    let uart = uart(arguments)?;
+    let mut image_crc = None;
     if let Some(path) = &arguments.flash {
-        let job = Job {
-            probe: arguments.probe.clone(),
-            chip: CHIP.into(),
-            firmware: Some(Firmware::read(path).into_diagnostic()?),
-            table: None,
-        };
+        let firmware = Firmware::read(path).into_diagnostic()?;
+        image_crc = Some(firmware.crc().into_diagnostic()?);
+        let job = Job { probe: arguments.probe.clone(), chip: CHIP.into(), firmware: Some(firmware), table: None };
         written(&Lister::new(), &job, arguments.json)?;
     }
-    let link: Box<dyn Link> = match &arguments.board {
-        Address::Auto => {
-            let ports = ports().into_diagnostic()?;
-            Box::new(Serial::open(&find_uart(&ports).into_diagnostic()?.path).into_diagnostic()?)
-        }
-        address => crate::link::open(address).into_diagnostic()?,
-    };
-    let mut usb = match &arguments.usb {
-        Some(address) => Some(Talk::new(crate::link::open(address).into_diagnostic()?)),
-        None => None,
-    };
+    let link = crate::link::open(&uart).into_diagnostic()?;
+    let usb = usb(arguments.usb.as_ref())?;
     let show = |check: &Check| {
         if !arguments.json {
             outln!("{}", check.line());
         }
     };
-    let checks = selftest::run(&mut Talk::new(link), usb.as_mut(), show).into_diagnostic()?;
+    let checks = selftest::run(&mut Talk::new(link), usb, image_crc, show).into_diagnostic()?;
     Ok(conclude(&checks, arguments.json))
+}
+
+/// Where the UART is: for `auto` the port of the probe, not the board's own.
+fn uart(arguments: &Arguments) -> miette::Result<Address> {
+    if arguments.board != Address::Auto {
+        return Ok(arguments.board.clone());
+    }
+    let ports = ports().into_diagnostic()?;
+    Ok(Address::Serial(find_uart(&ports, arguments.probe.as_deref()).into_diagnostic()?.path.clone()))
+}
+
+/// How long USB may take to enumerate a program that was just written.
+const ENUMERATED: Duration = Duration::from_secs(5);
+
+/// The second link, where it is asked for.
+fn usb(address: Option<&Address>) -> miette::Result<Usb<Box<dyn Link>>> {
+    let Some(address) = address else { return Ok(Usb::NotAsked) };
+    if *address != Address::Auto {
+        return Ok(Usb::At(crate::link::open(address).into_diagnostic()?));
+    }
+    let until = Instant::now() + ENUMERATED;
+    loop {
+        match find_own(&ports().into_diagnostic()?) {
+            Ok(port) => {
+                return Ok(Usb::At(Box::new(Serial::open(&port.path).into_diagnostic()?)));
+            }
+            Err(_) if Instant::now() < until => std::thread::sleep(Duration::from_millis(100)),
+            Err(FindError::Several(found)) => return Ok(Usb::Missing(format!("{} ports with 1209:0001", found.len()))),
+            Err(_) => return Ok(Usb::Missing("no port with 1209:0001".into())),
+        }
+    }
 }
 
 /// The question; without a terminal nobody can be asked.
@@ -98,9 +121,8 @@ fn agreed() -> bool {
 
 /// The summary, and the exit status.
 fn conclude(checks: &[Check], json: bool) -> u8 {
-    let count = |result| checks.iter().filter(|check| check.result == result).count();
-    let (passed, failed, left) =
-        (count(CheckResult::Passed), count(CheckResult::Failed), count(CheckResult::NotTested));
+    let count = |outcome| checks.iter().filter(|check| check.outcome == outcome).count();
+    let (passed, failed, left) = (count(Outcome::Passed), count(Outcome::Failed), count(Outcome::NotTested));
     if json {
         outln!("{}", json!({ "passed": passed, "failed": failed, "not_tested": left, "checks": checks }));
     } else {

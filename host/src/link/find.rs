@@ -54,21 +54,30 @@ fn listed(ports: &[Port], none: &str, some: &str) -> String {
 /// # Errors
 /// [`FindError`] when there is none, or more than one of the kind.
 pub fn find(ports: &[Port]) -> Result<&Port, FindError> {
-    let own = |port: &&Port| port.usb == Some(BOARD);
-    let found: Vec<&Port> = ports.iter().filter(own).collect();
-    match found[..] {
-        [one] => Ok(one),
-        [] => find_uart(ports),
-        _ => Err(FindError::Several(found.into_iter().cloned().collect())),
+    match find_own(ports) {
+        Err(FindError::None(_)) => find_uart(ports, None),
+        found => found,
     }
 }
 
-/// The port of the one debug probe among `ports`: the UART of its board.
+/// The own USB port of the one board among `ports`.
 ///
 /// # Errors
 /// [`FindError`] when there is none, or more than one.
-pub fn find_uart(ports: &[Port]) -> Result<&Port, FindError> {
-    let found: Vec<&Port> = ports.iter().filter(|port| is_probe(port)).collect();
+pub fn find_own(ports: &[Port]) -> Result<&Port, FindError> {
+    one(ports, |port| port.usb == Some(BOARD))
+}
+
+/// The port of the one debug probe among `ports`, or of that with a serial number: the UART of its board.
+///
+/// # Errors
+/// [`FindError`] when there is none, or more than one.
+pub fn find_uart<'a>(ports: &'a [Port], probe: Option<&str>) -> Result<&'a Port, FindError> {
+    one(ports, |port| is_probe(port) && probe.is_none_or(|serial| port.serial.as_deref() == Some(serial)))
+}
+
+fn one(ports: &[Port], is_meant: impl Fn(&Port) -> bool) -> Result<&Port, FindError> {
+    let found: Vec<&Port> = ports.iter().filter(|port| is_meant(port)).collect();
     match found[..] {
         [one] => Ok(one),
         [] => Err(FindError::None(ports.to_vec())),
@@ -127,7 +136,12 @@ mod tests {
         let other = port("/dev/ttyUSB0", (0x0403, 0x6001), "FT1");
         assert_eq!(find(&[built_in(), probe.clone(), other.clone(), own.clone()]), Ok(&own));
         assert_eq!(find(&[other.clone(), probe.clone(), built_in()]), Ok(&probe));
-        assert_eq!(find_uart(&[own.clone(), probe.clone()]), Ok(&probe));
+        let both = [own.clone(), probe.clone(), port("/dev/ttyACM2", (0x0483, 0x374e), "0670FF")];
+        assert_eq!(find_uart(&both[..2], None), Ok(&probe));
+        assert_eq!(find_uart(&both, Some("066BFF")), Ok(&probe));
+        assert!(find_uart(&both, None).is_err() && find_uart(&both, Some("0")).is_err());
+        assert_eq!(find_own(&both), Ok(&own));
+        assert!(find_own(&both[1..]).is_err());
         // A probe of ST without a serial port, and a converter of another maker, are none.
         assert!(find(&[port("/dev/ttyACM0", (0x0483, 0x3748), "1"), other]).is_err());
     }

@@ -19,7 +19,7 @@ mod tcp;
 pub use address::{Address, BadAddress};
 pub use disturbed::{Disturbance, Disturbed};
 pub use error::LinkError;
-pub use find::{FindError, Port, find, find_uart, ports};
+pub use find::{FindError, Port, find, find_own, find_uart, ports};
 pub use in_process::{InProcess, Pace};
 pub use serial::{BAUD, Serial};
 pub use tcp::Tcp;

@@ -46,7 +46,7 @@ impl Step {
 /// What came of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Result {
+pub enum Outcome {
     /// As expected.
     Passed,
     /// Not as expected.
@@ -69,7 +69,7 @@ pub struct Check {
     /// What to look at where it was not found; may be empty.
     pub help: &'static str,
     /// What came of it.
-    pub result: Result,
+    pub outcome: Outcome,
 }
 
 impl Check {
@@ -81,8 +81,8 @@ impl Check {
         expected: impl Into<String>,
         passed: bool,
     ) -> Self {
-        let result = if passed { Result::Passed } else { Result::Failed };
-        Check { step, what: what.into(), found: found.into(), expected: expected.into(), help: "", result }
+        let outcome = if passed { Outcome::Passed } else { Outcome::Failed };
+        Check { step, what: what.into(), found: found.into(), expected: expected.into(), help: "", outcome }
     }
 
     /// The same with what to look at if it fails.
@@ -95,23 +95,23 @@ impl Check {
     /// One that was not made, and what would help.
     pub fn not_tested(step: Step, what: impl Into<String>, help: &'static str) -> Self {
         let found = "not tested".to_owned();
-        Check { step, what: what.into(), found, expected: String::new(), help, result: Result::NotTested }
+        Check { step, what: what.into(), found, expected: String::new(), help, outcome: Outcome::NotTested }
     }
 
     /// One line: word, step, thing, found; what was expected unless it says the same, and what to look at.
     pub fn line(&self) -> String {
-        let word = match self.result {
-            Result::Passed => "ok",
-            Result::Failed => "FAILED",
-            Result::NotTested => "-",
+        let word = match self.outcome {
+            Outcome::Passed => "ok",
+            Outcome::Failed => "FAILED",
+            Outcome::NotTested => "-",
         };
-        let expected = match self.result {
-            Result::Failed => format!(", expected {}", self.expected),
-            Result::Passed if self.expected != self.found => format!(" ({})", self.expected),
+        let expected = match self.outcome {
+            Outcome::Failed => format!(", expected {}", self.expected),
+            Outcome::Passed if self.expected != self.found => format!(" ({})", self.expected),
             _ => String::new(),
         };
-        let help = match self.result {
-            Result::Passed => "",
+        let help = match self.outcome {
+            Outcome::Passed => "",
             _ => self.help,
         };
         let colon = if help.is_empty() { "" } else { "; " };

@@ -6,15 +6,19 @@ use protocol::selftest::{Identity, Report, Request, Way};
 use super::{Check, SelftestError, Step, Talk};
 use crate::link::Link;
 
-/// Longest time from a permit to the pin, us: 40 ms, a poll of the interlock, and the look at the pin.
-const PERMIT_US: u32 = 41_500;
+/// Time from a permit to the actuator's pin, us: 40 ms less the poll it falls into, and a poll and the look at the pin more.
+const PERMIT_US: (u32, u32) = (38_000, 41_500);
+
+/// Longest time to the coil's pin, us: its wire's 100 nF discharge over 10 kOhm and the pin's pull-down, 6.5 ms at most.
+const COIL_US: u32 = 48_000;
 
 /// Time of the watchdog with interrupts masked, us: 10 ms on an oscillator of 17 to 47 kHz where 32 are typical, fed at
 /// most a millisecond before.
 const WATCHDOG_US: (u32, u32) = (5_800, 18_900);
 
-/// Longest life of a run whose control hangs with interrupts on, us: 1 s after the outputs went off, and the watchdog.
-const HANG_US: u32 = 1_100_000;
+/// Life of a run whose control hangs with interrupts on, us: 1 s from the last turn of a link, which may be 50 ms old, and
+/// the watchdog.
+const HANG_US: (u32, u32) = (900_000, 1_100_000);
 
 /// Every way.
 pub(super) const WAYS: [Way; 4] = [Way::Hang, Way::HangMasked, Way::Panic, Way::HardFault];
@@ -24,20 +28,27 @@ pub(super) fn interlock<L: Link>(talk: &mut Talk<L>) -> Result<Vec<Check>, Selft
     let Report::Released(released) = talk.ask(&Request::Release(Empty {}), 2.0)? else {
         return Err(talk.unexpected());
     };
-    let low = released.pin_low_us;
+    let after = |us: u32| if us == 0 { "never".into() } else { format!("{:.1} ms", ms(us)) };
+    let (pin, coil) = (released.pin_low_us, released.coil_low_us);
+    let new =
+        |what: &str, found: String, expected: &str, passed| Check::new(Step::Interlock, what, found, expected, passed);
     Ok(vec![
-        Check::new(
-            Step::Interlock,
-            "coil's pin low after the last permit",
-            if low == 0 { "never".into() } else { format!("{:.1} ms", f64::from(low) / 1e3) },
-            "within 41.5 ms",
-            low > 0 && low <= PERMIT_US,
+        new("PE11 low after the last permit", after(pin), "38 to 41.5 ms", within(pin, PERMIT_US)),
+        new(
+            "PC6 low after the last permit",
+            after(coil),
+            "at most 48 ms, its capacitor",
+            coil >= pin && coil <= COIL_US,
         ),
-        Check::new(Step::Interlock, "it is told", if released.told { "yes" } else { "no" }, "yes", released.told),
+        new("trip reported", if released.told { "yes" } else { "no" }.into(), "yes", released.told),
     ])
 }
 
-/// Ends a run with the coil on.
+fn within(us: u32, (least, most): (u32, u32)) -> bool {
+    (least..=most).contains(&us)
+}
+
+/// Ends a run with coil and actuator on.
 pub(super) fn end<L: Link>(talk: &mut Talk<L>, way: Way) -> Result<Vec<Check>, SelftestError> {
     let what = match way {
         Way::Hang => "control hangs",
@@ -71,14 +82,14 @@ fn ms(us: u32) -> f64 {
 
 fn hung(next: &Identity) -> (String, &'static str, bool) {
     let (low, alive) = (next.hang.pin_low_us, next.hang.alive_us);
-    let passed = low > 0 && low <= PERMIT_US && (low..=HANG_US).contains(&alive);
-    let found = if low == 0 { "pin never low".into() } else { format!("pin low after {:.1} ms", ms(low)) };
-    (format!("{found}, alive for {:.0} ms", ms(alive)), "within 41.5 ms, at most 1100 ms, the watchdog", passed)
+    let passed = within(low, PERMIT_US) && within(alive, HANG_US);
+    let found = if low == 0 { "PE11 never low".into() } else { format!("PE11 low after {:.1} ms", ms(low)) };
+    (format!("{found}, alive for {:.0} ms", ms(alive)), "38 to 41.5 ms, 900 to 1100 ms, the watchdog", passed)
 }
 
 fn masked(next: &Identity) -> (String, &'static str, bool) {
     let alive = next.hang.alive_us;
-    let passed = (WATCHDOG_US.0..=WATCHDOG_US.1).contains(&alive);
+    let passed = within(alive, WATCHDOG_US);
     (format!("alive for {:.1} ms", ms(alive)), "5.8 to 18.9 ms, the watchdog", passed)
 }
 

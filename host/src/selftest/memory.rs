@@ -12,9 +12,9 @@ use crate::link::Link;
 const ERASE_MS: u32 = 2000;
 /// Longest write of a word, us: 100 by the data sheet, and the interrupts meanwhile.
 const WORD_US: u32 = 200;
-/// Longest time of the identification's test series, ms: 6.7 million instructions are 60 ms at 1.5 clocks each, and
-/// 2.5 clocks are what they take without the flash's accelerator.
-const COMPUTE_MS: f64 = 100.0;
+/// Longest time of the identification's test series, ms: 6.7 million instructions are 60 ms at 1.5 clocks each, which is
+/// an assumption until a board has run it. Four clocks each would be more.
+const COMPUTE_MS: f64 = 150.0;
 
 /// The identification's hashes against this computer's.
 pub(super) fn computed<L: Link>(talk: &mut Talk<L>) -> Result<Vec<Check>, SelftestError> {
@@ -42,12 +42,12 @@ pub(super) fn computed<L: Link>(talk: &mut Talk<L>) -> Result<Vec<Check>, Selfte
         ),
         Check::new(
             Step::Arithmetic,
-            "its time",
+            "time of the identification",
             format!("{took_ms:.1} ms"),
-            "below 100 ms",
+            "below 150 ms",
             took_ms > 0.0 && took_ms < COMPUTE_MS,
         )
-        .or_look_at("the flash's cache and prefetch are off, or the clock is slow"),
+        .or_look_at("flash access and clock source above"),
     ])
 }
 

@@ -113,12 +113,14 @@ impl<L: Link> Talk<L> {
         for _ in 0..attempts {
             self.seq = self.seq.wrapping_add(1);
             let mut buffer = [0; MAX_FRAME];
-            // A zero ends whatever noise the program has taken for the beginning of a frame.
-            self.link.send(&[0])?;
+            // A zero ends whatever noise the program has taken for the beginning of a frame. One piece: a pause of the line
+            // may cost the byte after it.
+            let mut bytes = vec![0];
             // Every request fits a frame: its longest is an echo.
-            if let Ok(bytes) = frame::encode_selftest_request(request, self.seq, &mut buffer) {
-                self.link.send(bytes)?;
+            if let Ok(frame) = frame::encode_selftest_request(request, self.seq, &mut buffer) {
+                bytes.extend_from_slice(frame);
             }
+            self.link.send(&bytes)?;
             let until_s = self.link.now_s() + wait_s;
             if let Some(report) = self.answer(until_s)? {
                 return Ok(report);

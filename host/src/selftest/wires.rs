@@ -63,7 +63,7 @@ pub(super) fn wires<L: Link>(talk: &mut Talk<L>) -> Result<Vec<Check>, SelftestE
         "coil and actuator at full duty without power",
         format!("{:.1} % of the supply", 100.0 * highest),
         "below 1 %",
-        highest < LOW && checks.iter().all(|check| check.result == super::CheckResult::Passed),
+        highest < LOW && checks.iter().all(|check| check.outcome == super::Outcome::Passed),
     ));
     Ok(checks)
 }
@@ -74,18 +74,18 @@ fn worst(seen: &[Measured], input: usize) -> f32 {
 }
 
 fn line(wire: &Wire, seen: &[Measured]) -> Check {
-    let off = worst(seen, wire.input);
+    let deviation = worst(seen, wire.input);
     let ripple = seen.iter().fold(0.0f32, |a, m| a.max(m.spread[wire.input])) * CODES;
     let elsewhere = (0..INPUTS.len()).find(|input| *input != wire.input && worst(seen, *input) <= LINE);
     let readings: Vec<String> = seen.iter().map(|m| format!("{:.1}", 100.0 * m.mean[wire.input])).collect();
     let mut found = format!("{} % at 0, 25, 50, 75, 100 %, spread {ripple:.1} codes", readings.join(", "));
-    if let Some(input) = elsewhere.filter(|_| off > LINE) {
+    if let Some(input) = elsewhere.filter(|_| deviation > LINE) {
         found.push_str(&format!(", {} follows instead", INPUTS[input]));
-    } else if off > LINE {
+    } else if deviation > LINE {
         found.push_str(", no input follows");
     }
     let expected = "within 1.5 %, spread below 8 codes";
-    Check::new(Step::Wires, wire.name, found, expected, off <= LINE && ripple <= RIPPLE)
+    Check::new(Step::Wires, wire.name, found, expected, deviation <= LINE && ripple <= RIPPLE)
         .or_look_at("10 kOhm in the wire, 100 nF from the input to ground")
 }
 

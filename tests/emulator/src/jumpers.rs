@@ -75,6 +75,16 @@ impl Wiring for Jumpers {
         }
     }
 
+    /// The capacitor over 10 kOhm against the pin's pull-down of 40; high above 0.4 of the supply.
+    fn holds_high(&self, port: usize, pin: u32) -> bool {
+        let from = match (port, pin) {
+            (2, 6) => From::Coil,
+            (4, 9) => From::Forward,
+            _ => return false,
+        };
+        self.wires.iter().any(|(wire, level)| wire.from == from && 0.8 * level > 0.4)
+    }
+
     fn first_scan(&mut self, pins: &Pins, ticked: bool) {
         self.step(pins, ticked);
     }

@@ -7,7 +7,8 @@ use emulator::board::{EmulatedBoard, LSI_HZ};
 use emulator::elf::Image;
 use emulator::jumpers::{AS_DRAWN, From, Jumper, Jumpers};
 use emulator::link::EmulatedUart;
-use palpate::selftest::{self, Check, CheckResult, Step, Talk};
+use palpate::link::{Link, LinkError};
+use palpate::selftest::{self, Check, Outcome, SelftestError, Step, Talk, Usb};
 use palpate::session::{Patience, Session};
 
 /// A NUCLEO with the self-test program, its brown-out level set.
@@ -21,12 +22,15 @@ fn nucleo(wires: &[Jumper], lsi_hz: u64) -> EmulatedBoard {
 }
 
 fn tested(board: &mut EmulatedBoard) -> Vec<Check> {
-    let mut talk = Talk::new(EmulatedUart::new(board));
-    selftest::run(&mut talk, None::<&mut Talk<EmulatedUart<EmulatedBoard>>>, |_| {}).unwrap()
+    over(EmulatedUart::new(board)).unwrap()
+}
+
+fn over(link: impl Link) -> Result<Vec<Check>, SelftestError> {
+    selftest::run(&mut Talk::new(link), Usb::<Box<dyn Link>>::NotAsked, None, |_| {})
 }
 
 fn failed(checks: &[Check]) -> Vec<String> {
-    checks.iter().filter(|check| check.result == CheckResult::Failed).map(Check::line).collect()
+    checks.iter().filter(|check| check.outcome == Outcome::Failed).map(Check::line).collect()
 }
 
 #[test]
@@ -46,10 +50,11 @@ fn every_check_passes_as_drawn_and_every_step_is_made() {
             Step::Ends,
         ];
         for step in steps {
-            assert!(checks.iter().any(|c| c.step == step && c.result == CheckResult::Passed), "{step:?}");
+            assert!(checks.iter().any(|c| c.step == step && c.outcome == Outcome::Passed), "{step:?}");
         }
-        let left: Vec<&str> = checks.iter().filter(|c| c.result == CheckResult::NotTested).map(|c| &*c.what).collect();
-        assert_eq!(left, ["USB"]);
+        let left: Vec<&str> = checks.iter().filter(|c| c.outcome == Outcome::NotTested).map(|c| &*c.what).collect();
+        assert!(left.len() == 3 && left[0].starts_with("program of commit"), "{left:?}");
+        assert_eq!(left[1..], ["PA3 and PC0", "USB"]);
     }
 }
 
@@ -84,7 +89,7 @@ fn what_is_broken_on_the_chip_is_found() {
             "erase of 128 KiB: failed, expected at most 2000 ms",
         ),
         ("converter", |board| board.core().chip_mut().set_adc_dead(true), "the converter does not convert"),
-        ("slow flash", |board| board.core().assume_half_clocks(Some(8)), "its time"),
+        ("slow flash", |board| board.core().assume_half_clocks(Some(8)), "time of the identification"),
     ];
     for (name, break_it, expected) in broken {
         let mut board = nucleo(&AS_DRAWN, LSI_HZ);
@@ -108,8 +113,46 @@ fn a_tool_for_boards_is_told_that_the_self_test_runs() {
 fn the_display_boards_firmware_is_told_and_nothing_is_driven() {
     let mut board = common::board();
     board.run_s(0.2).unwrap();
-    let mut talk = Talk::new(EmulatedUart::new(&mut board));
-    let error = selftest::run(&mut talk, None::<&mut Talk<EmulatedUart<EmulatedBoard>>>, |_| {}).unwrap_err();
+    let error = over(EmulatedUart::new(&mut board)).unwrap_err();
     assert!(error.to_string().contains("the firmware of the display board runs there"), "{error}");
     assert!(board.pins().off());
+}
+
+/// A line that is cut after so many answers, and mended or not.
+struct Cut<L> {
+    link: L,
+    left: usize,
+    cut_for: usize,
+}
+
+impl<L: Link> Link for Cut<L> {
+    fn name(&self) -> &str {
+        self.link.name()
+    }
+    fn now_s(&self) -> f64 {
+        self.link.now_s()
+    }
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.left = self.left.saturating_sub(1);
+        if self.left > 0 || self.cut_for == 0 {
+            return self.link.send(bytes);
+        }
+        self.cut_for -= 1;
+        Ok(())
+    }
+    fn receive(&mut self, into: &mut Vec<u8>, deadline_s: f64) -> Result<(), LinkError> {
+        self.link.receive(into, deadline_s)
+    }
+}
+
+#[test]
+fn a_program_that_falls_silent_is_a_failed_check_and_what_was_found_is_kept() {
+    for (cut_for, ends) in [(3, false), (usize::MAX, true)] {
+        let mut board = nucleo(&AS_DRAWN, LSI_HZ);
+        let checks = over(Cut { link: EmulatedUart::new(&mut board), left: 10, cut_for }).unwrap();
+        let lines = failed(&checks);
+        assert!(lines[0].contains("answer: none to Measure within"), "{lines:?}");
+        assert_eq!(checks.iter().any(|check| check.step == Step::Ends), !ends, "{lines:?}");
+        assert!(checks.iter().any(|check| check.step == Step::Converter && check.outcome == Outcome::Passed));
+    }
 }

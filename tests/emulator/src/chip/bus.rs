@@ -42,7 +42,10 @@ impl Chip {
     /// A register of a port; levels with what the timers drive (pins of the image: PC6, PD15, PE9, PE11).
     fn read_port(&self, number: usize, offset: usize) -> u32 {
         let port = &self.ports[number];
-        let high = |timer: &Timer, channel, pin| u32::from(timer.is_high(channel, self.now)) << pin;
+        let high = |timer: &Timer, channel, pin| {
+            let held = timer.floats() && self.wiring.holds_high(number, pin);
+            u32::from(held || timer.is_high(channel, self.now)) << pin
+        };
         let driven = match (number, offset) {
             (2, IDR) => high(&self.tim8, 0, 6),
             (3, IDR) => high(&self.tim4, 3, 15),

@@ -81,6 +81,11 @@ pub trait Wiring {
     /// The same at the first of the 16 readings that the program takes the mean of.
     fn first_scan(&mut self, pins: &Pins, ticked: bool);
 
+    /// True if what is wired to a pin of the port (A is 0) holds it high while nothing drives it.
+    fn holds_high(&self, _port: usize, _pin: u32) -> bool {
+        false
+    }
+
     /// Voltages at the converter's inputs in codes, not rounded, for reading number `scan` (0 to 15) of the millisecond.
     fn voltages(&mut self, scan: u32) -> [f64; INPUTS];
 }

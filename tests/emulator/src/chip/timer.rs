@@ -168,6 +168,11 @@ impl Timer {
         if on && enabled { high.min(1.0) } else { 0.0 }
     }
 
+    /// True while an advanced timer leaves its pins to whatever is wired to them.
+    pub fn floats(&self) -> bool {
+        self.advanced && self.word(BDTR) & MOE == 0
+    }
+
     /// True while output `channel` (0 to 3) drives its pin high (PWM mode 1).
     pub fn is_high(&self, channel: usize, now: Time) -> bool {
         self.duty(channel) > 0.0 && self.count(now) < u64::from(self.words[CCR1 / 4 + channel])
