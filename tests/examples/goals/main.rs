@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let each = (cases / 2).div_ceil(Design::ALL.len());
     let designs: &[Design] = if only == Some(Half::Laboratory) { &[] } else { &Design::ALL };
     let ideal: Vec<Case> = designs.iter().flat_map(|design| suite::cases(*design, each, first)).collect();
-    let cases_of_ideal: Vec<(String, &Case)> = ideal
+    let named: Vec<(String, &Case)> = ideal
         .iter()
         .enumerate()
         .map(|(i, case)| (format!("ideal {i} {} {}", case.design.name(), case.seed), case))
