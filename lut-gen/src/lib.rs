@@ -9,6 +9,8 @@
 //! |---|---|
 //! | [`law`] | elastic energies in principal stretches (Hyperfoam, Ogden, linear), stress and exact tangent for an axisymmetric deformation gradient; relaxation (Prony) and softening (Ogden-Roxburgh) on top |
 //! | [`scalar`] | numbers that carry a derivative: the same code gives sensitivities |
+//! | [`fem`] | finite elements without a physics: drawings, graded triangle meshes, shape functions, sparse factors |
+//! | [`magnet`] | magnetostatics in the plane and about an axis: saturating cores, the fluid, coils, permanent magnets |
 //! | [`mesh`] | structured quadratic mesh of the block, graded towards the ball |
 //! | [`element`] | eight-node ring element, total Lagrangian |
 //! | [`contact`] | analytic ball with shank, penalty integrated over the surface, Coulomb friction, adhesion |
@@ -46,9 +48,11 @@ pub mod contact;
 pub mod dynamics;
 pub mod effect;
 pub mod element;
+pub mod fem;
 pub mod field;
 pub mod homogeneous;
 pub mod law;
+pub mod magnet;
 pub mod mesh;
 pub mod model;
 pub mod scalar;

@@ -1,7 +1,7 @@
 //! Which degrees of freedom are held.
 
 use super::Base;
-use super::sparse::HELD;
+use crate::fem::sparse::HELD;
 use crate::mesh::BlockMesh;
 
 /// Equation numbers: the axis does not move radially, base and top as told.

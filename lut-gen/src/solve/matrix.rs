@@ -2,8 +2,8 @@
 
 use super::SolveError;
 use super::krylov::gmres;
-use super::sparse::{Factor, HELD, Pattern, Stored, UnsymmetricFactor, elimination_order};
 use crate::contact::EdgeStiffness;
+use crate::fem::sparse::{Factor, HELD, Pattern, Stored, UnsymmetricFactor, elimination_order};
 
 /// Stiffness `K = d residual / d u` with its factor.
 ///

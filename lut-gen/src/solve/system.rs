@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::matrix::Matrix;
-use super::sparse::HELD;
 use super::{SolveError, constraint};
 use crate::contact::{EdgeStiffness, Grip, Sum, Surface};
 use crate::element::{DOFS, Matter, Quadrature, Solid};
+use crate::fem::sparse::HELD;
 use crate::law::{Material, Relaxation, Strained};
 use crate::mesh::BlockMesh;
 use crate::scalar::Real;

@@ -100,12 +100,12 @@ impl Pattern {
     }
 
     /// First position of every column in the value array, and the end.
-    pub(super) fn starts(&self) -> &[usize] {
+    pub(crate) fn starts(&self) -> &[usize] {
         self.symbolic.col_ptr()
     }
 
     /// Row of every position.
-    pub(super) fn rows(&self) -> &[usize] {
+    pub(crate) fn rows(&self) -> &[usize] {
         self.symbolic.row_idx()
     }
 }
@@ -175,7 +175,7 @@ impl Factor {
 }
 
 /// LU factor with partial pivoting, symbolic analysis done once.
-pub(super) struct UnsymmetricFactor {
+pub(crate) struct UnsymmetricFactor {
     symbolic: SymbolicLu<usize>,
     lu: Option<Lu<usize, f64>>,
 }

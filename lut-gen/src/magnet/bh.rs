@@ -1,0 +1,234 @@
+//! Field strength over flux density: what a material of a magnet is.
+//!
+//! Flux densities are in T, field strengths in A/mm.
+
+/// Permeability of the vacuum, T mm/A.
+pub const MU_0: f64 = 4e-4 * std::f64::consts::PI;
+
+/// A law that cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LawError {
+    /// A table is too short.
+    #[error("the table has {found} points, expected at least 2")]
+    Short {
+        /// How many.
+        found: usize,
+    },
+    /// The first point is not the origin.
+    #[error("the table begins at B = {b_t} T, H = {h_a_m} A/m, expected 0, 0 (magnets: H counted from -Hc)")]
+    Origin {
+        /// Its flux density, T.
+        b_t: f64,
+        /// Its field strength, A/m.
+        h_a_m: f64,
+    },
+    /// B or H do not rise.
+    #[error("point {point} of the table (B = {b_t} T, H = {h_a_m} A/m) does not rise above the one before")]
+    Falls {
+        /// Number of the point, from 1.
+        point: usize,
+        /// Its flux density, T.
+        b_t: f64,
+        /// Its field strength, A/m.
+        h_a_m: f64,
+    },
+    /// A number is out of its range.
+    #[error("{what} is {value}, expected {expected}")]
+    Value {
+        /// Which.
+        what: &'static str,
+        /// The number.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+}
+
+/// A table of flux density and field strength with straight lines between its points; beyond its end the last line goes on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    b_t: Vec<f64>,
+    h: Vec<f64>,
+    /// Energy density up to each point, T A/mm.
+    energy: Vec<f64>,
+}
+
+impl Table {
+    /// A table of (B in T, H in A/m).
+    ///
+    /// # Errors
+    /// [`LawError`] unless it begins at the origin and both rise.
+    pub fn new(points: &[(f64, f64)]) -> Result<Self, LawError> {
+        if points.len() < 2 {
+            return Err(LawError::Short { found: points.len() });
+        }
+        let (b_t, h_a_m) = points[0];
+        if b_t != 0.0 || h_a_m != 0.0 {
+            return Err(LawError::Origin { b_t, h_a_m });
+        }
+        for (i, pair) in points.windows(2).enumerate() {
+            let (b_t, h_a_m) = pair[1];
+            let rises = b_t > pair[0].0 && h_a_m > pair[0].1 && (b_t + h_a_m).is_finite();
+            if !rises {
+                return Err(LawError::Falls { point: i + 2, b_t, h_a_m });
+            }
+        }
+        let b_t: Vec<f64> = points.iter().map(|p| p.0).collect();
+        let h: Vec<f64> = points.iter().map(|p| p.1 / 1000.0).collect();
+        let mut energy = vec![0.0];
+        for i in 1..b_t.len() {
+            energy.push(energy[i - 1] + 0.5 * (h[i] + h[i - 1]) * (b_t[i] - b_t[i - 1]));
+        }
+        Ok(Table { b_t, h, energy })
+    }
+
+    fn at(&self, b_t: f64) -> Strength {
+        let i = self.b_t.partition_point(|own| *own <= b_t).clamp(1, self.b_t.len() - 1);
+        let slope = (self.h[i] - self.h[i - 1]) / (self.b_t[i] - self.b_t[i - 1]);
+        let more = b_t - self.b_t[i - 1];
+        let h = self.h[i - 1] + slope * more;
+        Strength { h, slope, energy: self.energy[i - 1] + 0.5 * (self.h[i - 1] + h) * more }
+    }
+}
+
+/// Field strength at a flux density, its slope, and the energy density up to there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strength {
+    /// A/mm.
+    pub h: f64,
+    /// A/mm per T.
+    pub slope: f64,
+    /// T A/mm, which is 1000 J/m^3.
+    pub energy: f64,
+}
+
+/// An isotropic law without hysteresis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Law {
+    /// A constant permeability, as a multiple of the vacuum's.
+    Linear(f64),
+    /// A table.
+    Table(Table),
+    /// A fluid of iron particles in oil with this part of its volume iron: Eq. 39 of the thesis, after Carlson (2005),
+    /// B = 1.91 phi^1.133 (1 - exp(-10.97 mu_0 H)) + mu_0 H.
+    Fluid(f64),
+}
+
+impl Law {
+    /// A constant permeability.
+    ///
+    /// # Errors
+    /// [`LawError::Value`] unless it is above nothing.
+    pub fn linear(permeability: f64) -> Result<Self, LawError> {
+        if permeability > 0.0 && permeability.is_finite() {
+            return Ok(Law::Linear(permeability));
+        }
+        Err(LawError::Value { what: "the relative permeability", value: permeability, expected: "more than 0" })
+    }
+
+    /// A fluid by its volume fraction of iron.
+    ///
+    /// # Errors
+    /// [`LawError::Value`] unless it is between 0 and 0.5, as LORD's fluids are.
+    pub fn fluid(fraction: f64) -> Result<Self, LawError> {
+        if fraction > 0.0 && fraction <= 0.5 {
+            return Ok(Law::Fluid(fraction));
+        }
+        Err(LawError::Value {
+            what: "the volume fraction of iron",
+            value: fraction,
+            expected: "more than 0, at most 0.5",
+        })
+    }
+
+    /// Field strength at a flux density that is not negative.
+    #[must_use]
+    pub fn at(&self, b_t: f64) -> Strength {
+        match self {
+            Law::Linear(permeability) => {
+                let slope = 1.0 / (permeability * MU_0);
+                Strength { h: slope * b_t, slope, energy: 0.5 * slope * b_t * b_t }
+            }
+            Law::Table(table) => table.at(b_t),
+            Law::Fluid(fraction) => fluid(*fraction, b_t),
+        }
+    }
+}
+
+/// Coefficients of Carlson's law: saturation (T, at a fraction of 1), its exponent, and the rate (1/T).
+const CARLSON: (f64, f64, f64) = (1.91, 1.133, 10.97);
+
+/// The flux of a fluid at `x = mu_0 H` and how it rises with it.
+fn flux(fraction: f64, x: f64) -> (f64, f64) {
+    let most = CARLSON.0 * fraction.powf(CARLSON.1);
+    let left = (-CARLSON.2 * x).exp();
+    (most * (1.0 - left) + x, most * CARLSON.2 * left + 1.0)
+}
+
+/// The law solved for H by Newton's method. B over H is concave, so from the left the steps never pass the root.
+fn fluid(fraction: f64, b_t: f64) -> Strength {
+    let most = CARLSON.0 * fraction.powf(CARLSON.1);
+    let mut x = b_t / flux(fraction, 0.0).1;
+    for _ in 0..50 {
+        let (b, rise) = flux(fraction, x);
+        let step = (b_t - b) / rise;
+        x += step;
+        if step.abs() <= 1e-14 * (1.0 + x) {
+            break;
+        }
+    }
+    let rise = flux(fraction, x).1;
+    // Energy is B H less the integral of B over H.
+    let coenergy = most * (x + ((-CARLSON.2 * x).exp() - 1.0) / CARLSON.2) + 0.5 * x * x;
+    Strength { h: x / MU_0, slope: 1.0 / (rise * MU_0), energy: (b_t * x - coenergy) / MU_0 }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn laws() -> [Law; 3] {
+        let table = Table::new(&[(0.0, 0.0), (0.5, 300.0), (1.2, 1500.0), (1.9, 20_000.0)]).unwrap();
+        [Law::linear(500.0).unwrap(), Law::Table(table), Law::fluid(0.22).unwrap()]
+    }
+
+    #[test]
+    fn strength_is_the_slope_of_the_energy_and_its_slope_that_of_the_strength() {
+        for law in laws() {
+            for b_t in [0.01, 0.2, 0.4, 0.9, 1.6, 2.5] {
+                let step = 1e-6;
+                let [minus, at, plus] = [b_t - step, b_t, b_t + step].map(|b| law.at(b));
+                let quotient = |of: fn(&Strength) -> f64| (of(&plus) - of(&minus)) / (2.0 * step);
+                assert!((quotient(|s| s.energy) / at.h - 1.0).abs() < 1e-5, "{law:?} at {b_t} T");
+                assert!((quotient(|s| s.h) / at.slope - 1.0).abs() < 1e-5, "{law:?} at {b_t} T");
+            }
+            assert_eq!(law.at(0.0).h, 0.0);
+        }
+    }
+
+    #[test]
+    fn the_fluid_is_carlsons_law() {
+        let law = Law::fluid(0.22).unwrap();
+        for h_a_m in [1e3, 5e4, 2e5, 1e6_f64] {
+            let x = 4e-7 * std::f64::consts::PI * h_a_m;
+            let b_t = 1.91 * 0.22_f64.powf(1.133) * (1.0 - (-10.97 * x).exp()) + x;
+            assert!((law.at(b_t).h * 1000.0 / h_a_m - 1.0).abs() < 1e-11, "{h_a_m}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_law_is_told_with_its_place() {
+        let text = |points: &[(f64, f64)]| Table::new(points).unwrap_err().to_string();
+        assert_eq!(text(&[(0.0, 0.0)]), "the table has 1 points, expected at least 2");
+        assert!(text(&[(0.1, 0.0), (1.0, 5.0)]).contains("begins at B = 0.1 T"));
+        assert_eq!(
+            text(&[(0.0, 0.0), (1.0, 5.0), (0.9, 6.0)]),
+            "point 3 of the table (B = 0.9 T, H = 6 A/m) does not rise above the one before"
+        );
+        assert_eq!(
+            Law::fluid(0.7).unwrap_err().to_string(),
+            "the volume fraction of iron is 0.7, expected more than 0, at most 0.5"
+        );
+    }
+}

@@ -1,0 +1,94 @@
+//! What a field is at a point and over a region.
+
+use crate::fem::triangle::NODES;
+
+use super::field::{Field, Geometry, Solution};
+use super::point::{coordinates, gradient, point};
+
+impl Field {
+    /// Flux density at a point, (x, y) or (r, z), T; `None` outside of the mesh. Recovered: at each node of the triangle
+    /// the mean of its region's triangles there, which errs by an order less than the slope of one triangle.
+    #[must_use]
+    pub fn flux_density(&self, solution: &Solution, at: [f64; 2]) -> Option<[f64; 2]> {
+        let (t, coordinates) = self.find(at)?;
+        let count = self.mesh.order.nodes();
+        let shape = self.mesh.order.shapes(coordinates);
+        let mut g = [0.0; 2];
+        for (n, node) in self.mesh.triangles[t].iter().enumerate().take(count) {
+            let (mut sum, mut area) = ([0.0; 2], 0.0);
+            for other in self.around[*node].iter().filter(|other| self.mesh.regions[**other] == self.mesh.regions[t]) {
+                let place = self.mesh.triangles[*other][..count].iter().position(|own| own == node)?;
+                let point = point(&self.mesh, self.geometry, *other, corner(place), 1.0)?;
+                let there = gradient(&point, &self.own(solution, *other));
+                sum = [sum[0] + point.area * there[0], sum[1] + point.area * there[1]];
+                area += point.area;
+            }
+            g = [g[0] + shape[n] * sum[0] / area, g[1] + shape[n] * sum[1] / area];
+        }
+        Some(match self.geometry {
+            Geometry::Plane => [g[1], -g[0]],
+            Geometry::Axisymmetric => [-g[1], g[0]],
+        })
+    }
+
+    /// Potential at the nodes of a triangle.
+    fn own(&self, solution: &Solution, t: usize) -> [f64; NODES] {
+        let count = self.mesh.order.nodes();
+        std::array::from_fn(|n| if n < count { solution.potential[self.mesh.triangles[t][n]] } else { 0.0 })
+    }
+
+    /// Mean over a region of the potential, T mm, or about an axis of radius times potential, T mm^2: what a turn there
+    /// links, per mm of depth or per radian.
+    #[must_use]
+    pub fn mean(&self, solution: &Solution, region: usize) -> f64 {
+        let count = self.mesh.order.nodes();
+        let (mut sum, mut area) = (0.0, 0.0);
+        for (t, triangle) in self.mesh.triangles.iter().enumerate().filter(|(t, _)| self.mesh.regions[*t] == region) {
+            for point in &self.points[t] {
+                let here: f64 = (0..count).map(|n| point.shape[n] * solution.potential[triangle[n]]).sum();
+                sum += point.area * point.width * here;
+                area += point.area;
+            }
+        }
+        sum / area
+    }
+
+    /// Area of a region, mm^2.
+    #[must_use]
+    pub fn area(&self, region: usize) -> f64 {
+        let own = self.points.iter().zip(&self.mesh.regions).filter(|(_, own)| **own == region);
+        own.flat_map(|(points, _)| points).map(|point| point.area).sum()
+    }
+
+    /// The triangle around a point, with the point's barycentric coordinates.
+    fn find(&self, at: [f64; 2]) -> Option<(usize, [f64; 3])> {
+        let mut best: Option<(usize, [f64; 3])> = None;
+        for (t, triangle) in self.mesh.triangles.iter().enumerate() {
+            let corner = [0, 1, 2].map(|i| self.mesh.nodes[triangle[i]]);
+            let reach =
+                (0..3).map(|i| (corner[i][0] - corner[(i + 1) % 3][0]).hypot(corner[i][1] - corner[(i + 1) % 3][1]));
+            let reach = reach.fold(0.0, f64::max);
+            if (at[0] - corner[0][0]).hypot(at[1] - corner[0][1]) > 1.2 * reach {
+                continue;
+            }
+            let Some(found) = coordinates(&self.mesh, t, at) else { continue };
+            let least = |l: &[f64; 3]| l.iter().copied().fold(f64::INFINITY, f64::min);
+            if best.as_ref().is_none_or(|(_, l)| least(&found) > least(l)) {
+                best = Some((t, found));
+            }
+        }
+        best.filter(|(_, l)| l.iter().all(|x| *x > -1e-6))
+    }
+}
+
+/// Barycentric coordinates of a node of a triangle.
+const fn corner(place: usize) -> [f64; 3] {
+    match place {
+        0 => [1.0, 0.0, 0.0],
+        1 => [0.0, 1.0, 0.0],
+        2 => [0.0, 0.0, 1.0],
+        3 => [0.5, 0.5, 0.0],
+        4 => [0.0, 0.5, 0.5],
+        _ => [0.5, 0.0, 0.5],
+    }
+}

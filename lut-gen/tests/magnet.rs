@@ -1,0 +1,377 @@
+//! Magnets against another solver's fields: `../shared/reference/display`.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::{PI, TAU};
+use std::path::PathBuf;
+
+use lut_gen::fem::drawing::Curve;
+use lut_gen::fem::mesh::{Mesh, mesh};
+use lut_gen::fem::triangle::Order;
+use lut_gen::magnet::bh::{Law, MU_0, Table};
+use lut_gen::magnet::field::{Field, Geometry, Matter};
+
+fn shared(name: &str) -> Option<String> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(name);
+    let text = std::fs::read_to_string(&path).ok();
+    if text.is_none() {
+        println!("SKIPPED: {} is absent", path.display());
+    }
+    text
+}
+
+/// Numbers of a file with comments and one line of names.
+fn rows(text: &str) -> Vec<Vec<f64>> {
+    let numbers = |line: &str| line.split(',').map(|cell| cell.trim().parse().ok()).collect::<Option<Vec<f64>>>();
+    text.lines().filter(|line| !line.starts_with('#')).filter_map(numbers).collect()
+}
+
+fn steel() -> Option<Law> {
+    let points: Vec<(f64, f64)> =
+        rows(&shared("data/bh_tables/1018_Steel.csv")?).iter().map(|r| (r[0], r[1])).collect();
+    Some(Law::Table(Table::new(&points).unwrap()))
+}
+
+/// Regions of the ring.
+const AIR: usize = 0;
+const CORE: usize = 1;
+const FLUID: usize = 2;
+const PROBE: usize = 3;
+const INNER: usize = 4;
+const OUTER: usize = 5;
+
+/// Fields are singular at corners of another permeability: a tenth of the size there, growing away from it.
+fn at_corner(distance: f64, fine: f64) -> f64 {
+    0.1 * fine + 0.3 * distance
+}
+
+/// The ring electromagnet of the reference's page: core, gap of 10 mm with the fluid, probe, coil of two shells.
+fn ring(fine: f64) -> Mesh {
+    let (begin, end) = (115_f64.to_radians(), 425_f64.to_radians());
+    let arc = |radius, from, to| Curve::Arc { centre: [0.0, 0.0], radius, from, to };
+    let mut curves = vec![Curve::circle([0.0, 0.0], 150.0)];
+    for radius in [14.0, 20.0_f64] {
+        let pole = (5.0 / radius).acos();
+        curves.push(arc(radius, PI - pole, TAU + pole));
+    }
+    for side in [-5.0, 5.0] {
+        curves.push(Curve::Line([side, (14_f64.powi(2) - 25.0).sqrt()], [side, (20_f64.powi(2) - 25.0).sqrt()]));
+    }
+    for (low, high) in [(12.0, 14.0), (20.0, 21.6)] {
+        curves.push(arc(low, begin, end));
+        curves.push(arc(high, begin, end));
+        for angle in [begin, end] {
+            let at = |r: f64| [r * angle.cos(), r * angle.sin()];
+            curves.push(Curve::Line(at(low), at(high)));
+        }
+    }
+    curves.extend(Curve::rectangle([-7.0, 12.0], [7.0, 22.0]));
+    curves.extend(Curve::rectangle([-0.5, 15.0], [0.5, 19.0]));
+    let region = move |p: [f64; 2]| {
+        let (r, angle) = (p[0].hypot(p[1]), p[1].atan2(p[0]).rem_euclid(TAU));
+        let wound = angle > begin || angle < end - TAU;
+        Some(if p[0].abs() < 0.5 && (15.0..19.0).contains(&p[1]) {
+            PROBE
+        } else if wound && (12.0..14.0).contains(&r) {
+            INNER
+        } else if wound && (20.0..21.6).contains(&r) {
+            OUTER
+        } else if (14.0..20.0).contains(&r) && !(p[0].abs() < 5.0 && p[1] > 0.0) {
+            CORE
+        } else if p[0].abs() < 7.0 && (12.0..22.0).contains(&p[1]) {
+            FLUID
+        } else {
+            AIR
+        })
+    };
+    let size = move |p: [f64; 2]| {
+        let gap = (p[0].abs() - 6.0).max(0.0).hypot(((p[1] - 17.0).abs() - 4.5).max(0.0));
+        let core = (p[0].hypot(p[1]) - 17.0).abs() - 5.0;
+        let tips = [14.0, 20.0_f64].map(|r| (p[0].abs() - 5.0).hypot(p[1] - (r * r - 25.0).sqrt()));
+        (fine + 0.25 * gap)
+            .min((3.0 * fine).max(1.0) + 0.3 * core.max(0.0))
+            .min(at_corner(tips[0].min(tips[1]), fine))
+            .min(at_corner((p[0].abs() - 0.5).hypot((p[1] - 17.0).abs() - 2.0), fine))
+    };
+    mesh(&curves, Order::Second, &size, &region).unwrap()
+}
+
+#[test]
+fn the_ring_electromagnet_is_that_of_another_solver() {
+    let (Some(text), Some(steel)) = (shared("reference/display/ring_A.csv"), steel()) else { return };
+    let begun = std::time::Instant::now();
+    let mut field = Field::new(ring(0.5), Geometry::Plane, |p| p[0].hypot(p[1]) > 149.999).unwrap();
+    println!("{} unknowns, meshed and analysed in {:.2} s", field.unknowns(), begun.elapsed().as_secs_f64());
+    let (inner, outer) = (field.area(INNER), field.area(OUTER));
+    assert!((inner - 140.6735).abs() < 1e-3 && (outer - 180.0621).abs() < 1e-3, "{inner} {outer}");
+    let still = |law: Law| Matter { law, current: 0.0, coercive: [0.0; 2] };
+    let air = Law::linear(1.0).unwrap();
+    let fluid = still(Law::fluid(0.22).unwrap());
+    let mut start: Option<Vec<f64>> = None;
+    let begun = std::time::Instant::now();
+    let at: Vec<[f64; 2]> = [0.0, 0.25, 0.9, 2.0, 3.0, 4.0]
+        .map(|x| [x, 17.0])
+        .into_iter()
+        .chain([-3.0, -1.5, 1.5, 3.0, 4.0].map(|y| [0.0, 17.0 + y]))
+        .chain([[0.0, -17.0]])
+        .collect();
+    let (mut worst, mut centre, mut linked) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for row in rows(&text) {
+        let wound = |density: f64| Matter { law: air.clone(), current: density, coercive: [0.0; 2] };
+        let turns = 770.0 * row[0];
+        let matter = [
+            still(air.clone()),
+            still(steel.clone()),
+            fluid.clone(),
+            still(air.clone()),
+            wound(turns / inner),
+            wound(-turns / outer),
+        ];
+        let solution = field.solve(&matter, start.as_deref()).unwrap();
+        let linkage = 770.0 * (field.mean(&solution, INNER) - field.mean(&solution, OUTER)) * 1e-3;
+        let found: Vec<f64> =
+            at.iter().map(|p| field.flux_density(&solution, *p).unwrap()).map(|b| b[0].hypot(b[1])).collect();
+        let off: Vec<String> = found.iter().zip(&row[1..]).map(|(b, r)| format!("{:+.5}", b / r - 1.0)).collect();
+        println!(
+            "{} A: {} steps, {} linkage {:+.5}",
+            row[0],
+            solution.steps,
+            off.join(" "),
+            linkage.abs() / row[13] - 1.0
+        );
+        centre = centre.max((found[0] / row[1] - 1.0).abs());
+        linked = linked.max((linkage.abs() / row[13] - 1.0).abs());
+        // The reference's own uncertainty, and a thousandth of the centre.
+        let allowed = |r: f64| 6e-4 * r + 1e-3 * row[1];
+        worst = found.iter().zip(&row[1..]).fold(worst, |w, (b, r)| w.max((b - r).abs() / allowed(*r)));
+        start = Some(solution.potential);
+    }
+    println!(
+        "curve in {:.2} s: centre {centre:.1e}, linkage {linked:.1e}, worst point {worst:.2} of what is allowed",
+        begun.elapsed().as_secs_f64()
+    );
+    assert!(centre < 3e-4 && linked < 1e-3 && worst < 1.0, "centre {centre:e}, linkage {linked:e}, points {worst}");
+}
+
+/// Corners of a rectangle: x and y of the lower left and of the upper right one, mm.
+type Rectangle = [f64; 4];
+
+/// An arrangement of permanent magnets.
+struct Arrangement {
+    /// Magnets with the directions of their magnetisation.
+    magnets: Vec<(Rectangle, [f64; 2])>,
+    fluid: Vec<Rectangle>,
+    core: Vec<Rectangle>,
+}
+
+/// The arrangement of a file's first line.
+fn arrangement(text: &str) -> Arrangement {
+    let header = text.lines().next().unwrap();
+    let json = &header[header.find('{').unwrap()..=header.find("};").unwrap()];
+    let value: serde_json::Value = serde_json::from_str(json).unwrap();
+    let numbers =
+        |v: &serde_json::Value| -> Vec<f64> { v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect() };
+    let rectangle = |v: &serde_json::Value| -> [f64; 4] { numbers(v).try_into().unwrap() };
+    let list = |name: &str| value[name].as_array().unwrap().iter().map(rectangle).collect();
+    let magnets = value["mag"].as_array().unwrap().iter().map(|m| {
+        let along = numbers(&m[1]);
+        (rectangle(&m[0]), [along[0], along[1]])
+    });
+    Arrangement { magnets: magnets.collect(), fluid: list("mrf"), core: list("core") }
+}
+
+#[test]
+fn permanent_magnets_are_those_of_another_solver() {
+    /// Coercive field strength of Alnico 5, A/mm.
+    const COERCIVE: f64 = 50.963;
+    let Some(table) = shared("data/bh_tables/Alnico_5.csv") else { return };
+    let points: Vec<(f64, f64)> = rows(&table).iter().map(|r| (r[0], r[1])).collect();
+    let (alnico, Some(steel)) = (Law::Table(Table::new(&points).unwrap()), steel()) else { return };
+    for name in ["pm_a", "pm_b", "pm_c", "pm_d"] {
+        let Some(text) = shared(&format!("reference/display/{name}.csv")) else { return };
+        let Arrangement { magnets, fluid, core } = arrangement(&text);
+        let all: Vec<[f64; 4]> =
+            magnets.iter().map(|(r, _)| *r).chain(fluid.iter().copied()).chain(core.iter().copied()).collect();
+        let mut curves = vec![Curve::circle([0.0, 0.0], 120.0)];
+        all.iter().for_each(|[x0, y0, x1, y1]| curves.extend(Curve::rectangle([*x0, *y0], [*x1, *y1])));
+        let inside = |p: [f64; 2], [x0, y0, x1, y1]: [f64; 4]| (x0..x1).contains(&p[0]) && (y0..y1).contains(&p[1]);
+        let region = |p: [f64; 2]| Some(all.iter().position(|r| inside(p, *r)).map_or(0, |i| i + 1));
+        let size = |p: [f64; 2]| 0.4 + 0.25 * (p[0].hypot(p[1]) - 18.0).max(0.0);
+        let mesh = mesh(&curves, Order::Second, &size, &region).unwrap();
+        let mut field = Field::new(mesh, Geometry::Plane, |p| p[0].hypot(p[1]) > 119.999).unwrap();
+        let still = |law: Law, coercive: [f64; 2]| Matter { law, current: 0.0, coercive };
+        let mut matter = vec![still(Law::linear(1.0).unwrap(), [0.0; 2])];
+        matter.extend(magnets.iter().map(|(_, m)| still(alnico.clone(), m.map(|m| m * COERCIVE))));
+        matter.extend(fluid.iter().map(|_| still(Law::fluid(0.22).unwrap(), [0.0; 2])));
+        matter.extend(core.iter().map(|_| still(steel.clone(), [0.0; 2])));
+        let solution = field.solve(&matter, None).unwrap();
+        let mut worst = (0.0_f64, [0.0; 2]);
+        for row in rows(&text) {
+            for (y, at) in [(0.02, 1), (2.0, 5)] {
+                let b = field.flux_density(&solution, [row[0], y]).unwrap();
+                let off = (b[0] - row[at]).hypot(b[1] - row[at + 1]);
+                if off > worst.0 {
+                    worst = (off, [row[0], y]);
+                }
+            }
+        }
+        println!(
+            "{name}: {} unknowns, {} steps, worst {:.1e} T at {:?}",
+            field.unknowns(),
+            solution.steps,
+            worst.0,
+            worst.1
+        );
+        assert!(worst.0 < 2e-4, "{name}: {worst:?}");
+    }
+}
+
+#[test]
+fn the_pot_magnet_is_that_of_another_solver() {
+    let (Some(text), Some(steel)) = (shared("reference/display/pot_A.csv"), steel()) else { return };
+    let mut curves = Curve::rectangle([0.0, -90.0], [90.0, 90.0]).to_vec();
+    for [r0, z0, r1, z1] in [
+        [0.0, -20.0, 14.0, -16.0],
+        [0.0, -16.0, 6.0, 0.0],
+        [11.0, -16.0, 14.0, 0.0],
+        [6.5, -15.5, 10.5, -0.5],
+        [0.0, 0.0, 16.0, 5.0],
+    ] {
+        curves.extend(Curve::rectangle([r0, z0], [r1, z1]));
+    }
+    let region = |p: [f64; 2]| {
+        let [r, z] = p;
+        Some(
+            if (-20.0..-16.0).contains(&z) && r < 14.0
+                || (-16.0..0.0).contains(&z) && (r < 6.0 || (11.0..14.0).contains(&r))
+            {
+                CORE
+            } else if (-15.5..-0.5).contains(&z) && (6.5..10.5).contains(&r) {
+                INNER
+            } else if (0.0..5.0).contains(&z) && r < 16.0 {
+                FLUID
+            } else {
+                AIR
+            },
+        )
+    };
+    let size = |p: [f64; 2]| {
+        let gap = (p[0] - 14.0).max(0.0).hypot((p[1] - 2.5).abs() - 2.5);
+        0.25 + 0.2 * gap.max(0.0)
+    };
+    let mesh = mesh(&curves, Order::Second, &size, &region).unwrap();
+    let on_edge = |p: [f64; 2]| p[0] < 1e-9 || p[0] > 89.999 || p[1].abs() > 89.999;
+    let mut field = Field::new(mesh, Geometry::Axisymmetric, on_edge).unwrap();
+    let still = |law: Law| Matter { law, current: 0.0, coercive: [0.0; 2] };
+    let air = Law::linear(1.0).unwrap();
+    // Uncertainty of each column as the file's header says.
+    let uncertain = [0.002_093, 0.001_161, 0.000_136, 0.001_087, 0.000_533, 0.0015, 0.001_525];
+    let mut missed = Vec::new();
+    let at = [[0.05, 1.0], [0.05, 2.5], [3.0, 2.5], [8.5, 2.5], [12.5, 2.5], [8.5, 1.0], [0.05, -8.0]];
+    let mut start: Option<Vec<f64>> = None;
+    for row in rows(&text) {
+        let wound = Matter { law: air.clone(), current: 770.0 * row[0] / 60.0, coercive: [0.0; 2] };
+        let matter =
+            [still(air.clone()), still(steel.clone()), still(Law::fluid(0.22).unwrap()), still(air.clone()), wound];
+        let solution = field.solve(&matter, start.as_deref()).unwrap();
+        let centre = row[2];
+        let mut line = String::new();
+        for (i, p) in at.iter().enumerate() {
+            let b = field.flux_density(&solution, *p).unwrap();
+            let found = if i == 6 { b[1].abs() } else { b[0].hypot(b[1]) };
+            line.push_str(&format!("{:+.5} ", found / row[1 + i] - 1.0));
+            let allowed = uncertain[i] * row[1 + i] + 1e-3 * centre;
+            if (found - row[1 + i]).abs() >= allowed {
+                missed.push(format!("{} A, {p:?}: {found} T for {} T", row[0], row[1 + i]));
+            }
+        }
+        println!("{} A: {} steps, {line}", row[0], solution.steps);
+        start = Some(solution.potential);
+    }
+    println!("{} unknowns", field.unknowns());
+    assert!(missed.is_empty(), "{missed:#?}");
+}
+
+#[test]
+fn a_magnetised_cylinder_is_the_closed_form() {
+    let Some(text) = shared("reference/display/linear_cylinder.csv") else { return };
+    let mut curves = Curve::rectangle([0.0, -240.0], [240.0, 240.0]).to_vec();
+    curves.extend(Curve::rectangle([0.0, -3.0], [4.0, 3.0]));
+    let region = |p: [f64; 2]| Some(usize::from(p[0] < 4.0 && p[1].abs() < 3.0));
+    let size = |p: [f64; 2]| {
+        let fine = 0.15 + 0.08 * (p[0].hypot(p[1]) - 7.0).max(0.0);
+        fine.min(at_corner((p[0] - 4.0).hypot(p[1].abs() - 3.0), 0.15))
+    };
+    let mesh = mesh(&curves, Order::Second, &size, &region).unwrap();
+    let on_edge = |p: [f64; 2]| p[0] < 1e-9 || p[0] > 239.999 || p[1].abs() > 239.999;
+    let mut field = Field::new(mesh, Geometry::Axisymmetric, on_edge).unwrap();
+    let matter =
+        [[0.0; 2], [0.0, 1.0 / MU_0]].map(|coercive| Matter { law: Law::linear(1.0).unwrap(), current: 0.0, coercive });
+    let solution = field.solve(&matter, None).unwrap();
+    assert_eq!(solution.steps, 1);
+    for row in rows(&text) {
+        let b = field.flux_density(&solution, [row[0], row[1]]).unwrap();
+        let off = (b[1] - row[2]).abs().max((b[0] - row[3]).abs());
+        assert!(off < 1e-4, "({}, {}): {b:?} T for ({}, {})", row[0], row[1], row[3], row[2]);
+    }
+}
+
+/// A wire of 2 mm along the axis of a steel tube in a round box of 15 mm, everything `scale` times as large.
+fn wire(scale: f64, fine: f64, order: Order) -> Mesh {
+    let circles = [2.0, 8.0, 10.0, 15.0].map(|r| Curve::circle([0.0, 0.0], scale * r));
+    let region = move |p: [f64; 2]| match p[0].hypot(p[1]) / scale {
+        r if r < 2.0 => Some(0),
+        r if (8.0..10.0).contains(&r) => Some(1),
+        _ => Some(2),
+    };
+    mesh(&circles, order, &|_| scale * fine, &region).unwrap()
+}
+
+fn around_wire(scale: f64, current: f64, mesh: Mesh) -> (Field, f64) {
+    let mut field = Field::new(mesh, Geometry::Plane, move |p| p[0].hypot(p[1]) > scale * 14.999).unwrap();
+    let table = Table::new(&[(0.0, 0.0), (0.8, 400.0), (1.4, 3_000.0), (2.0, 60_000.0)]).unwrap();
+    let matter = [
+        (Law::linear(1.0).unwrap(), current / (PI * (2.0 * scale).powi(2))),
+        (Law::Table(table), 0.0),
+        (Law::linear(1.0).unwrap(), 0.0),
+    ]
+    .map(|(law, current)| Matter { law, current, coercive: [0.0; 2] });
+    let solution = field.solve(&matter, None).unwrap();
+    let mean = field.mean(&solution, 0);
+    (field, mean)
+}
+
+#[test]
+fn a_wire_in_a_tube_is_the_closed_form_and_both_orders_converge() {
+    // H = I / (2 pi r) everywhere outside of the wire; 40 kA saturate the tube. The mean of A over the wire is the flux up
+    // to the box and a quarter of mu_0 I / 2 pi.
+    let current = 40_000.0;
+    let h = |r: f64| current / (TAU * r);
+    // The table's lines, the other way round.
+    let b_of = |h: f64| {
+        let points = [(0.0, 0.0), (0.4, 0.8), (3.0, 1.4), (60.0, 2.0)];
+        let i = (1..3).find(|i| h < points[*i].0).unwrap_or(3);
+        let ((h0, b0), (h1, b1)) = (points[i - 1], points[i]);
+        b0 + (h - h0) * (b1 - b0) / (h1 - h0)
+    };
+    let air = |from: f64, to: f64| MU_0 * current / TAU * (to / from).ln();
+    let steps = 20_000;
+    let tube: f64 = (0..steps)
+        .map(|i| 8.0 + 2.0 * (f64::from(i) + 0.5) / f64::from(steps))
+        .map(|r| b_of(h(r)) * 2.0 / f64::from(steps))
+        .sum();
+    let exact = MU_0 * current / TAU / 4.0 + air(2.0, 8.0) + tube + air(10.0, 15.0);
+    for (order, rate) in [(Order::First, 1.7), (Order::Second, 3.4)] {
+        let [coarse, fine] =
+            [0.5, 0.25].map(|size| (around_wire(1.0, current, wire(1.0, size, order)).1 / exact - 1.0).abs());
+        println!("{order:?}: {coarse:.1e} {fine:.1e}");
+        assert!((coarse / fine).log2() > rate, "{order:?}: {coarse:e} {fine:e}");
+        assert!(fine < if order == Order::Second { 2e-6 } else { 5e-3 });
+    }
+}
+
+#[test]
+fn twice_the_size_with_twice_the_current_has_the_same_field() {
+    let of = |scale: f64| around_wire(scale, 40_000.0 * scale, wire(scale, 0.8, Order::Second)).1 / scale;
+    let (one, two) = (of(1.0), of(2.0));
+    assert!((two / one - 1.0).abs() < 1e-9, "{one} {two}");
+}
