@@ -172,7 +172,7 @@ impl Field {
         }
         let mut potential = start.map_or_else(|| vec![0.0; self.mesh.nodes.len()], <[f64]>::to_vec);
         let mut values = vec![0.0; self.pattern.entries()];
-        let mut state = self.assemble(matter, &potential, Some(&mut values));
+        let mut state = self.assemble(matter, &potential, &mut values);
         let mut left = f64::INFINITY;
         for step in 0..STEPS {
             left = norm(&state.residual) / state.sources.max(f64::MIN_POSITIVE);
@@ -193,26 +193,25 @@ impl Field {
                         *own = old - part * change[*equation];
                     }
                 }
-                let energy = self.assemble(matter, &potential, None).energy;
+                // With its matrix: the whole step is nearly always taken.
+                let next = self.assemble(matter, &potential, &mut values);
                 // Armijo's rule, but for what rounding leaves of the energy.
-                if energy <= state.energy - 1e-4 * part * fall + 1e-13 * state.energy.abs() || part < 1e-4 {
+                if next.energy <= state.energy - 1e-4 * part * fall + 1e-13 * state.energy.abs() || part < 1e-4 {
+                    state = next;
                     break;
                 }
                 part *= 0.5;
             }
-            state = self.assemble(matter, &potential, Some(&mut values));
         }
         Err(FieldError::Steps { steps: STEPS, residual: left })
     }
 
-    /// Residual and energy at a potential; with `values` the matrix as well.
-    fn assemble(&self, matter: &[Matter], potential: &[f64], mut values: Option<&mut Vec<f64>>) -> State {
+    /// Residual and energy at a potential, and the matrix into `values`.
+    fn assemble(&self, matter: &[Matter], potential: &[f64], values: &mut [f64]) -> State {
         let count = self.mesh.order.nodes();
         let mut state = State { residual: vec![0.0; self.unknowns], energy: 0.0, sources: 0.0 };
         let mut sources = vec![0.0; self.unknowns];
-        if let Some(values) = &mut values {
-            values.fill(0.0);
-        }
+        values.fill(0.0);
         for (t, triangle) in self.mesh.triangles.iter().enumerate() {
             let matter = &matter[self.mesh.regions[t]];
             let own: [f64; NODES] = std::array::from_fn(|n| if n < count { potential[triangle[n]] } else { 0.0 });
@@ -236,11 +235,9 @@ impl Field {
                     let along = g[0] * s[0] + g[1] * s[1];
                     force[n] += volume * secant * along;
                     source[n] += volume * (push[0] * s[0] + push[1] * s[1] + matter.current * point.shape[n]);
-                    if values.is_some() {
-                        for (value, o) in tangent[n].iter_mut().zip(&point.slope).take(n + 1) {
-                            let other = g[0] * o[0] + g[1] * o[1];
-                            *value += volume * (secant * (s[0] * o[0] + s[1] * o[1]) + turn * along * other);
-                        }
+                    for (value, o) in tangent[n].iter_mut().zip(&point.slope).take(n + 1) {
+                        let other = g[0] * o[0] + g[1] * o[1];
+                        *value += volume * (secant * (s[0] * o[0] + s[1] * o[1]) + turn * along * other);
                     }
                 }
             }
@@ -251,13 +248,11 @@ impl Field {
                     sources[equation] += source[n];
                 }
             }
-            if let Some(values) = &mut values {
-                let mut places = self.scatter[t].iter();
-                for (n, row) in tangent.iter().enumerate().take(count) {
-                    for value in row.iter().take(n + 1) {
-                        if let Some(place) = places.next().filter(|place| **place != u32::MAX) {
-                            values[*place as usize] += value;
-                        }
+            let mut places = self.scatter[t].iter();
+            for (n, row) in tangent.iter().enumerate().take(count) {
+                for value in row.iter().take(n + 1) {
+                    if let Some(place) = places.next().filter(|place| **place != u32::MAX) {
+                        values[*place as usize] += value;
                     }
                 }
             }
