@@ -71,12 +71,7 @@ impl Transmitter {
     pub fn rescue(&mut self, answer: rescue::Answer) {
         let mut buffer = [0; MAX_FRAME];
         let seq = self.next_seq();
-        let bytes = answer.to_bytes();
-        let fill = |body: &mut [u8]| {
-            body.get_mut(..bytes.len())?.copy_from_slice(&bytes);
-            Some(bytes.len())
-        };
-        match frame::encode(rescue::KIND, seq, fill, &mut buffer) {
+        match frame::encode_body(rescue::KIND, seq, &answer.to_bytes(), &mut buffer) {
             Ok(bytes) => self.queue(bytes, Priority::Answer),
             Err(_) => self.dropped = self.dropped.saturating_add(1),
         }

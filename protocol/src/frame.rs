@@ -94,6 +94,18 @@ pub fn encode(
     Ok(&out[..=n])
 }
 
+/// Encodes a frame around a body that is there already; see [`encode`].
+///
+/// # Errors
+/// [`BodyTooLong`] when it is longer than [`MAX_BODY`].
+pub fn encode_body<'o>(kind: u8, seq: u16, body: &[u8], out: &'o mut [u8; MAX_FRAME]) -> Result<&'o [u8], BodyTooLong> {
+    let fill = |room: &mut [u8]| {
+        room.get_mut(..body.len())?.copy_from_slice(body);
+        Some(body.len())
+    };
+    encode(kind, seq, fill, out)
+}
+
 /// Encodes one message of either direction; see [`encode`].
 macro_rules! encode_message {
     ($($(#[$doc:meta])* $function:ident($set:ty);)*) => {$(
@@ -221,12 +233,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn frame(kind: u8, seq: u16, body: &[u8]) -> Vec<u8> {
-        let mut out = [0; MAX_FRAME];
-        let fill = |b: &mut [u8]| {
-            b.get_mut(..body.len())?.copy_from_slice(body);
-            Some(body.len())
-        };
-        encode(kind, seq, fill, &mut out).unwrap().to_vec()
+        encode_body(kind, seq, body, &mut [0; MAX_FRAME]).unwrap().to_vec()
     }
 
     /// All frames a decoder finds in `bytes`, and how many runs of bytes it rejected.

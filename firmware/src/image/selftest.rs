@@ -186,7 +186,7 @@ struct Program {
 async fn serve(program: &'static mut Program) -> ! {
     loop {
         match select(program.ticker.next(), RECEIVED.receive()).await {
-            Either::First(()) => program.end_tick(true),
+            Either::First(()) => program.end_tick(),
             Either::Second(packet) => {
                 for byte in &packet.bytes {
                     if let Some((request, seq)) = program.push(packet.link, *byte).await {
@@ -231,13 +231,8 @@ impl Program {
                 schema_hash_low: SCHEMA_HASH as u32,
                 ..rescue::Answer::of_this_build(FIRMWARE_VERSION)
             };
-            let answer = answer.to_bytes();
             let mut buffer = [0; MAX_FRAME];
-            let fill = |body: &mut [u8]| {
-                body.get_mut(..answer.len())?.copy_from_slice(&answer);
-                Some(answer.len())
-            };
-            if let Ok(bytes) = frame::encode(rescue::KIND, seq, fill, &mut buffer) {
+            if let Ok(bytes) = frame::encode_body(rescue::KIND, seq, &answer.to_bytes(), &mut buffer) {
                 queue(link, bytes).await;
             }
             return None;
@@ -260,17 +255,17 @@ impl Program {
         }
     }
 
-    /// The end of a control tick, with a permit for what is on or without one.
-    fn end_tick(&mut self, permit: bool) {
+    /// The end of a control tick, with a permit for what is on.
+    fn end_tick(&mut self) {
         interlock::turn(Task::Control);
-        interlock::end_of_tick(self.power, permit);
+        interlock::end_of_tick(self.power, true);
     }
 
     /// A tick within a request. Whoever talks meanwhile is not heard; the links' tasks must not wait for it.
     async fn tick(&mut self) {
         self.ticker.next().await;
         while RECEIVED.try_receive().is_ok() {}
-        self.end_tick(true);
+        self.end_tick();
     }
 
     /// At least so many milliseconds of ticks.

@@ -6,7 +6,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{Context, IntoDiagnostic};
 use protocol::fault::Fault;
-use protocol::message::{Build, CalibrationState, Fitted, Gains, Hello, Holder, State, Status};
+use protocol::message::{CalibrationState, Fitted, Gains, Hello, Holder, State, Status};
 use serde_json::json;
 
 use super::answer::Answer;
@@ -14,7 +14,7 @@ use super::mode::ModeChoice;
 use crate::demo::bench_foams;
 use crate::link::{Address, IDLE_TOUCH, Link};
 use crate::plant::{Jitter, Noise, Source};
-use crate::session::{Patience, Session};
+use crate::session::{Patience, Session, commit_text};
 use crate::simulated_board::{SimulatedBoard, serve};
 
 /// Which board, and what to do with it.
@@ -161,14 +161,9 @@ fn status<L: Link>(session: &mut Session<L>, hello: &Hello) -> miette::Result<An
     let kind = if hello.simulated { "simulated board" } else { "board" };
     let table = if table_hash == [0; 16] { "none".to_owned() } else { hex(&table_hash) };
     let latched: Vec<Fault> = faults.iter().collect();
-    let Build { commit, modified, image_crc } = &hello.build;
-    let build = match std::str::from_utf8(commit) {
-        Ok(commit) if *image_crc != 0 => {
-            let modified = if *modified { ", with changes" } else { "" };
-            let commit = if commit.starts_with('\0') { "unknown" } else { commit };
-            format!("commit {commit}{modified}, CRC of the image {image_crc:08x}")
-        }
-        _ => "no image: the firmware's library runs in this program".to_owned(),
+    let build = match hello.build.image_crc {
+        0 => "no image: the firmware's library runs in this program".to_owned(),
+        image_crc => format!("{}, CRC of the image {image_crc:08x}", commit_text(&hello.build)),
     };
     let mut text = format!(
         "{kind} {} with firmware {major}.{minor}.{patch}, protocol {}, last start: {:?}\n\

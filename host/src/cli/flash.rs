@@ -1,6 +1,5 @@
 //! `palpate flash`.
 
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,6 +8,7 @@ use miette::IntoDiagnostic;
 use probe_rs::probe::list::Lister;
 use serde_json::json;
 
+use super::answer::{agreed, can_ask};
 use crate::flash::{self, BrownOut, CHIP, Expected, Firmware, Greeted, Job, Step, StepProgress, TableImage, Written};
 use crate::link::Address;
 
@@ -128,9 +128,7 @@ pub(super) fn written(lister: &Lister, job: &Job, json: bool) -> miette::Result<
 
 /// Sets the brown-out level after a yes.
 fn set_up(lister: &Lister, arguments: &Arguments) -> miette::Result<()> {
-    let terminal = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
-    let agreed = |level: u8| terminal && ask(level);
-    let outcome = flash::set_up(lister, arguments.probe.as_deref(), &arguments.chip, agreed).into_diagnostic()?;
+    let outcome = flash::set_up(lister, arguments.probe.as_deref(), &arguments.chip, ask).into_diagnostic()?;
     if arguments.json {
         outln!("{}", json!({ "brown_out": outcome }));
         return Ok(());
@@ -140,22 +138,20 @@ fn set_up(lister: &Lister, arguments: &Arguments) -> miette::Result<()> {
         match outcome {
             BrownOut::Already => "brown-out level 3 is set already: nothing was written",
             BrownOut::Written => "brown-out level 3 is set and read back",
-            BrownOut::Declined if terminal => "nothing was written",
+            BrownOut::Declined if can_ask() => "nothing was written",
             BrownOut::Declined => "nothing was written: it is asked first, so run this in a terminal",
         }
     );
     Ok(())
 }
 
-/// The question; anything but a yes is a no.
+/// The question of the setup.
 fn ask(level: u8) -> bool {
     let now = if level == 0 { "no brown-out reset".into() } else { format!("brown-out level {level}") };
-    errln!(
+    agreed(&format!(
         "The chip has {now}. Set level 3 (reset below 2.8 V)?\n\
-         This writes its option bytes; read protection and write protection stay as they are. Keep it powered. [y/N]"
-    );
-    let mut answer = String::new();
-    std::io::stdin().read_line(&mut answer).is_ok() && matches!(answer.trim(), "y" | "Y" | "yes")
+         This writes its option bytes; read protection and write protection stay as they are. Keep it powered."
+    ))
 }
 
 /// A board that a probe can write.

@@ -1,6 +1,5 @@
 //! `palpate selftest`.
 
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -9,6 +8,7 @@ use miette::{IntoDiagnostic, miette};
 use probe_rs::probe::list::Lister;
 use serde_json::json;
 
+use super::answer::agreed;
 use super::flash::{real_board, written};
 use crate::flash::{CHIP, Firmware, Job};
 use crate::link::{Address, FindError, Link, Serial, find_own, find_uart, ports};
@@ -49,7 +49,7 @@ pub struct Arguments {
 /// # Errors
 /// No yes, no board, or one that runs something else.
 pub fn run(arguments: &Arguments) -> miette::Result<u8> {
-    if !arguments.yes && !agreed() {
+    if !arguments.yes && !agreed(QUESTION) {
         return Err(miette!(
             "nothing was driven: the self test drives outputs at full duty, so take everything off the NUCLEO but its three wires, and \
              answer y or pass --yes"
@@ -106,18 +106,9 @@ fn usb(address: Option<&Address>) -> miette::Result<Usb<Box<dyn Link>>> {
     }
 }
 
-/// The question; without a terminal nobody can be asked.
-fn agreed() -> bool {
-    if !(std::io::stdin().is_terminal() && std::io::stderr().is_terminal()) {
-        return false;
-    }
-    errln!(
-        "This drives PC6, PE9, PE11, PD14 and PD15 at full duty, and erases a sector of the tables.\n\
-         Is nothing connected to the NUCLEO but the three wires of docs/selftest.md? [y/N]"
-    );
-    let mut answer = String::new();
-    std::io::stdin().read_line(&mut answer).is_ok() && matches!(answer.trim(), "y" | "Y" | "yes")
-}
+/// What must be so before anything is driven.
+const QUESTION: &str = "This drives PC6, PE9, PE11, PD14 and PD15 at full duty, and erases a sector of the tables.\n\
+                        Is nothing connected to the NUCLEO but the three wires of docs/selftest.md?";
 
 /// The summary, and the exit status.
 fn conclude(checks: &[Check], json: bool) -> u8 {

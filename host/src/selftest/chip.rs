@@ -1,10 +1,10 @@
 //! Chip, supply, clock, converter and links.
 
-use protocol::message::Build;
 use protocol::selftest::{Drive, ECHO_LEN, Echo, Identity, Power, Report, Request};
 
 use super::{Check, SelftestError, Step, Talk};
 use crate::link::Link;
+use crate::session::commit_text;
 
 /// Device code of F42x and F43x (RM0090 section 38.6.1).
 const DEVICE: u16 = 0x419;
@@ -45,10 +45,8 @@ pub(super) const fn at_rest(average_ms: u16) -> Drive {
 
 /// Which program runs: compared where it was written by this test.
 pub(super) fn program(identity: &Identity, image_crc: Option<u32>) -> Check {
-    let Build { commit, modified, image_crc: found } = &identity.build;
-    let commit = if commit[0] == 0 { "unknown".into() } else { String::from_utf8_lossy(commit).into_owned() };
-    let changed = if *modified { ", with changes" } else { "" };
-    let what = format!("program of commit {commit}{changed}, CRC {found:08x}");
+    let found = &identity.build.image_crc;
+    let what = format!("program of {}, CRC {found:08x}", commit_text(&identity.build));
     match image_crc {
         Some(written) => Check::new(
             Step::Chip,

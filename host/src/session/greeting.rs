@@ -2,11 +2,19 @@
 
 use protocol::PROTOCOL_VERSION;
 use protocol::frame::{self, MAX_FRAME};
-use protocol::message::{Hello, HelloRequest, Refusal, Report, Request, SCHEMA_HASH};
+use protocol::message::{Build, Hello, HelloRequest, Refusal, Report, Request, SCHEMA_HASH};
 use protocol::rescue;
 
 use super::{Incoming, Patience, Session, SessionError};
 use crate::link::Link;
+
+/// The commit of a build in words.
+#[must_use]
+pub fn commit_text(build: &Build) -> String {
+    let commit = String::from_utf8_lossy(&build.commit);
+    let commit = if commit.starts_with('\0') { "unknown" } else { &*commit };
+    format!("commit {commit}{}", if build.modified { ", with changes" } else { "" })
+}
 
 impl<L: Link> Session<L> {
     /// Greets the board behind `link`.
@@ -54,12 +62,7 @@ impl<L: Link> Session<L> {
             let mut buffer = [0u8; MAX_FRAME];
             let seq = self.seq;
             self.seq = self.seq.wrapping_add(1);
-            let fill = |body: &mut [u8]| {
-                body.get_mut(..rescue::QUESTION.len())
-                    .map(|b| b.copy_from_slice(&rescue::QUESTION))
-                    .map(|()| rescue::QUESTION.len())
-            };
-            if let Ok(bytes) = frame::encode(rescue::KIND, seq, fill, &mut buffer) {
+            if let Ok(bytes) = frame::encode_body(rescue::KIND, seq, &rescue::QUESTION, &mut buffer) {
                 self.link.send(bytes)?;
             }
             let deadline_s = self.link.now_s() + self.patience.answer_s;

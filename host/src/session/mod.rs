@@ -23,6 +23,7 @@ use protocol::rescue;
 pub use error::SessionError;
 pub use event::{Event, fault_text};
 pub use gap::{Gap, cause_text, gap_text};
+pub use greeting::commit_text;
 pub use upload::Progress;
 
 use crate::link::Link;
