@@ -17,6 +17,7 @@ pub mod infer;
 pub mod init;
 pub mod link;
 pub mod log;
+pub mod magnet;
 pub mod monitor;
 mod ownership;
 pub mod plant;

@@ -21,6 +21,7 @@
 //! | [`dynamics`] | the thesis' explicit method (appendix B), lumped mass and central differences, with an inertia report |
 //! | [`table`] | the thesis' grid and the bytes the board reads |
 //! | [`sweep`] | grids over any number of parameters, in shards, resumable |
+//! | [`vtk`] | files for ParaView |
 //! | [`verify`] | closed forms and difference quotients |
 //!
 //! Assumptions: quasi-static, homogeneous isotropic block with free sides. Verification and
@@ -60,3 +61,4 @@ pub mod solve;
 pub mod sweep;
 pub mod table;
 pub mod verify;
+pub mod vtk;

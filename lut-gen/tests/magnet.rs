@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use lut_gen::fem::drawing::Curve;
 use lut_gen::fem::mesh::{Mesh, mesh};
 use lut_gen::fem::triangle::Order;
-use lut_gen::magnet::bh::{Law, MU_0, Table};
+use lut_gen::magnet::bh::{Between, Law, MU_0, Table};
 use lut_gen::magnet::field::{Field, Geometry, Matter};
 
 fn shared(name: &str) -> Option<String> {
@@ -28,7 +28,7 @@ fn rows(text: &str) -> Vec<Vec<f64>> {
 fn steel() -> Option<Law> {
     let points: Vec<(f64, f64)> =
         rows(&shared("data/bh_tables/1018_Steel.csv")?).iter().map(|r| (r[0], r[1])).collect();
-    Some(Law::Table(Table::new(&points).unwrap()))
+    Some(Law::Table(Table::new(&points, Between::Straight).unwrap()))
 }
 
 /// Regions of the ring.
@@ -185,7 +185,7 @@ fn permanent_magnets_are_those_of_another_solver() {
     const COERCIVE: f64 = 50.963;
     let Some(table) = shared("data/bh_tables/Alnico_5.csv") else { return };
     let points: Vec<(f64, f64)> = rows(&table).iter().map(|r| (r[0], r[1])).collect();
-    let (alnico, Some(steel)) = (Law::Table(Table::new(&points).unwrap()), steel()) else { return };
+    let (alnico, Some(steel)) = (Law::Table(Table::new(&points, Between::Straight).unwrap()), steel()) else { return };
     for name in ["pm_a", "pm_b", "pm_c", "pm_d"] {
         let Some(text) = shared(&format!("reference/display/{name}.csv")) else { return };
         let Arrangement { magnets, fluid, core } = arrangement(&text);
@@ -328,7 +328,7 @@ fn wire(scale: f64, fine: f64, order: Order) -> Mesh {
 
 fn around_wire(scale: f64, current: f64, mesh: Mesh) -> (Field, f64) {
     let mut field = Field::new(mesh, Geometry::Plane, move |p| p[0].hypot(p[1]) > scale * 14.999).unwrap();
-    let table = Table::new(&[(0.0, 0.0), (0.8, 400.0), (1.4, 3_000.0), (2.0, 60_000.0)]).unwrap();
+    let table = Table::new(&[(0.0, 0.0), (0.8, 400.0), (1.4, 3_000.0), (2.0, 60_000.0)], Between::Straight).unwrap();
     let matter = [
         (Law::linear(1.0).unwrap(), current / (PI * (2.0 * scale).powi(2))),
         (Law::Table(table), 0.0),

@@ -15,6 +15,7 @@ mod keep;
 mod last_run;
 pub mod log;
 pub mod lut;
+pub mod magnet;
 mod many;
 mod mode;
 pub mod monitor;
@@ -73,6 +74,8 @@ enum Command {
     Study(study::Arguments),
     /// Compute a look-up table by finite elements, sweep more parameters, or explain a table
     Lut(lut::Arguments),
+    /// Compute a magnet's field by finite elements: flux density, inductance, heat, maps
+    Magnet(magnet::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
     Field(field::Arguments),
 }
@@ -100,6 +103,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),
+        Command::Magnet(arguments) => magnet::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };
     let printed = crate::print::finish().into_diagnostic().wrap_err("standard output");

@@ -44,11 +44,24 @@ pub enum LawError {
     },
 }
 
-/// A table of flux density and field strength with straight lines between its points; beyond its end the last line goes on.
+/// How a table is read between its points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Between {
+    /// Cubics of H over B that rise wherever the points do (Hyman, SIAM J. Sci. Stat. Comput. 4, 1983); beyond the last
+    /// point the slope of the vacuum, for the material is taken as saturated there.
+    #[default]
+    Monotone,
+    /// Straight lines of H over B; beyond the last point the last line goes on.
+    Straight,
+}
+
+/// A table of flux density and field strength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     b_t: Vec<f64>,
     h: Vec<f64>,
+    /// Slope of H over B at each point, A/mm per T; empty where lines are straight.
+    slope: Vec<f64>,
     /// Energy density up to each point, T A/mm.
     energy: Vec<f64>,
 }
@@ -58,7 +71,7 @@ impl Table {
     ///
     /// # Errors
     /// [`LawError`] unless it begins at the origin and both rise.
-    pub fn new(points: &[(f64, f64)]) -> Result<Self, LawError> {
+    pub fn new(points: &[(f64, f64)], between: Between) -> Result<Self, LawError> {
         if points.len() < 2 {
             return Err(LawError::Short { found: points.len() });
         }
@@ -75,20 +88,71 @@ impl Table {
         }
         let b_t: Vec<f64> = points.iter().map(|p| p.0).collect();
         let h: Vec<f64> = points.iter().map(|p| p.1 / 1000.0).collect();
-        let mut energy = vec![0.0];
-        for i in 1..b_t.len() {
-            energy.push(energy[i - 1] + 0.5 * (h[i] + h[i - 1]) * (b_t[i] - b_t[i - 1]));
+        let slope = if between == Between::Monotone { monotone(&b_t, &h) } else { Vec::new() };
+        let mut table = Table { b_t, h, slope, energy: vec![0.0] };
+        for i in 1..table.b_t.len() {
+            let up_to = table.within(i, table.b_t[i]).energy;
+            table.energy.push(up_to);
         }
-        Ok(Table { b_t, h, energy })
+        Ok(table)
+    }
+
+    /// On the piece that ends at point `i`, from what is known up to its beginning.
+    fn within(&self, i: usize, b_t: f64) -> Strength {
+        let (b0, h0, energy) = (self.b_t[i - 1], self.h[i - 1], self.energy[i - 1]);
+        let (width, rise) = (self.b_t[i] - b0, self.h[i] - h0);
+        let more = b_t - b0;
+        if self.slope.is_empty() {
+            let h = h0 + rise / width * more;
+            return Strength { h, slope: rise / width, energy: energy + 0.5 * (h0 + h) * more };
+        }
+        // Hermite's cubic by its powers.
+        let (first, last, mean) = (self.slope[i - 1], self.slope[i], rise / width);
+        let c2 = (3.0 * mean - 2.0 * first - last) / width;
+        let c3 = (first + last - 2.0 * mean) / (width * width);
+        Strength {
+            h: h0 + more * (first + more * (c2 + more * c3)),
+            slope: first + more * (2.0 * c2 + more * 3.0 * c3),
+            energy: energy + more * (h0 + more * (first / 2.0 + more * (c2 / 3.0 + more * c3 / 4.0))),
+        }
     }
 
     fn at(&self, b_t: f64) -> Strength {
-        let i = self.b_t.partition_point(|own| *own <= b_t).clamp(1, self.b_t.len() - 1);
-        let slope = (self.h[i] - self.h[i - 1]) / (self.b_t[i] - self.b_t[i - 1]);
-        let more = b_t - self.b_t[i - 1];
-        let h = self.h[i - 1] + slope * more;
-        Strength { h, slope, energy: self.energy[i - 1] + 0.5 * (self.h[i - 1] + h) * more }
+        let end = self.b_t.len() - 1;
+        let i = self.b_t.partition_point(|own| *own <= b_t);
+        if i <= end || self.slope.is_empty() {
+            return self.within(i.clamp(1, end), b_t);
+        }
+        let (slope, more) = (1.0 / MU_0, b_t - self.b_t[end]);
+        let h = self.h[end] + slope * more;
+        Strength { h, slope, energy: self.energy[end] + 0.5 * (self.h[end] + h) * more }
     }
+}
+
+/// Slopes at the points with which the cubics between them rise.
+pub(super) fn monotone(x: &[f64], y: &[f64]) -> Vec<f64> {
+    let last = x.len() - 1;
+    let width: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
+    let mean: Vec<f64> = y.windows(2).zip(&width).map(|(w, width)| (w[1] - w[0]) / width).collect();
+    // At an end the parabola through three points, held between three of the mean slopes and a twentieth: where H does
+    // not rise, the permeability would have no bound.
+    let end = |near: usize, next: usize| {
+        let slope =
+            ((2.0 * width[near] + width[next]) * mean[near] - width[near] * mean[next]) / (width[near] + width[next]);
+        slope.clamp(0.05 * mean[near], 3.0 * mean[near])
+    };
+    (0..=last)
+        .map(|i| match i {
+            _ if last == 1 => mean[0],
+            0 => end(0, 1),
+            i if i == last => end(last - 1, last - 2),
+            // Inside the parabola's slope, which is good to second order, within three of the smaller mean.
+            i => {
+                let parabola = (width[i] * mean[i - 1] + width[i - 1] * mean[i]) / (width[i - 1] + width[i]);
+                parabola.min(3.0 * mean[i - 1].min(mean[i]))
+            }
+        })
+        .collect()
 }
 
 /// Field strength at a flux density, its slope, and the energy density up to there.
@@ -188,9 +252,11 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    fn laws() -> [Law; 3] {
-        let table = Table::new(&[(0.0, 0.0), (0.5, 300.0), (1.2, 1500.0), (1.9, 20_000.0)]).unwrap();
-        [Law::linear(500.0).unwrap(), Law::Table(table), Law::fluid(0.22).unwrap()]
+    fn laws() -> [Law; 4] {
+        let points = [(0.0, 0.0), (0.5, 300.0), (1.2, 1500.0), (1.9, 20_000.0)];
+        let table = |between| Law::Table(Table::new(&points, between).unwrap());
+        let [straight, smooth] = [Between::Straight, Between::Monotone].map(table);
+        [Law::linear(500.0).unwrap(), straight, smooth, Law::fluid(0.22).unwrap()]
     }
 
     #[test]
@@ -219,7 +285,7 @@ mod tests {
 
     #[test]
     fn what_is_no_law_is_told_with_its_place() {
-        let text = |points: &[(f64, f64)]| Table::new(points).unwrap_err().to_string();
+        let text = |points: &[(f64, f64)]| Table::new(points, Between::Monotone).unwrap_err().to_string();
         assert_eq!(text(&[(0.0, 0.0)]), "the table has 1 points, expected at least 2");
         assert!(text(&[(0.1, 0.0), (1.0, 5.0)]).contains("begins at B = 0.1 T"));
         assert_eq!(

@@ -82,7 +82,7 @@ impl Field {
 }
 
 /// Barycentric coordinates of a node of a triangle.
-const fn corner(place: usize) -> [f64; 3] {
+pub(super) const fn corner(place: usize) -> [f64; 3] {
     match place {
         0 => [1.0, 0.0, 0.0],
         1 => [0.0, 1.0, 0.0],

@@ -3,6 +3,16 @@
 //! Lengths are in mm, flux densities in T, field strengths in A/mm, currents in A. Laws have no hysteresis.
 
 pub mod bh;
+pub mod curve;
+pub mod design;
+mod energy;
 pub mod field;
+pub mod fluid;
 mod look;
+pub mod map;
+pub mod material;
 mod point;
+pub mod shape;
+mod sizes;
+pub mod study;
+pub mod winding;

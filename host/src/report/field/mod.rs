@@ -13,7 +13,6 @@ use super::figure::open;
 use super::number;
 use super::scale::Scale;
 pub(super) use ramp::ramp;
-use sheet::Sheet;
 
 /// Size of the picture in pixels.
 const WIDTH: f64 = 760.0;
@@ -75,7 +74,7 @@ pub fn mises(title: &str, field: &Field) -> String {
         MARGIN.1,
         frame.base_px - MARGIN.1
     );
-    let sheet = Sheet::new(field, &mises, frame.half_mm);
+    let sheet = sheet::drawn(field, &mises, frame.half_mm);
     for (band, level) in levels.iter().enumerate() {
         let floor = if band == 0 { f64::NEG_INFINITY } else { level / per_mpa };
         let outlines = path(&sheet.region(floor), &frame);

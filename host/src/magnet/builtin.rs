@@ -1,0 +1,46 @@
+//! Magnets that come with the program: files to run and to begin one's own from.
+
+/// A magnet that comes with the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BuiltIn {
+    /// By what it is called.
+    pub name: &'static str,
+    /// Its file.
+    pub text: &'static str,
+}
+
+macro_rules! built_in {
+    ($($name:literal),*) => {
+        [$(BuiltIn { name: $name, text: include_str!(concat!("../../magnets/", $name, ".toml")) }),*]
+    };
+}
+
+/// All of them. The first four are after Fig. 49 of the thesis, the rings after Figs. 51 and 90.
+pub const BUILT_IN: [BuiltIn; 8] = built_in![
+    "quadrupole",
+    "quadrupole-joined",
+    "closed-circuit",
+    "single-magnet",
+    "ring",
+    "ring-probe",
+    "two-rings",
+    "pot"
+];
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn every_magnet_that_comes_with_the_program_can_be_read_and_meshed() {
+        for magnet in BUILT_IN {
+            let read = super::super::parse(Path::new(magnet.name), magnet.text).unwrap_or_else(|e| panic!("{e}"));
+            assert!(read.design.check().is_ok() && !read.title.is_empty(), "{}", magnet.name);
+            assert!(read.control.is_some(), "{} says where its flux density is read", magnet.name);
+            assert!(!read.source.is_empty(), "{} says where its measures come from", magnet.name);
+        }
+    }
+}

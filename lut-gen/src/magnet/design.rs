@@ -1,0 +1,264 @@
+//! A magnet as a drawing: regions with their materials, coils, and where the field ends.
+
+use super::bh::Law;
+use super::field::{Geometry, Matter};
+use super::shape::{Shape, ShapeError};
+use super::winding::Winding;
+
+/// A part of a magnet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// Its name.
+    pub name: String,
+    /// What it is drawn with: all that lies in one of these ...
+    pub shapes: Vec<Shape>,
+    /// ... and in none of those.
+    pub without: Vec<Shape>,
+    /// Its law.
+    pub law: Law,
+    /// Coercive field strength of a magnet along its magnetisation, A/mm; zero for all else.
+    pub coercive: [f64; 2],
+    /// The coil that it belongs to, and its sense: 1 out of the plane, -1 into it.
+    pub coil: Option<(usize, f64)>,
+    /// Wanted length of a triangle's side, mm; without, a sixth of its smallest extent.
+    pub size_mm: Option<f64>,
+}
+
+/// A coil: the regions that belong to it share its turns by their areas.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coil {
+    /// Its name.
+    pub name: String,
+    /// Its wire.
+    pub winding: Winding,
+    /// Its current over the one that is asked for.
+    pub share: f64,
+}
+
+/// Where the drawing ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Edge {
+    /// No flux leaves a circle about the origin; about an axis, a sphere.
+    Round {
+        /// Its radius, mm.
+        radius: f64,
+    },
+    /// No flux leaves a box of twice this width and height; about an axis, a cylinder.
+    Box {
+        /// Half its width, or its radius, mm.
+        half: f64,
+    },
+}
+
+/// A magnet. Where regions overlap the later one counts; what no region covers is air.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    /// Plane, or about an axis.
+    pub geometry: Geometry,
+    /// Depth of a plane magnet out of the plane, mm; not used about an axis.
+    pub depth_mm: f64,
+    /// Where it ends.
+    pub edge: Edge,
+    /// Its parts.
+    pub regions: Vec<Region>,
+    /// Its coils.
+    pub coils: Vec<Coil>,
+}
+
+/// A design that cannot be solved, with the region and the reason.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DesignError {
+    /// A shape has no inside.
+    #[error("region \"{region}\": {source}")]
+    Shape {
+        /// Name of the region.
+        region: String,
+        /// Why.
+        source: ShapeError,
+    },
+    /// A region has no shape, or later ones cover it.
+    #[error("region \"{region}\" has no area: {reason}")]
+    Empty {
+        /// Name of the region.
+        region: String,
+        /// Why.
+        reason: &'static str,
+    },
+    /// A region reaches out of the drawing.
+    #[error(
+        "region \"{region}\" reaches {reach_mm:.3} mm from the origin: the boundary must be at least {least_mm:.3} mm away"
+    )]
+    Outside {
+        /// Name of the region.
+        region: String,
+        /// How far it reaches, mm.
+        reach_mm: f64,
+        /// What the boundary must be at least, mm.
+        least_mm: f64,
+    },
+    /// A region is on the other side of the axis.
+    #[error("region \"{region}\" begins at a radius of {radius_mm} mm: about an axis radii are 0 or more")]
+    LeftOfAxis {
+        /// Name of the region.
+        region: String,
+        /// Its smallest radius, mm.
+        radius_mm: f64,
+    },
+    /// A region belongs to a coil that there is not.
+    #[error("region \"{region}\" belongs to coil {coil}, and there are {coils}")]
+    NoCoil {
+        /// Name of the region.
+        region: String,
+        /// Number of the coil.
+        coil: usize,
+        /// How many there are.
+        coils: usize,
+    },
+    /// A wanted size is not usable.
+    #[error(
+        "region \"{region}\" wants triangles of {size_mm} mm: expected more than 0, at most its extent of {extent_mm:.3} mm"
+    )]
+    Size {
+        /// Name of the region.
+        region: String,
+        /// The size, mm.
+        size_mm: f64,
+        /// Its smallest extent, mm.
+        extent_mm: f64,
+    },
+    /// A coil has no region.
+    #[error("coil \"{coil}\" has no region that carries its current out of the plane")]
+    Unwound {
+        /// Name of the coil.
+        coil: String,
+    },
+    /// The boundary is no number.
+    #[error("the boundary is at {value} mm: expected more than 0")]
+    Edge {
+        /// Its radius or half width.
+        value: f64,
+    },
+}
+
+/// How much farther away than any region the boundary must be at least.
+const ROOM: f64 = 1.05;
+
+impl Edge {
+    /// Its radius or half width, mm.
+    #[must_use]
+    pub const fn extent(self) -> f64 {
+        match self {
+            Edge::Round { radius } => radius,
+            Edge::Box { half } => half,
+        }
+    }
+}
+
+impl Region {
+    /// True when a point belongs to it, whatever lies above.
+    #[must_use]
+    pub fn covers(&self, p: [f64; 2]) -> bool {
+        self.shapes.iter().any(|s| s.contains(p)) && !self.without.iter().any(|s| s.contains(p))
+    }
+
+    /// Its smallest extent, mm.
+    #[must_use]
+    pub fn extent_mm(&self) -> f64 {
+        self.shapes.iter().map(Shape::thickness).fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl Design {
+    /// Number of the region at a point: 0 is air, 1 the first.
+    #[must_use]
+    pub fn region_at(&self, p: [f64; 2]) -> usize {
+        self.regions.iter().rposition(|region| region.covers(p)).map_or(0, |i| i + 1)
+    }
+
+    /// Name of a region by its number.
+    #[must_use]
+    pub fn name(&self, number: usize) -> &str {
+        if number == 0 { "air" } else { self.regions.get(number - 1).map_or("?", |region| &region.name) }
+    }
+
+    /// Law of a region by its number.
+    #[must_use]
+    pub fn law(&self, number: usize) -> &Law {
+        if number == 0 { &Law::Linear(1.0) } else { &self.regions[number - 1].law }
+    }
+
+    /// Checks every region.
+    ///
+    /// # Errors
+    /// [`DesignError`] of the first that cannot be solved.
+    pub fn check(&self) -> Result<(), DesignError> {
+        let far = self.edge.extent();
+        if !(far > 0.0 && far.is_finite()) {
+            return Err(DesignError::Edge { value: far });
+        }
+        for region in &self.regions {
+            self.check_region(region, far)?;
+        }
+        for (i, coil) in self.coils.iter().enumerate() {
+            if !self.regions.iter().any(|region| region.coil.is_some_and(|(own, sense)| own == i && sense > 0.0)) {
+                return Err(DesignError::Unwound { coil: coil.name.clone() });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_region(&self, region: &Region, far: f64) -> Result<(), DesignError> {
+        let name = || region.name.clone();
+        if region.shapes.is_empty() {
+            return Err(DesignError::Empty { region: name(), reason: "it has no shape" });
+        }
+        for shape in region.shapes.iter().chain(&region.without) {
+            shape.check().map_err(|source| DesignError::Shape { region: name(), source })?;
+        }
+        for shape in &region.shapes {
+            let reach_mm = shape.reach();
+            if reach_mm * ROOM > far {
+                return Err(DesignError::Outside { region: name(), reach_mm, least_mm: reach_mm * ROOM });
+            }
+            if self.geometry == Geometry::Axisymmetric && shape.least_x() < -1e-9 {
+                return Err(DesignError::LeftOfAxis { region: name(), radius_mm: shape.least_x() });
+            }
+        }
+        if let Some((coil, _)) = region.coil.filter(|(coil, _)| *coil >= self.coils.len()) {
+            return Err(DesignError::NoCoil { region: name(), coil, coils: self.coils.len() });
+        }
+        if let Some(size_mm) = region.size_mm {
+            let extent_mm = region.extent_mm();
+            if !(size_mm > 0.0 && size_mm <= extent_mm) {
+                return Err(DesignError::Size { region: name(), size_mm, extent_mm });
+            }
+        }
+        Ok(())
+    }
+
+    /// Area of each sense of a coil, mm^2: out of the plane, into it. `areas` are those of the mesh's regions.
+    #[must_use]
+    pub fn window_mm2(&self, coil: usize, areas: &[f64]) -> [f64; 2] {
+        let mut window = [0.0; 2];
+        for (region, area) in self.regions.iter().zip(&areas[1..]) {
+            if let Some((_, sense)) = region.coil.filter(|(own, _)| *own == coil) {
+                window[usize::from(sense < 0.0)] += area;
+            }
+        }
+        window
+    }
+
+    /// The matter of the mesh's regions when these currents flow through the coils, A.
+    #[must_use]
+    pub fn matter(&self, currents: &[f64], areas: &[f64]) -> Vec<Matter> {
+        let air = Matter { law: Law::Linear(1.0), current: 0.0, coercive: [0.0; 2] };
+        let regions = self.regions.iter().map(|region| {
+            let current = region.coil.map_or(0.0, |(coil, sense)| {
+                let window = self.window_mm2(coil, areas)[usize::from(sense < 0.0)];
+                sense * self.coils[coil].winding.turns * currents.get(coil).copied().unwrap_or(0.0) / window
+            });
+            Matter { law: region.law.clone(), current, coercive: region.coercive }
+        });
+        std::iter::once(air).chain(regions).collect()
+    }
+}

@@ -1,0 +1,207 @@
+//! The mesh of a design: how long its sides are where.
+
+use crate::fem::drawing::{Curve, cut};
+use crate::fem::mesh::{Mesh, MeshError, mesh};
+use crate::fem::triangle::Order;
+
+use super::design::{Design, Edge};
+use super::field::Geometry;
+
+/// Parts of a region's smallest extent that a side is long where no size is told.
+const PARTS: f64 = 6.0;
+/// How sides grow with the distance from a region.
+const GROWTH: f64 = 0.25;
+/// How they grow from a corner, and how long they are there: the field has a singularity where a permeability jumps around
+/// a corner, which a tenth of the size pins down.
+const CORNER: (f64, f64) = (0.3, 0.1);
+/// Longest side as a part of the boundary's radius.
+const LONGEST: f64 = 0.12;
+/// Directions in which the regions around a corner are looked at.
+const LOOKS: usize = 72;
+
+impl Design {
+    /// Meshes it. `coarser` multiplies every size: 1 is the usual mesh.
+    ///
+    /// # Errors
+    /// [`MeshError`].
+    pub fn mesh(&self, order: Order, coarser: f64) -> Result<Mesh, MeshError> {
+        let mut curves = self.frame();
+        for region in &self.regions {
+            let shapes = region.shapes.iter().chain(&region.without);
+            curves.extend(shapes.flat_map(super::shape::Shape::outline));
+        }
+        let mut curves = unlike(curves);
+        if self.geometry == Geometry::Axisymmetric {
+            // A shape on the axis draws a side along it, which the frame has already.
+            curves.retain(|c| !matches!(c, Curve::Line(a, b) if a[0].abs() + b[0].abs() < 1e-12));
+            curves.push(self.axis());
+        }
+        let corners = self.corners(&cut(&curves));
+        let sizes: Vec<f64> =
+            self.regions.iter().map(|r| coarser * r.size_mm.unwrap_or(r.extent_mm() / PARTS)).collect();
+        let longest = coarser * LONGEST * self.edge.extent();
+        let size = |p: [f64; 2]| {
+            let mut least = longest;
+            for (region, own) in self.regions.iter().zip(&sizes) {
+                if *own < least {
+                    let away = region.shapes.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min);
+                    least = least.min(own + GROWTH * away);
+                }
+            }
+            for (corner, own) in &corners {
+                let away = (p[0] - corner[0]).hypot(p[1] - corner[1]);
+                least = least.min(CORNER.1 * coarser * own + CORNER.0 * away);
+            }
+            least
+        };
+        mesh(&curves, order, &size, &|p| self.is_inside(p).then(|| self.region_at(p)))
+    }
+
+    /// True when a point is on the boundary or the axis, where the potential is held.
+    #[must_use]
+    pub fn is_held(&self, p: [f64; 2]) -> bool {
+        let far = self.edge.extent();
+        let near = 1e-6 * far;
+        if self.geometry == Geometry::Axisymmetric && p[0] < 1e-9 {
+            return true;
+        }
+        match self.edge {
+            Edge::Round { radius } => p[0].hypot(p[1]) > radius - near,
+            Edge::Box { half } => p[0].abs().max(p[1].abs()) > half - near,
+        }
+    }
+
+    fn is_inside(&self, p: [f64; 2]) -> bool {
+        (self.geometry == Geometry::Plane || p[0] > 0.0)
+            && match self.edge {
+                Edge::Round { radius } => p[0].hypot(p[1]) < radius,
+                Edge::Box { .. } => true,
+            }
+    }
+
+    /// The boundary's curves, without the axis.
+    fn frame(&self) -> Vec<Curve> {
+        use std::f64::consts::FRAC_PI_2;
+        match (self.edge, self.geometry) {
+            (Edge::Round { radius }, Geometry::Plane) => vec![Curve::circle([0.0, 0.0], radius)],
+            (Edge::Round { radius }, Geometry::Axisymmetric) => {
+                vec![Curve::Arc { centre: [0.0, 0.0], radius, from: -FRAC_PI_2, to: FRAC_PI_2 }]
+            }
+            (Edge::Box { half }, Geometry::Plane) => Curve::rectangle([-half, -half], [half, half]).to_vec(),
+            (Edge::Box { half }, Geometry::Axisymmetric) => Curve::rectangle([0.0, -half], [half, half])[..3].to_vec(),
+        }
+    }
+
+    fn axis(&self) -> Curve {
+        let far = self.edge.extent();
+        Curve::Line([0.0, far], [0.0, -far])
+    }
+
+    /// Corners around which a permeability jumps, with the size of the smallest region there.
+    fn corners(&self, parts: &[Curve]) -> Vec<([f64; 2], f64)> {
+        let mut ends: Vec<[f64; 2]> = Vec::new();
+        for end in parts.iter().flat_map(|part| [part.at(0.0), part.at(1.0)]) {
+            if ends.iter().all(|own| (own[0] - end[0]).hypot(own[1] - end[1]) > 1e-6) {
+                ends.push(end);
+            }
+        }
+        ends.into_iter().filter_map(|end| Some((end, self.at_corner(end)?))).collect()
+    }
+
+    /// The size of the smallest region at a corner; `None` where the border between strong and weak materials is smooth.
+    fn at_corner(&self, p: [f64; 2]) -> Option<f64> {
+        let around: Vec<usize> = (0..LOOKS)
+            .map(|i| std::f64::consts::TAU * (i as f64 + 0.5) / LOOKS as f64)
+            .map(|angle| [p[0] + 1e-4 * angle.cos(), p[1] + 1e-4 * angle.sin()])
+            .filter(|at| self.geometry == Geometry::Plane || at[0] > 0.0)
+            .map(|at| self.region_at(at))
+            .collect();
+        let differ = |a: usize, b: usize| self.law(a) != self.law(b) || self.is_magnet(a) || self.is_magnet(b);
+        let jumps: Vec<usize> = (0..around.len())
+            .filter(|i| {
+                let (a, b) = (around[*i], around[(i + 1) % around.len()]);
+                a != b && differ(a, b)
+            })
+            .collect();
+        let smooth = match jumps.as_slice() {
+            [] => true,
+            // Opposite each other: a straight border passes.
+            [a, b] if around.len() == LOOKS => (b - a).abs_diff(LOOKS / 2) <= 1,
+            // On the axis the other half is the mirror image: a border across it is smooth.
+            [a] => (2 * (a + 1)).abs_diff(around.len()) <= 2,
+            _ => false,
+        };
+        let size = |number: &usize| {
+            let region = &self.regions[*number - 1];
+            region.size_mm.unwrap_or(region.extent_mm() / PARTS)
+        };
+        let least = around.iter().filter(|number| **number > 0).map(size).fold(f64::INFINITY, f64::min);
+        (!smooth && least.is_finite()).then_some(least)
+    }
+
+    fn is_magnet(&self, number: usize) -> bool {
+        number > 0 && self.regions[number - 1].coercive != [0.0; 2]
+    }
+}
+
+/// Curves without those that are there already.
+fn unlike(curves: Vec<Curve>) -> Vec<Curve> {
+    let mut kept: Vec<Curve> = Vec::new();
+    for curve in curves {
+        let turned = match curve {
+            Curve::Line(a, b) => Curve::Line(b, a),
+            arc @ Curve::Arc { .. } => arc,
+        };
+        if !kept.contains(&curve) && !kept.contains(&turned) {
+            kept.push(curve);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+    use super::*;
+    use crate::magnet::bh::Law;
+    use crate::magnet::design::Region;
+    use crate::magnet::shape::Shape;
+
+    fn block(name: &str, from: [f64; 2], to: [f64; 2], law: Law) -> Region {
+        Region {
+            name: name.into(),
+            shapes: vec![Shape::Rectangle(from, to)],
+            without: Vec::new(),
+            law,
+            coercive: [0.0; 2],
+            coil: None,
+            size_mm: None,
+        }
+    }
+
+    #[test]
+    fn only_corners_of_jumps_are_graded() {
+        let iron = Law::Linear(1000.0);
+        let design = Design {
+            geometry: Geometry::Plane,
+            depth_mm: 1.0,
+            edge: Edge::Round { radius: 50.0 },
+            // Two blocks of iron side by side are one; the copper above them has corners of no account.
+            regions: vec![
+                block("left", [-6.0, 0.0], [0.0, 6.0], iron.clone()),
+                block("right", [0.0, 0.0], [6.0, 6.0], iron),
+                block("copper", [-3.0, 6.0], [3.0, 9.0], Law::Linear(1.0)),
+            ],
+            coils: Vec::new(),
+        };
+        let mut curves = design.frame();
+        curves.extend(design.regions.iter().flat_map(|r| r.shapes[0].outline()));
+        let mut corners: Vec<[f64; 2]> = design.corners(&cut(&unlike(curves))).iter().map(|(p, _)| *p).collect();
+        corners.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        assert_eq!(corners, [[-6.0, 0.0], [-6.0, 6.0], [6.0, 0.0], [6.0, 6.0]]);
+        let mesh = design.mesh(Order::Second, 1.0).unwrap_or_else(|e| panic!("{e}"));
+        assert!(mesh.triangles.len() < 6000, "{}", mesh.triangles.len());
+        let area = |number: usize| mesh.regions.iter().filter(|r| **r == number).count();
+        assert!((1..=3).all(|number| area(number) > 20));
+    }
+}
