@@ -5,6 +5,7 @@ use std::path::Path;
 
 use lut_gen::verify::{Check, closed_forms};
 use tests::document::replace_section;
+use tests::magnets::{self, Shared};
 use tests::reference::{Comparison, curves, folder, table};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -18,6 +19,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             text = replace_section(&text, "reference curves", &table)?;
         }
         None => println!("SKIPPED: {} not found; the table of other codes stays as it is", folder().display()),
+    }
+    if tests::shared_or_skipped("reference/display").is_some() {
+        let table = magnets::table(&magnets::all(Shared(&tests::shared()))?);
+        println!("{table}");
+        text = replace_section(&text, "magnets", &table)?;
     }
     let table = closed_form_table(&closed_forms()?);
     println!("{table}");

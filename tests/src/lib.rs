@@ -10,6 +10,7 @@ pub mod golden;
 pub mod hidden;
 pub mod laboratory;
 pub mod liver;
+pub mod magnets;
 pub mod palpations;
 pub mod processor;
 pub mod recovery;

@@ -6,11 +6,19 @@ use super::field::{Field, Geometry, Solution};
 use super::point::{coordinates, gradient, point};
 
 impl Field {
-    /// Flux density at a point, (x, y) or (r, z), T; `None` outside of the mesh. Recovered: at each node of the triangle
-    /// the mean of its region's triangles there, which errs by an order less than the slope of one triangle.
+    /// Flux density at a point, (x, y) or (r, z), T; `None` outside of the mesh. Recovered from the triangles around it.
     #[must_use]
     pub fn flux_density(&self, solution: &Solution, at: [f64; 2]) -> Option<[f64; 2]> {
         let (t, coordinates) = self.find(at)?;
+        let g = self.fitted(solution, t, at).or_else(|| self.averaged(solution, t, coordinates))?;
+        Some(match self.geometry {
+            Geometry::Plane => [g[1], -g[0]],
+            Geometry::Axisymmetric => [-g[1], g[0]],
+        })
+    }
+
+    /// g at a point of triangle `t`: at each of its nodes the mean of its region's triangles there.
+    fn averaged(&self, solution: &Solution, t: usize, coordinates: [f64; 3]) -> Option<[f64; 2]> {
         let count = self.mesh.order.nodes();
         let shape = self.mesh.order.shapes(coordinates);
         let mut g = [0.0; 2];
@@ -25,14 +33,11 @@ impl Field {
             }
             g = [g[0] + shape[n] * sum[0] / area, g[1] + shape[n] * sum[1] / area];
         }
-        Some(match self.geometry {
-            Geometry::Plane => [g[1], -g[0]],
-            Geometry::Axisymmetric => [-g[1], g[0]],
-        })
+        Some(g)
     }
 
     /// Potential at the nodes of a triangle.
-    fn own(&self, solution: &Solution, t: usize) -> [f64; NODES] {
+    pub(super) fn own(&self, solution: &Solution, t: usize) -> [f64; NODES] {
         let count = self.mesh.order.nodes();
         std::array::from_fn(|n| if n < count { solution.potential[self.mesh.triangles[t][n]] } else { 0.0 })
     }
