@@ -1,5 +1,6 @@
 //! `palpate magnet`.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -11,7 +12,7 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 use serde_json::{Value, json};
 
 use super::progress::Progress;
-use crate::magnet::{BUILT_IN, Magnet, parse, read};
+use crate::magnet::{BUILT_IN, Magnet, parse};
 use crate::ownership::OwnFolder;
 use crate::report::{Page, magnet as picture, number};
 
@@ -30,6 +31,9 @@ pub struct Arguments {
     /// Currents, A: FROM:TO:STEP, or a list with commas; magnets without a coil need none
     #[arg(long, value_name = "A", default_value = "0.25:2.5:0.25")]
     current: String,
+    /// A parameter of the file with another value, such as gap=8; more than once for more
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
     /// Order of the triangles; the thesis' program has first-order ones
     #[arg(long, value_enum, default_value_t = OrderArgument::Second)]
     order: OrderArgument,
@@ -65,7 +69,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         list();
         return Ok(());
     }
-    let (magnet, text) = magnet(&arguments.magnet)?;
+    let (magnet, text) = magnet(&arguments.magnet, &set(&arguments.set)?)?;
     if let Some(copy) = &arguments.copy {
         if copy.exists() {
             return Err(miette!("{} is there already; expected the name of a new file", copy.display()));
@@ -104,24 +108,37 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 fn list() {
     outln!("Magnets that come with the program; `palpate magnet NAME --copy my.toml` writes one to change it.");
     for magnet in BUILT_IN {
-        let title = parse(Path::new(magnet.name), magnet.text).map(|m| m.title).unwrap_or_default();
+        let title = parse(Path::new(magnet.name), magnet.text, &BTreeMap::new()).map(|m| m.title).unwrap_or_default();
         outln!("  {:18} {title}", magnet.name);
     }
 }
 
+/// `gap=8`, by names.
+fn set(list: &[String]) -> miette::Result<BTreeMap<String, f64>> {
+    let one = |text: &String| {
+        let pair = text.split_once('=').and_then(|(name, value)| Some((name, value.trim().parse::<f64>().ok()?)));
+        let (name, value) = pair
+            .filter(|(_, value)| value.is_finite())
+            .ok_or_else(|| miette!("--set is {text}; expected a parameter and a number, such as gap=8"))?;
+        Ok((name.trim().to_owned(), value))
+    };
+    list.iter().map(one).collect()
+}
+
 /// The magnet of a file or of a name, with its text.
-fn magnet(asked: &str) -> miette::Result<(Magnet, String)> {
+fn magnet(asked: &str, set: &BTreeMap<String, f64>) -> miette::Result<(Magnet, String)> {
     let file = Path::new(asked);
     if !file.is_file()
         && let Some(known) = BUILT_IN.iter().find(|m| m.name == asked)
     {
-        return Ok((parse(Path::new(known.name), known.text)?, known.text.to_owned()));
+        return Ok((parse(Path::new(known.name), known.text, set)?, known.text.to_owned()));
     }
     if !file.is_file() {
         let names = BUILT_IN.map(|m| m.name).join(", ");
         return Err(miette!("no file {asked}, and no magnet of this name; known are {names}"));
     }
-    Ok((read(file)?, std::fs::read_to_string(file).into_diagnostic()?))
+    let text = crate::experiment::text_of(file)?;
+    Ok((parse(file, &text, set)?, text))
 }
 
 /// `0.25:4:0.25`, or `1,2.5`.
@@ -417,7 +434,8 @@ mod tests {
         let file = folder.path().join("mine.toml");
         let name = file.to_str().unwrap();
         run(&arguments(&["pot", "--copy", name])).unwrap();
-        assert_eq!(read(&file).unwrap().design, magnet("pot").unwrap().0.design);
+        let none = BTreeMap::new();
+        assert_eq!(crate::magnet::read(&file).unwrap().design, magnet("pot", &none).unwrap().0.design);
         assert!(told(&["ring", "--copy", name]).contains("is there already"));
     }
 
@@ -428,6 +446,9 @@ mod tests {
         assert!(told(&["ring", "--current", "2:1:0.5"]).contains("TO at least FROM"));
         assert!(told(&["ring", "--current", "1,x"]).contains("\"x\" is no number"));
         assert!(told(&["ring", "--current", "0:1:1e-9"]).contains("more than 400 currents"));
+        assert!(told(&["ring", "--set", "gap"]).contains("such as gap=8"));
+        assert!(told(&["ring", "--set", "hole=8"]).contains("has no such parameter; it has"));
+        assert!(told(&["ring", "--set", "gap=80"]).contains("region \\\"core\\\""));
         assert!(told(&["ring", "--coarser", "0"]).contains("expected 0.1 to 10"));
     }
 

@@ -165,6 +165,8 @@ fn run(
         "from_s",
         "to_s",
         "load_N",
+        "magnet",
+        "flux_unit",
         "interval_s",
         "rate_mm_per_s",
         "repeats",
@@ -223,12 +225,27 @@ fn run(
         order: section.integer("order", i64::MIN..=i64::MAX, whole)?,
         start_s: section.number("start_s", TIMES_S, "a time in s")?,
         hold_out: section.flag("hold_out")?.unwrap_or(false),
+        magnet: magnet(section, test)?,
         load_n: section.number("load_N", -1e6..=1e6, "the known load in N, pressing positive")?,
         repeats: section.text("repeats", "a label in quotes that the runs share")?.map(str::to_owned),
         path,
         troubles,
         recording,
     })
+}
+
+/// The magnet that a table stands beside, with the unit of y over T.
+fn magnet(section: &Section<'_>, test: Test) -> Result<Option<(String, f64)>, ExperimentError> {
+    let units = [("T", 1.0), ("mT", 1e3), ("G", 1e4)];
+    let unit = section.word("flux_unit", &units)?.unwrap_or(1.0);
+    let Some(value) = section.value("magnet") else { return Ok(None) };
+    let expected = "a magnet.toml, or the name of a magnet that comes with the program";
+    let name = section.text("magnet", expected)?.unwrap_or_default();
+    if test != Test::Table {
+        let text = "`magnet` stands beside test = \"table\", current and flux density".to_owned();
+        return Err(section.document.error(value.span(), Problem::Contradiction(text)));
+    }
+    Ok(Some((name.to_owned(), unit)))
 }
 
 /// Refuses a spot that lies in two places.

@@ -39,6 +39,9 @@ pub struct Run {
     pub start_s: Option<f64>,
     /// Never fitted, only predicted.
     pub hold_out: bool,
+    /// Magnet whose flux density a table holds: a file, or the name of one that comes with the program; and the table's unit
+    /// over T.
+    pub magnet: Option<(String, f64)>,
     /// Load of a mass that the sensor carries, N, if stated.
     pub load_n: Option<f64>,
     /// What was wrong with its readings, and was left out.
@@ -65,6 +68,7 @@ impl Run {
             order: None,
             start_s: None,
             hold_out: false,
+            magnet: None,
             load_n: None,
             troubles: Vec::new(),
             repeats: None,

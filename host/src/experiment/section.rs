@@ -143,6 +143,11 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// The finite number that a value is.
+    pub fn finite(value: &Spanned<DeValue<'_>>) -> Option<f64> {
+        number(value.get_ref()).filter(|found| found.is_finite())
+    }
+
     /// A list of finite numbers.
     pub fn numbers(&self, key: &str, expected: &str) -> Result<Option<Vec<f64>>, ExperimentError> {
         let Some(value) = self.value(key) else {
@@ -151,10 +156,7 @@ impl<'a> Section<'a> {
         let DeValue::Array(items) = value.get_ref() else {
             return Err(self.bad(key, value, expected));
         };
-        let found = |item: &Spanned<DeValue<'a>>| match number(item.get_ref()) {
-            Some(found) if found.is_finite() => Ok(found),
-            _ => Err(self.bad(key, item, expected)),
-        };
+        let found = |item: &Spanned<DeValue<'a>>| Self::finite(item).ok_or_else(|| self.bad(key, item, expected));
         items.iter().map(found).collect::<Result<Vec<f64>, _>>().map(Some)
     }
 

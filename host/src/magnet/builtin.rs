@@ -37,7 +37,8 @@ mod tests {
     #[test]
     fn every_magnet_that_comes_with_the_program_can_be_read_and_meshed() {
         for magnet in BUILT_IN {
-            let read = super::super::parse(Path::new(magnet.name), magnet.text).unwrap_or_else(|e| panic!("{e}"));
+            let read = super::super::parse(Path::new(magnet.name), magnet.text, &Default::default())
+                .unwrap_or_else(|e| panic!("{e}"));
             assert!(read.design.check().is_ok() && !read.title.is_empty(), "{}", magnet.name);
             assert!(read.control.is_some(), "{} says where its flux density is read", magnet.name);
             assert!(!read.source.is_empty(), "{} says where its measures come from", magnet.name);

@@ -3,6 +3,7 @@
 use lut_gen::magnet::bh::{Between, Law, LawError, Table};
 use lut_gen::magnet::material::{Magnet, NAMES, named};
 
+use super::expression::Parameters;
 use crate::experiment::section::Section;
 use crate::experiment::{ExperimentError, Problem};
 
@@ -14,8 +15,17 @@ pub(super) struct Material {
     pub coercive: f64,
 }
 
-const KEYS: [&str; 8] =
-    ["like", "permeability", "table_csv", "between", "iron_fraction", "remanence_T", "coercive_kA_m", "product_kJ_m3"];
+const KEYS: [&str; 9] = [
+    "flux_factor",
+    "like",
+    "permeability",
+    "table_csv",
+    "between",
+    "iron_fraction",
+    "remanence_T",
+    "coercive_kA_m",
+    "product_kJ_m3",
+];
 
 /// One of the materials that the program knows, by its name.
 pub(super) fn by_name(name: &str) -> Option<Material> {
@@ -23,7 +33,7 @@ pub(super) fn by_name(name: &str) -> Option<Material> {
 }
 
 /// Reads a section.
-pub(super) fn read(section: &Section<'_>) -> Result<Material, ExperimentError> {
+pub(super) fn read(section: &Section<'_>, parameters: &Parameters) -> Result<Material, ExperimentError> {
     section.only(&KEYS)?;
     let ways = ["like", "permeability", "table_csv", "iron_fraction", "remanence_T"];
     let told: Vec<&str> = ways.into_iter().filter(|key| section.value(key).is_some()).collect();
@@ -51,11 +61,13 @@ pub(super) fn read(section: &Section<'_>) -> Result<Material, ExperimentError> {
         }
         "permeability" => {
             let expected = "a multiple of the vacuum's permeability, 0.01 to 1e7";
-            material.law = Law::Linear(section.number("permeability", 0.01..=1e7, expected)?.unwrap_or(1.0));
+            material.law =
+                Law::Linear(parameters.number(section, "permeability", 0.01..=1e7, expected)?.unwrap_or(1.0));
         }
         "iron_fraction" => {
             let expected = "the part of the fluid's volume that is iron, 0.01 to 0.5";
-            material.law = Law::Fluid(section.number("iron_fraction", 0.01..=0.5, expected)?.unwrap_or(0.22));
+            material.law =
+                Law::Fluid(parameters.number(section, "iron_fraction", 0.01..=0.5, expected)?.unwrap_or(0.22));
         }
         "table_csv" => {
             material.law = Law::Table(table(section, between)?);
@@ -63,7 +75,7 @@ pub(super) fn read(section: &Section<'_>) -> Result<Material, ExperimentError> {
         }
         _ => {
             let value = |key: &str, expected: &str| {
-                section.number(key, 1e-3..=1e4, expected)?.ok_or_else(|| section.missing(key, expected))
+                parameters.number(section, key, 1e-3..=1e4, expected)?.ok_or_else(|| section.missing(key, expected))
             };
             let magnet = Magnet {
                 remanence_t: value("remanence_T", "the flux density of the closed magnet, T")?,
@@ -73,6 +85,14 @@ pub(super) fn read(section: &Section<'_>) -> Result<Material, ExperimentError> {
             material.coercive = magnet.coercive_ka_m;
             material.law = magnet.law().map_err(bad)?;
         }
+    }
+    if let Some(factor) =
+        parameters.number(section, "flux_factor", 0.1..=10.0, "B over that of the law at the same H")?
+    {
+        material.law = material
+            .law
+            .with_flux(factor)
+            .map_err(|error| section.document.error(section.span.clone(), Problem::Contradiction(error.to_string())))?;
     }
     Ok(material)
 }

@@ -1,9 +1,11 @@
 //! Magnets as files: the drawing of `magnet.toml`, with the points, lines and probes that are read of its field.
 
 mod builtin;
+pub mod expression;
 mod file;
 mod material;
 mod part;
+pub mod uncertain;
 
 use lut_gen::magnet::curve::Built;
 use lut_gen::magnet::design::Design;
@@ -31,6 +33,10 @@ pub struct Magnet {
     pub control: Option<Control>,
     /// What the built magnet has and its drawing has not.
     pub built: Built,
+    /// Parameters of the drawing.
+    pub parameters: expression::Parameters,
+    /// What a built magnet may differ by.
+    pub uncertain: Vec<uncertain::Uncertain>,
 }
 
 /// A thing with a name.

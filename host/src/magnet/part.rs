@@ -1,12 +1,14 @@
 //! `[[region]]` and `[coil.NAME]`.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use lut_gen::magnet::design::{Coil, Region};
 use lut_gen::magnet::field::Geometry;
 use lut_gen::magnet::shape::Shape;
 use lut_gen::magnet::winding::{Winding, awg_mm};
 
+use super::expression::Parameters;
 use super::material::{self, Material};
 use crate::experiment::section::Section;
 use crate::experiment::{ExperimentError, Problem};
@@ -19,6 +21,7 @@ pub(super) fn region(
     section: &Section<'_>,
     materials: &BTreeMap<String, Material>,
     coils: &[String],
+    parameters: &Parameters,
 ) -> Result<Region, ExperimentError> {
     let own = ["name", "material", "magnetised_deg", "coil", "sense", "size_mm", "shape", "without"];
     section.only(&[own.as_slice(), SHAPE.as_slice()].concat())?;
@@ -26,11 +29,11 @@ pub(super) fn region(
     let material = of_material(section, materials)?;
     let mut shapes = Vec::new();
     if SHAPE.iter().any(|key| section.value(key).is_some()) {
-        shapes.push(shape(section)?);
+        shapes.push(shape(section, parameters)?);
     }
     for more in section.array("shape")? {
         more.only(&SHAPE)?;
-        shapes.push(shape(&more)?);
+        shapes.push(shape(&more, parameters)?);
     }
     if shapes.is_empty() {
         return Err(section.missing("rectangle", "a rectangle, disc, ring or polygon; or several [[region.shape]]"));
@@ -38,10 +41,10 @@ pub(super) fn region(
     let mut without = Vec::new();
     for less in section.array("without")? {
         less.only(&SHAPE)?;
-        without.push(shape(&less)?);
+        without.push(shape(&less, parameters)?);
     }
     let (law, coercive) = (material.law, coercive(section, name, material.coercive)?);
-    let size_mm = section.number("size_mm", 1e-6..=1e6, "the length of a triangle's side, mm")?;
+    let size_mm = parameters.number(section, "size_mm", 1e-6..=1e6, "the length of a triangle's side, mm")?;
     Ok(Region { name: name.to_owned(), shapes, without, law, coercive, coil: coil_of(section, coils)?, size_mm })
 }
 
@@ -87,7 +90,7 @@ fn coil_of(section: &Section<'_>, coils: &[String]) -> Result<Option<(usize, f64
 }
 
 /// The shape of a section: exactly one of its keys.
-fn shape(section: &Section<'_>) -> Result<Shape, ExperimentError> {
+fn shape(section: &Section<'_>, parameters: &Parameters) -> Result<Shape, ExperimentError> {
     let ways = ["rectangle", "disc", "ring", "polygon"];
     let told: Vec<&str> = ways.into_iter().filter(|key| section.value(key).is_some()).collect();
     let [way] = told.as_slice() else {
@@ -101,12 +104,12 @@ fn shape(section: &Section<'_>) -> Result<Shape, ExperimentError> {
         "ring" => "[x, y, inner radius, outer radius] in mm",
         _ => "[x0, y0, x1, y1, x2, y2, ..] in mm, three corners or more",
     };
-    let numbers = section.numbers(way, expected)?.unwrap_or_default();
+    let numbers = parameters.numbers(section, way, expected)?.unwrap_or_default();
     let wrong = || match section.value(way) {
         Some(value) => section.bad(way, value, expected),
         None => section.missing(way, expected),
     };
-    let degrees = section.numbers("degrees", "[from, to] in degrees counter-clockwise from +x")?;
+    let degrees = parameters.numbers(section, "degrees", "[from, to] in degrees counter-clockwise from +x")?;
     let shape = match (*way, numbers.as_slice()) {
         ("rectangle", [x0, y0, x1, y1]) => Shape::Rectangle([*x0, *y0], [*x1, *y1]),
         ("disc", [x, y, radius]) => Shape::Disc([*x, *y], *radius),
@@ -140,6 +143,7 @@ pub(super) fn coil(
     geometry: Geometry,
     depth_mm: f64,
     mean_radius_mm: Option<f64>,
+    parameters: &Parameters,
 ) -> Result<Coil, ExperimentError> {
     section.only(&[
         "turns",
@@ -153,11 +157,13 @@ pub(super) fn coil(
         "limit_C",
         "cooling_W_K",
     ])?;
-    let turns = section.number("turns", 1.0..=1e6, "a number of 1 to 1e6")?;
+    let number =
+        |key: &str, range: RangeInclusive<f64>, expected: &str| parameters.number(section, key, range, expected);
+    let turns = number("turns", 1.0..=1e6, "a number of 1 to 1e6")?;
     let turns = turns.ok_or_else(|| section.missing("turns", "how many turns"))?;
     let wire_mm = match (
-        section.number("wire_mm", 0.01..=10.0, "the bare wire's diameter, 0.01 to 10 mm")?,
-        section.number("wire_awg", 0.0..=50.0, "an American wire gauge, 0 to 50")?,
+        number("wire_mm", 0.01..=10.0, "the bare wire's diameter, 0.01 to 10 mm")?,
+        number("wire_awg", 0.0..=50.0, "an American wire gauge, 0 to 50")?,
     ) {
         (Some(_), Some(_)) => {
             let text = "wire_mm and wire_awg are both given; expected one of the two".to_owned();
@@ -168,9 +174,9 @@ pub(super) fn coil(
         (None, None) => return Err(section.missing("wire_mm", "the bare wire's diameter, mm, or wire_awg")),
     };
     let expected = "the wire's diameter with its varnish, mm, at least the bare one's";
-    let insulated_mm = section.number("insulated_mm", wire_mm..=20.0, expected)?.unwrap_or(VARNISHED * wire_mm);
-    let told = section.number("turn_mm", 1e-3..=1e5, "the mean length of a turn, mm")?;
-    let end_mm = section.number("end_mm", 0.0..=1e5, "the length of a turn's end before and behind the core, mm")?;
+    let insulated_mm = number("insulated_mm", wire_mm..=20.0, expected)?.unwrap_or(VARNISHED * wire_mm);
+    let told = number("turn_mm", 1e-3..=1e5, "the mean length of a turn, mm")?;
+    let end_mm = number("end_mm", 0.0..=1e5, "the length of a turn's end before and behind the core, mm")?;
     let turn_mm = match (told, geometry, mean_radius_mm) {
         (Some(turn_mm), _, _) => turn_mm,
         (None, Geometry::Plane, _) => {
@@ -180,11 +186,10 @@ pub(super) fn coil(
         (None, Geometry::Axisymmetric, Some(radius)) => std::f64::consts::TAU * radius,
         (None, Geometry::Axisymmetric, None) => return Err(section.missing("turn_mm", "the mean length of a turn, mm")),
     };
-    let room_c = section.number("room_C", -50.0..=100.0, "a temperature, C")?.unwrap_or(25.0);
-    let limit_c =
-        section.number("limit_C", room_c + 1.0..=400.0, "what the varnish stands, C, more than the room's")?;
-    let cooling = section.number("cooling_W_K", 0.0..=1e3, "what the winding gives to its surroundings, W/K")?;
-    let share = section.number("share", -1e3..=1e3, "its current over the one that is asked for")?.unwrap_or(1.0);
+    let room_c = number("room_C", -50.0..=100.0, "a temperature, C")?.unwrap_or(25.0);
+    let limit_c = number("limit_C", room_c + 1.0..=400.0, "what the varnish stands, C, more than the room's")?;
+    let cooling = number("cooling_W_K", 0.0..=1e3, "what the winding gives to its surroundings, W/K")?;
+    let share = number("share", -1e3..=1e3, "its current over the one that is asked for")?.unwrap_or(1.0);
     let winding = Winding {
         turns,
         wire_mm,

@@ -10,6 +10,9 @@ use super::diagnosis::{percent, probability};
 use super::figure::{Axis, Figure, Series, Stroke};
 use super::{Page, believed, number};
 
+/// Plausible differences beyond which the first order of a magnet's change says little.
+const FIRST_ORDER: f64 = 6.0;
+
 /// The verdict in a sentence.
 #[must_use]
 pub fn sentence(found: &Diagnosis) -> String {
@@ -64,6 +67,27 @@ fn facts(found: &Diagnosis) -> Vec<(&'static str, String)> {
     out
 }
 
+/// Beside a magnet: what each part would have to differ by, and what these readings carry.
+fn alone_lines(found: &Diagnosis) -> Vec<String> {
+    let Some(all) = &found.alone else { return Vec::new() };
+    let mut out = vec![format!("measured less simulated: {} (root mean square)", number(all.without))];
+    for part in &all.parts {
+        let amount = if part.code == "remanence" {
+            format!("{} more at all currents", number(part.amount))
+        } else if part.amount.abs() > FIRST_ORDER {
+            format!("{} times what is plausible, beyond what a first order says", number(part.amount))
+        } else {
+            format!("{} times what is plausible", number(part.amount))
+        };
+        out.push(format!("{:16} {amount}; leaves {}", part.code, number(part.left)));
+    }
+    out.push(format!("these readings could tell {} combination(s) of the parts", all.combinations));
+    out.extend(
+        all.alike.iter().map(|(a, b)| format!("{a} and {b} change all readings alike: no repeat tells them apart")),
+    );
+    out
+}
+
 /// All that is worth a line.
 #[must_use]
 pub fn summary(found: &Diagnosis) -> String {
@@ -72,6 +96,9 @@ pub fn summary(found: &Diagnosis) -> String {
     let _ = writeln!(out, "                 {}", sentence(found));
     for (what, told) in facts(found) {
         let _ = writeln!(out, "{what:16} {told}");
+    }
+    for line in alone_lines(found) {
+        let _ = writeln!(out, "alone            {line}");
     }
     for finding in &found.findings {
         let _ = writeln!(out, "effect           {} ({})", finding.effect.code, finding.effect.form);
@@ -118,6 +145,11 @@ pub fn page(experiment: &Experiment, found: &Diagnosis) -> Page {
     page.section("What it rests on");
     let rows: Vec<Vec<String>> = facts(found).into_iter().map(|(what, told)| vec![what.to_owned(), told]).collect();
     page.table(&["asked", "answer"], &rows);
+    let alone = alone_lines(found);
+    if !alone.is_empty() {
+        page.section("Each part of the magnet as the only cause");
+        page.list(&alone);
+    }
     if let Some(evidence) = &found.evidence {
         beliefs(&mut page, found, evidence);
     }

@@ -122,6 +122,7 @@ impl SimulatedExperiment {
                 order: Some(one.order),
                 start_s: Some(one.start_s),
                 hold_out: one.hold_out,
+                magnet: None,
                 load_n: one.load_n,
                 troubles: Vec::new(),
                 repeats: None,

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{Diagnosis, Estimate, Finding, Judged, Proposal, Weighed};
+use super::{AllAlone, Alone, Diagnosis, Estimate, Finding, Judged, Proposal, Weighed};
 
 /// The keys of the contract, with the test of lack of fit beside them.
 #[must_use]
@@ -29,8 +29,17 @@ pub fn json(found: &Diagnosis, report: Option<&str>) -> Value {
         "wider_priors": judged.map(Judged::sensitivity),
         "base": { "parameters": evidence.map(|e| parameters(&e.base.told(None))) },
         "extended": { "parameters": evidence.and_then(|e| e.held.first()).map(|best: &Weighed| parameters(&best.told(None))) },
+        "alone": found.alone.as_ref().map(alone),
         "report": report,
         "seconds": found.seconds,
+    })
+}
+
+fn alone(all: &AllAlone) -> Value {
+    let part = |one: &Alone| json!({ "code": one.code, "amount": one.amount, "rmse_y_left": one.left });
+    json!({
+        "rmse_y_without": all.without, "parts": all.parts.iter().map(part).collect::<Vec<_>>(),
+        "combinations": all.combinations, "alike": all.alike,
     })
 }
 

@@ -4,10 +4,12 @@
 //! reading differ by; does the law, a line or the simulation, miss by more; which effects explain it; what
 //! do they gain on readings that were left out; which readings would decide.
 
+mod alone;
 pub mod answer;
 pub mod effect;
 mod fit;
 mod forward;
+mod magnet;
 mod plan;
 pub mod readings;
 
@@ -20,6 +22,7 @@ use crate::experiment::Experiment;
 use crate::infer::covariance::Z95;
 use crate::infer::sets::{Outcome, Told, Weighing};
 
+pub use alone::{AllAlone, Alone};
 use fit::Problem;
 pub use fit::{Fit, Judged, Law, Weighed};
 use forward::Search;
@@ -104,6 +107,8 @@ pub struct Diagnosis {
     pub parabola: Option<Polynomial>,
     /// What the verdict rests on.
     pub evidence: Option<Evidence>,
+    /// Beside a magnet: every part of it as the only cause.
+    pub alone: Option<AllAlone>,
     /// Wall time, s.
     pub seconds: f64,
 }
@@ -156,6 +161,7 @@ pub fn diagnose(experiment: &Experiment) -> Result<Option<Diagnosis>, Unusable> 
         line: None,
         parabola: None,
         evidence: None,
+        alone: None,
         seconds: 0.0,
         table,
     };
@@ -175,6 +181,14 @@ fn scatter(table: &Table) -> (f64, usize) {
     ((square / freedom.max(1) as f64).sqrt(), freedom)
 }
 
+/// Root mean square of what a straight line leaves, its two coefficients counted.
+fn off_line(points: &[(f64, f64)], line: Option<&Polynomial>) -> f64 {
+    let Some(line) = line else { return f64::INFINITY };
+    let left = |(x, y): &(f64, f64)| y - line.coefficients[0].0 - line.coefficients[1].0 * x;
+    let square: f64 = points.iter().map(left).map(|v| v * v).sum();
+    (square / points.len().saturating_sub(2).max(1) as f64).sqrt()
+}
+
 impl Diagnosis {
     fn examine(&mut self) {
         let table = self.table.clone();
@@ -186,6 +200,7 @@ impl Diagnosis {
         };
         self.line = Polynomial::fit(&rest, 1).ok();
         self.parabola = Polynomial::fit(&rest, 2).ok();
+        self.alone = alone::all_alone(&table, off_line(&rest, self.line.as_ref()));
         let predicted: Vec<f64> = table.readings.iter().map(|r| base.law.predict(&table, r)).collect();
         let mut repeated: Vec<(f64, f64)> = table.points();
         for (number, group) in table.repeats().into_iter().enumerate() {

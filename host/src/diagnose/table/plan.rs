@@ -10,6 +10,7 @@ use super::readings::{Reading, Table};
 use crate::calibration::distribution::student_critical;
 use crate::calibration::polynomial::Polynomial;
 use crate::infer::lowrank;
+use crate::magnet::uncertain::PARTS;
 
 /// Readings and what they would tell.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,7 +141,8 @@ fn planned(table: &Table) -> Vec<(String, Table)> {
             let at = x(*share);
             let simulated = table.is_simulated.then(|| nearest(at).and_then(|r| r.simulated)).flatten();
             let level = if table.is_simulated { nearest(at).map_or(*share, level_of) } else { *share };
-            Reading { x: at, y: 0.0, simulated, level, way, order: k as f64 / count, rest_s, place: 0, file: 0 }
+            let built = nearest(at).map_or([0.0; PARTS.len()], |r| r.built);
+            Reading { x: at, y: 0.0, simulated, built, level, way, order: k as f64 / count, rest_s, place: 0, file: 0 }
         });
         Table { readings: rows.collect(), has_time: table.has_time || rest_s > 0.0, ..table.clone() }
     };

@@ -1,6 +1,8 @@
 //! The readings of a table: what stands beside what, in which order and from which side.
 
+use super::magnet::Beside;
 use crate::experiment::{Experiment, Run, Test};
+use crate::magnet::uncertain::PARTS;
 
 /// Columns of a table, by their names in the contract: what was set, what was read, and what a simulation
 /// has for it where there is one.
@@ -17,6 +19,8 @@ pub struct Reading {
     pub y: f64,
     /// What a simulation has for it.
     pub simulated: Option<f64>,
+    /// What a plausible difference of each part of a magnet adds, in spans; 0 beside none.
+    pub built: [f64; PARTS.len()],
     /// Place of the line, or of the simulated value, in its range: 0 to 1.
     pub level: f64,
     /// 1 where x came from below, -1 from above, 0 for the first of a file.
@@ -46,6 +50,8 @@ pub struct Table {
     pub range: f64,
     /// A simulated value stands beside every reading.
     pub is_simulated: bool,
+    /// Parts of a magnet of which its file tells what they may differ by.
+    pub parts: [bool; PARTS.len()],
     /// Time is recorded.
     pub has_time: bool,
 }
@@ -83,6 +89,28 @@ pub enum Unusable {
         /// Its value.
         value: f64,
     },
+    /// A magnet that cannot stand beside the table.
+    #[error("magnet \"{magnet}\": {cause}")]
+    Magnet {
+        /// Its name.
+        magnet: String,
+        /// Why.
+        cause: String,
+    },
+    /// Files of one table beside different magnets.
+    #[error("{file} has not the magnet \"{magnet}\" of the others; name one magnet, and one flux_unit, for all files")]
+    OtherMagnet {
+        /// A file without it.
+        file: String,
+        /// The magnet of the others.
+        magnet: String,
+    },
+    /// A magnet and a simulated column.
+    #[error("{file} has a column simulated and a magnet; expected one of the two")]
+    Twice {
+        /// The file.
+        file: String,
+    },
     /// Some files have a simulated column and some have none.
     #[error("{file} has no column simulated while others have one; simulate all rows or none")]
     Mixed {
@@ -106,13 +134,24 @@ impl Table {
         if let Some(bare) = runs.iter().find(|run| is_simulated && !has(run)) {
             return Err(Unusable::Mixed { file: bare.file.clone() });
         }
+        let beside = Beside::of(&experiment.folder, &runs)?;
+        if let (true, Some(_), [first, ..]) = (is_simulated, &beside, runs.as_slice()) {
+            return Err(Unusable::Twice { file: first.file.clone() });
+        }
         let has_time = runs.iter().all(|run| time_of(run).is_some());
         let mut readings = Vec::new();
         for (file, run) in runs.iter().enumerate() {
             readings.extend(of_run(run, file, is_simulated)?);
         }
         let files = runs.iter().map(|run| run.file.clone()).collect();
-        told(files, readings, (is_simulated, has_time)).map(Some)
+        if let Some(beside) = &beside {
+            for r in &mut readings {
+                let says = beside.at(r.x);
+                (r.simulated, r.built) = (Some(says.flux), says.changes);
+            }
+        }
+        let parts = beside.as_ref().map_or([false; PARTS.len()], Beside::tells);
+        told(files, readings, (is_simulated || beside.is_some(), has_time), parts).map(Some)
     }
 
     /// Rows as points.
@@ -179,7 +218,8 @@ fn of_run(run: &Run, file: usize, is_simulated: bool) -> Result<Vec<Reading>, Un
         }
         let rest_s = time_s.map_or(0.0, |t| (t[k] - set_s).max(0.0));
         let simulated = simulated.map(|s| s[k]);
-        Reading { x: x[k], y: y[k], simulated, level: 0.0, way, order: 0.0, rest_s, place: 0, file }
+        let built = [0.0; PARTS.len()];
+        Reading { x: x[k], y: y[k], simulated, built, level: 0.0, way, order: 0.0, rest_s, place: 0, file }
     });
     Ok(rows.collect())
 }
@@ -189,6 +229,7 @@ fn told(
     files: Vec<String>,
     mut readings: Vec<Reading>,
     (is_simulated, has_time): (bool, bool),
+    parts: [bool; PARTS.len()],
 ) -> Result<Table, Unusable> {
     let (low, high) = ends(readings.iter().map(|r| r.x));
     if high <= low {
@@ -212,12 +253,14 @@ fn told(
         }
     }
     let last = readings.len().saturating_sub(1).max(1) as f64;
+    let span = y_high - y_low;
     for (at, r) in readings.iter_mut().enumerate() {
+        r.built = r.built.map(|change| change / span);
         r.level = (told(r) - from) / (to - from);
         r.order = at as f64 / last;
         r.place = places.partition_point(|place| *place <= r.x).saturating_sub(1);
     }
-    Ok(Table { files, readings, places, span: y_high - y_low, range: high - low, is_simulated, has_time })
+    Ok(Table { files, readings, places, span, range: high - low, is_simulated, parts, has_time })
 }
 
 fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {

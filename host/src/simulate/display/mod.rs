@@ -62,6 +62,7 @@ impl DisplaySpec {
                     order: i64::try_from(runs.len() + 1).ok(),
                     start_s: Some(start_s),
                     hold_out: one.hold_out,
+                    magnet: None,
                     load_n: None,
                     repeats: None,
                     place_mm: None,
