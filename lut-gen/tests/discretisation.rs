@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use lut_gen::contact::{Adhesion, Ball, Interface, Penalty, Surface};
-use lut_gen::element::{DOFS, Matter, Quadrature, Solid, gauss, quad8};
+use lut_gen::element::{DOFS, Matter, Quadrature, Solid};
+use lut_gen::fem::quadrature::gauss;
+use lut_gen::fem::shape::quad8;
 use lut_gen::law::{Hyperfoam, Material, PronyTerm, Relaxation, Term};
 use lut_gen::mesh::{BlockMesh, Sizes, graded};
 use lut_gen::solve::{Base, HELD, History, Step, System};
@@ -16,8 +18,8 @@ fn foam() -> Material {
 fn internal(solid: &Solid, material: &Material, u: &[f64; DOFS]) -> [f64; DOFS] {
     let mut force = [0.0; DOFS];
     let step = material.relaxation(0.0);
-    let matter = Matter { material, step: &step, history: &[] };
-    solid.force(&matter, u, &mut force, None).unwrap();
+    let matter = Matter { material, step: &step };
+    solid.force(&matter, &[], u, &mut force, None).unwrap();
     force
 }
 
@@ -83,10 +85,10 @@ fn element_stiffness_is_the_derivative_of_the_force() {
     let u: [f64; DOFS] = std::array::from_fn(|i| 0.1 * (1.7 * i as f64).sin());
     let material = foam();
     let step = material.relaxation(0.0);
-    let matter = Matter { material: &material, step: &step, history: &[] };
+    let matter = Matter { material: &material, step: &step };
     let (mut lower, mut whole) = ([[0.0; DOFS]; DOFS], [[0.0; DOFS]; DOFS]);
-    solid.stiffness(&matter, &u, &mut [0.0; DOFS], &mut lower, true).unwrap();
-    solid.stiffness(&matter, &u, &mut [0.0; DOFS], &mut whole, false).unwrap();
+    solid.stiffness(&matter, &[], &u, &mut [0.0; DOFS], &mut lower, true).unwrap();
+    solid.stiffness(&matter, &[], &u, &mut [0.0; DOFS], &mut whole, false).unwrap();
     let force = |u: &[f64; DOFS]| internal(&solid, &material, u);
     for j in 0..DOFS {
         // central differences: truncation (1e-5)^2, rounding 1e-16 / 1e-5

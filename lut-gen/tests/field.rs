@@ -4,7 +4,8 @@
 use std::collections::BTreeMap;
 
 use lut_gen::contact::{Adhesion, Ball, Interface, Penalty, Surface};
-use lut_gen::element::{gauss, line3};
+use lut_gen::fem::quadrature::gauss;
+use lut_gen::fem::shape::line3;
 use lut_gen::field::{Field, FieldError, Step, vtu};
 use lut_gen::law::{Hyperfoam, PronyTerm, Term, first_piola, relaxed};
 use lut_gen::mesh::BlockMesh;

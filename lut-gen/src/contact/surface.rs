@@ -1,7 +1,8 @@
 //! Contact integrated over the undeformed surface.
 
 use super::{Ball, Indenter, Interface, Penalty, Platen, Touch};
-use crate::element::{gauss, line3};
+use crate::fem::quadrature::gauss;
+use crate::fem::shape::line3;
 use crate::scalar::Real;
 
 /// One quadrature point of the surface.

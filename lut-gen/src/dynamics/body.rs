@@ -111,12 +111,10 @@ impl Body {
         History { matter: vec![0.0; points * material.history()], grips: self.surface.grips(self.centre_mm(depth_mm)) }
     }
 
-    /// What an element is made of and remembers, and where that lies in the history.
-    pub(super) fn matter<'a>(&self, step: &'a Step, index: usize) -> (Matter<'a>, std::ops::Range<usize>) {
+    /// Where what an element remembers lies in the history.
+    pub(super) fn remembered(&self, step: &Step, index: usize) -> std::ops::Range<usize> {
         let each = step.material.history() * self.elements[index].points();
-        let range = index * each..(index + 1) * each;
-        let history = &step.old.matter[range.clone()];
-        (Matter { material: step.material, step: &step.relaxation, history }, range)
+        index * each..(index + 1) * each
     }
 
     /// Where the grips of an edge lie in the history; empty without friction.
@@ -135,10 +133,13 @@ impl Body {
             forces.resize(x.len(), [0.0; 2]);
         }
         (out.strain_energy, out.sum, out.base_force_n) = (0.0, Sum::default(), 0.0);
+        let matter = Matter { material: step.material, step: &step.relaxation };
         for (index, element) in self.elements.iter().enumerate() {
             let mut force = [0.0; DOFS];
-            let (matter, range) = self.matter(step, index);
-            let energy = element.force(&matter, &element.nodes.map(|n| x[n]), &mut force, Some(&mut new.matter[range]));
+            let range = self.remembered(step, index);
+            let old = &step.old.matter[range.clone()];
+            let energy =
+                element.force(&matter, old, &element.nodes.map(|n| x[n]), &mut force, Some(&mut new.matter[range]));
             out.strain_energy += energy.filter(|e| e.is_finite()).ok_or(index)?;
             for (a, &node) in element.nodes.iter().enumerate() {
                 out.internal[node][0] += force[2 * a];

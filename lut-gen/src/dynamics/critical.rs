@@ -4,7 +4,7 @@ use faer::{Mat, Side};
 
 use super::Body;
 use crate::contact::{EdgeStiffness, Sum};
-use crate::element::{DOFS, Stiffness};
+use crate::element::{DOFS, Matter, Stiffness};
 use crate::solve::Step;
 
 /// Largest stable step (s) at the current positions `x` (mm); `step` holds material, history and depth.
@@ -33,7 +33,9 @@ fn highest_square(body: &Body, step: &Step, x: &[[f64; 2]], index: usize) -> Opt
         x[node][i % 2] - body.reference[node][i % 2]
     });
     let mut k = [[0.0; DOFS]; DOFS];
-    solid.stiffness(&body.matter(step, index).0, &u, &mut [0.0; DOFS], &mut k, false)?;
+    let matter = Matter { material: step.material, step: &step.relaxation };
+    let old = &step.old.matter[body.remembered(step, index)];
+    solid.stiffness(&matter, old, &u, &mut [0.0; DOFS], &mut k, false)?;
     if let Some(edge) = body.edge_of[index] {
         add_contact(body, step, x, edge, &mut k);
     }

@@ -1,6 +1,8 @@
 //! Internal force of one element in the current configuration.
 
-use crate::element::{DOFS, Matter, Quadrature, gauss, quad8};
+use crate::element::{DOFS, Matter, Quadrature};
+use crate::fem::quadrature::gauss;
+use crate::fem::shape::quad8;
 use crate::law::Gradient;
 
 /// One quadrature point.
@@ -62,6 +64,7 @@ impl UpdatedElement {
     pub fn force(
         &self,
         matter: &Matter,
+        old: &[f64],
         x: &[[f64; 2]; 8],
         force: &mut [f64; DOFS],
         mut new: Option<&mut [f64]>,
@@ -72,7 +75,7 @@ impl UpdatedElement {
             let range = i * each..(i + 1) * each;
             let (f, current) = point.deformation(x);
             let kept = new.as_deref_mut().map(|h| &mut h[range.clone()]);
-            let (w, p) = matter.material.stress(matter.step, &f, &matter.history[range], kept)?;
+            let (w, p) = matter.material.stress(matter.step, &f, &old[range], kept)?;
             point.add_force(&f, &p, &current, force);
             energy += w * std::f64::consts::TAU * point.radius * point.reference_area * point.weight;
         }

@@ -1,7 +1,8 @@
 //! Lumped mass of an eight-node ring element.
 
 use super::element::jacobian;
-use crate::element::{gauss, quad8};
+use crate::fem::quadrature::gauss;
+use crate::fem::shape::quad8;
 
 /// Masses of the eight nodes (t, that is N s^2/mm) of an element with reference positions `x` (mm) and
 /// `density` (t/mm^3).

@@ -14,6 +14,9 @@ use faer::{Conj, MatMut, Par, Side};
 /// A degree of freedom that is held: it has no equation.
 pub const HELD: usize = usize::MAX;
 
+/// Where the entries of every group's matrix go in the value array; [`u32::MAX`] for none.
+pub type Scatter = Vec<Vec<u32>>;
+
 /// Pattern of a square matrix in compressed columns: the lower triangle, or all of it.
 #[derive(Debug)]
 pub struct Pattern {
@@ -37,11 +40,7 @@ impl Pattern {
     /// group the position in the value array of each of its entries, row by row ([`Stored::Lower`]:
     /// of its lower triangle, whatever the order of the equations), [`u32::MAX`] for held members.
     #[must_use]
-    pub fn new<'a>(
-        n: usize,
-        groups: impl Iterator<Item = &'a [usize]> + Clone,
-        stored: Stored,
-    ) -> (Self, Vec<Vec<u32>>) {
+    pub fn new<'a>(n: usize, groups: impl Iterator<Item = &'a [usize]> + Clone, stored: Stored) -> (Self, Scatter) {
         let mut columns: Vec<Vec<usize>> = vec![Vec::new(); n];
         for group in groups.clone() {
             for &a in group {
@@ -99,6 +98,34 @@ impl Pattern {
         &self.diagonal
     }
 
+    /// Product of the matrix of the given values, [`Stored::All`], with `v`.
+    pub fn multiply(&self, values: &[f64], v: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for (j, w) in self.starts().windows(2).enumerate() {
+            for k in w[0]..w[1] {
+                out[self.rows()[k]] += values[k] * v[j];
+            }
+        }
+    }
+
+    /// Product of the symmetric matrix of the given values, [`Stored::Lower`], with `v`.
+    pub fn multiply_symmetric(&self, values: &[f64], v: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let rows = self.rows();
+        for (j, w) in self.starts().windows(2).enumerate() {
+            let mut sum = 0.0;
+            for (&row, &value) in rows[w[0]..w[1]].iter().zip(&values[w[0]..w[1]]) {
+                if row == j {
+                    sum += value * v[j];
+                } else {
+                    sum += value * v[row];
+                    out[row] += value * v[j];
+                }
+            }
+            out[j] += sum;
+        }
+    }
+
     /// First position of every column in the value array, and the end.
     pub(crate) fn starts(&self) -> &[usize] {
         self.symbolic.col_ptr()
@@ -107,6 +134,29 @@ impl Pattern {
     /// Row of every position.
     pub(crate) fn rows(&self) -> &[usize] {
         self.symbolic.row_idx()
+    }
+}
+
+/// Adds the lower triangle of an element's matrix at the places of a pattern of [`Stored::Lower`].
+pub fn add_lower<const D: usize>(values: &mut [f64], places: &[u32], k: &[[f64; D]; D]) {
+    let mut rest = places;
+    for (i, row) in k.iter().enumerate() {
+        let Some((own, after)) = rest.split_at_checked(i + 1) else { return };
+        for (v, &place) in row.iter().zip(own) {
+            if place != u32::MAX {
+                values[place as usize] += v;
+            }
+        }
+        rest = after;
+    }
+}
+
+/// Adds an element's matrix at the places of a pattern of [`Stored::All`].
+pub fn add_all<const D: usize>(values: &mut [f64], places: &[u32], k: &[[f64; D]; D]) {
+    for (v, &place) in k.iter().flatten().zip(places) {
+        if place != u32::MAX {
+            values[place as usize] += v;
+        }
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::PointState;
 use crate::contact::{Ball, Surface};
-use crate::element::{gauss, line3, quad8};
+use crate::fem::quadrature::gauss;
+use crate::fem::shape::{line3, quad8};
 use crate::law::Gradient;
 use crate::mesh::BlockMesh;
 use crate::solve::SolveError;

@@ -1,7 +1,7 @@
 //! Structured quadratic mesh of the cylinder block, fine under the ball.
 
-mod block;
-mod grading;
+mod sizes;
 
-pub use block::{BlockMesh, Sizes};
-pub use grading::graded;
+pub use crate::fem::block::BlockMesh;
+pub use crate::fem::grading::graded;
+pub use sizes::Sizes;

@@ -1,9 +1,10 @@
 //! The tangent of the system: stiffness, and how force and residual depend on the depth.
 
 use super::SolveError;
-use super::krylov::gmres;
 use crate::contact::EdgeStiffness;
-use crate::fem::sparse::{Factor, HELD, Pattern, Stored, UnsymmetricFactor, elimination_order};
+use crate::fem::krylov::gmres;
+use crate::fem::ordered::Ordered;
+use crate::fem::sparse::{HELD, Pattern, Scatter, Stored, UnsymmetricFactor, add_all, add_lower};
 
 /// Stiffness `K = d residual / d u` with its factor.
 ///
@@ -21,8 +22,8 @@ pub struct Matrix {
     direct_factor: Option<UnsymmetricFactor>,
     /// Diagonal shift of the last factorisation, relative; 0 when it was positive definite.
     shift: f64,
-    solid_scatter: Vec<Vec<u32>>,
-    edge_scatter: Vec<Vec<u32>>,
+    solid_scatter: Scatter,
+    edge_scatter: Scatter,
     /// `d residual / d depth` at fixed displacement (N/mm).
     pub drive: Vec<f64>,
     /// `d force / d u` at fixed depth (N/mm).
@@ -31,33 +32,12 @@ pub struct Matrix {
     pub direct: f64,
 }
 
-/// A factor of equations that have other numbers than they are eliminated by: to move every value in every factorisation costs more than to
-/// have it at its place.
-struct Ordered {
-    factor: Factor,
-    /// Place of every equation in the elimination.
-    place: Vec<usize>,
-    x: Vec<f64>,
-}
-
-impl Ordered {
-    fn solve(&mut self, x: &mut [f64]) {
-        for (value, place) in x.iter().zip(&self.place) {
-            self.x[*place] = *value;
-        }
-        self.factor.solve(&mut self.x);
-        for (value, place) in x.iter_mut().zip(&self.place) {
-            *value = self.x[*place];
-        }
-    }
-}
-
 /// Every entry of an unsymmetric matrix.
 struct Whole {
     pattern: Pattern,
     values: Vec<f64>,
-    solid_scatter: Vec<Vec<u32>>,
-    edge_scatter: Vec<Vec<u32>>,
+    solid_scatter: Scatter,
+    edge_scatter: Scatter,
 }
 
 /// Largest part of the right-hand side left by the iteration: of a correction, which the next one
@@ -76,19 +56,13 @@ impl Matrix {
     pub fn new(n: usize, solids: &[Vec<usize>], edges: &[Vec<usize>], symmetric: bool) -> Result<Self, SolveError> {
         let memory = || SolveError::Memory { unknowns: n };
         let groups = solids.iter().chain(edges).map(Vec::as_slice);
-        let (unordered, _) = Pattern::new(n, groups.clone(), Stored::Lower);
-        let place = elimination_order(&unordered).ok_or_else(memory)?;
-        let at = |d: &usize| if *d == HELD { HELD } else { place[*d] };
-        let placed: Vec<Vec<usize>> = groups.clone().map(|group| group.iter().map(at).collect()).collect();
-        let (lower, mut scatter) = Pattern::new(n, placed.iter().map(Vec::as_slice), Stored::Lower);
+        let (lower, mut scatter, factor) = Ordered::new(n, groups.clone()).ok_or_else(memory)?;
         let edge_scatter = scatter.split_off(solids.len());
         let whole = (!symmetric).then(|| {
             let (pattern, mut scatter) = Pattern::new(n, groups, Stored::All);
             let edge_scatter = scatter.split_off(solids.len());
             Whole { values: vec![0.0; pattern.entries()], pattern, solid_scatter: scatter, edge_scatter }
         });
-        let factor = Factor::new(&lower).ok_or_else(memory)?;
-        let factor = Ordered { factor, place, x: vec![0.0; n] };
         Ok(Self {
             lower_values: vec![0.0; lower.entries()],
             lower,
@@ -196,7 +170,7 @@ impl Matrix {
             return factor.factorise(&w.pattern, &w.values);
         }
         for _ in 0..8 {
-            if self.factor.factor.factorise(&self.lower, &self.lower_values) {
+            if self.factor.factorise(&self.lower, &self.lower_values) {
                 return true;
             }
             let next = if self.shift == 0.0 { 1e-3 } else { 4.0 * self.shift };
@@ -243,9 +217,9 @@ impl Matrix {
         let mut unit = vec![0.0; out.len()];
         unit[j] = 1.0;
         match &self.whole {
-            Some(w) => multiply(&w.pattern, &w.values, &unit, out),
+            Some(w) => w.pattern.multiply(&w.values, &unit, out),
             None => {
-                let place = &self.factor.place;
+                let place = self.factor.place();
                 let mut placed = vec![0.0; out.len()];
                 let starts = self.lower.starts();
                 for (column, range) in starts.windows(2).enumerate() {
@@ -268,34 +242,6 @@ impl Matrix {
             return false;
         };
         let factor = &mut self.factor;
-        gmres(|v, out| multiply(&w.pattern, &w.values, v, out), |v| factor.solve(v), x, tolerance, steps)
-    }
-}
-
-fn multiply(pattern: &Pattern, values: &[f64], v: &[f64], out: &mut [f64]) {
-    out.fill(0.0);
-    for (j, w) in pattern.starts().windows(2).enumerate() {
-        for k in w[0]..w[1] {
-            out[pattern.rows()[k]] += values[k] * v[j];
-        }
-    }
-}
-
-fn add_lower<const N: usize>(values: &mut [f64], scatter: &[u32], k: &[[f64; N]; N]) {
-    let mut at = scatter.iter();
-    for (i, row) in k.iter().enumerate() {
-        for (v, &place) in row[..=i].iter().zip(at.by_ref()) {
-            if place != u32::MAX {
-                values[place as usize] += v;
-            }
-        }
-    }
-}
-
-fn add_all<const N: usize>(values: &mut [f64], scatter: &[u32], k: &[[f64; N]; N]) {
-    for (v, &place) in k.iter().flatten().zip(scatter) {
-        if place != u32::MAX {
-            values[place as usize] += v;
-        }
+        gmres(|v, out| w.pattern.multiply(&w.values, v, out), |v| factor.solve(v), x, tolerance, steps)
     }
 }

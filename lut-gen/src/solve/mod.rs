@@ -3,7 +3,6 @@
 mod constraint;
 mod error;
 mod jump;
-mod krylov;
 mod matrix;
 mod motion;
 mod newton;

@@ -1,7 +1,7 @@
 //! Newton's method for one step, with corrections by the last factor in between.
 
-use super::krylov::dot;
 use super::{History, Matrix, SolveError, State, Step, System};
+use crate::fem::krylov::dot;
 use crate::law::{Material, Relaxation};
 
 /// Settings of Newton's method.

@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::matrix::Matrix;
 use super::{SolveError, constraint};
 use crate::contact::{EdgeStiffness, Grip, Sum, Surface};
-use crate::element::{DOFS, Matter, Quadrature, Solid};
+use crate::element::{DOFS, Matter, Quadrature, Ring, Solid};
+use crate::fem::domain::{Domain, Stiff};
+use crate::fem::equations::spread;
 use crate::fem::sparse::HELD;
 use crate::law::{Material, Relaxation, Strained};
 use crate::mesh::BlockMesh;
@@ -25,11 +27,9 @@ pub enum Base {
 #[derive(Debug, Clone)]
 pub struct System<T = f64> {
     height_mm: T,
-    solids: Vec<Solid<T>>,
+    /// Its dof `2 node` is radial, the next one axial.
+    block: Domain<T, Ring<T>, 8, 2>,
     surface: Surface<T>,
-    /// Equation of dof `2 node + (0 radial, 1 axial)`, [`HELD`] for held ones.
-    equation: Vec<usize>,
-    unknowns: usize,
 }
 
 /// What the block remembers of the last equilibrium.
@@ -84,16 +84,16 @@ impl<T: Strained> System<T> {
         surface: Surface<T>,
         quadrature: impl Fn(usize) -> Quadrature,
     ) -> Self {
-        let (equation, unknowns) = constraint::number(mesh, base, surface.is_bonded());
+        let equations = constraint::number(mesh, base, surface.is_bonded());
         let solid = |(i, e): (usize, &[usize; 8])| Solid::new(*e, &e.map(|n| nodes[n]), quadrature(i));
-        let solids = mesh.elements.iter().enumerate().map(solid).collect();
-        Self { height_mm, solids, surface, equation, unknowns }
+        let elements = mesh.elements.iter().enumerate().map(solid).collect();
+        Self { height_mm, block: Domain { elements, equations }, surface }
     }
 
     /// Number of free equations.
     #[must_use]
     pub fn unknowns(&self) -> usize {
-        self.unknowns
+        self.block.equations.unknowns()
     }
 
     /// Height of the block (mm).
@@ -105,7 +105,7 @@ impl<T: Strained> System<T> {
     /// The elements.
     #[must_use]
     pub fn solids(&self) -> &[Solid<T>] {
-        &self.solids
+        &self.block.elements
     }
 
     /// The contact.
@@ -117,7 +117,7 @@ impl<T: Strained> System<T> {
     /// Equation of dof `2 node + (0 radial, 1 axial)`, [`HELD`] for held ones.
     #[must_use]
     pub fn equation(&self) -> &[usize] {
-        &self.equation
+        self.block.equations.list()
     }
 
     /// An empty state of the right size.
@@ -125,8 +125,8 @@ impl<T: Strained> System<T> {
     pub fn state(&self) -> State<T> {
         let zero = T::from(0.0);
         State {
-            residual: vec![zero; self.unknowns],
-            contact: vec![zero; self.unknowns],
+            residual: vec![zero; self.unknowns()],
+            contact: vec![zero; self.unknowns()],
             potential: zero,
             sum: Sum::default(),
             base_force_n: zero,
@@ -137,21 +137,14 @@ impl<T: Strained> System<T> {
     /// The history of a block that was never touched, with the ball at a depth (mm).
     #[must_use]
     pub fn untouched(&self, material: &Material<T>, depth_mm: T) -> History<T> {
-        let points: usize = self.solids.iter().map(Solid::points).sum();
         History {
-            matter: vec![T::from(0.0); points * material.history()],
+            matter: vec![T::from(0.0); self.block.states(material.history())],
             grips: self.surface.grips(self.datum_mm(depth_mm)),
         }
     }
 
     fn datum_mm(&self, depth_mm: T) -> T {
         self.surface.datum_mm(self.height_mm, depth_mm)
-    }
-
-    /// Equations and values of the dofs of some nodes; held ones have the value 0.
-    pub fn gather<const N: usize>(&self, nodes: &[usize], u: &[T]) -> ([usize; N], [T; N]) {
-        let dofs: [usize; N] = std::array::from_fn(|i| self.equation[2 * nodes[i / 2] + i % 2]);
-        (dofs, dofs.map(|d| if d == HELD { T::from(0.0) } else { u[d] }))
     }
 
     /// Evaluates residual, sums and history at the displacement `u`. False when an element is turned inside out.
@@ -163,29 +156,26 @@ impl<T: Strained> System<T> {
         if out.history.grips.len() != step.old.grips.len() {
             out.history.grips.clone_from(&step.old.grips);
         }
-        let each = step.material.history();
-        let mut at = 0;
-        for solid in &self.solids {
-            let (dofs, local) = self.gather::<DOFS>(&solid.nodes, u);
-            let range = at..at + each * solid.points();
-            at = range.end;
-            let matter =
-                Matter { material: step.material, step: &step.relaxation, history: &step.old.matter[range.clone()] };
-            let kept = (each > 0).then(|| &mut out.history.matter[range]);
-            let mut force = [T::from(0.0); DOFS];
-            let Some(energy) = solid.force(&matter, &local, &mut force, kept) else { return false };
-            out.potential += energy;
-            spread(&dofs, &force, out);
-        }
+        let matter = Matter { material: step.material, step: &step.relaxation };
+        let State { residual, base_force_n, history, .. } = &mut *out;
+        let energy = self.block.forces(
+            |_| Some(&matter),
+            &step.old.matter,
+            Some(&mut history.matter),
+            u,
+            |dofs: &[usize; DOFS], force| resist(dofs, force, residual, base_force_n),
+        );
+        let Some(energy) = energy else { return false };
+        out.potential = energy;
         let per = if self.surface.has_friction() { self.surface.per_edge() } else { 0 };
         for (index, edge) in self.surface.edges().iter().enumerate() {
-            let (dofs, local) = self.gather::<6>(edge, u);
+            let (dofs, local) = self.block.equations.gather::<_, 6>(edge, u);
             let mut force = [T::from(0.0); 6];
             let grips = index * per..(index + 1) * per;
             let kept = Some(&mut out.history.grips[grips.clone()]);
             let datum = self.datum_mm(step.depth_mm);
             self.surface.edge(index, datum, &local, &step.old.grips[grips], kept, &mut force, None, &mut out.sum);
-            press(&dofs, &force, out);
+            spread(&dofs, &force, &mut out.contact);
         }
         close(out);
         true
@@ -213,12 +203,8 @@ impl System {
     /// # Errors
     /// [`SolveError::Memory`].
     pub fn matrix(&self, symmetric: bool) -> Result<Matrix, SolveError> {
-        let dofs = |nodes: &[usize]| -> Vec<usize> {
-            nodes.iter().flat_map(|n| [self.equation[2 * n], self.equation[2 * n + 1]]).collect()
-        };
-        let solids: Vec<_> = self.solids.iter().map(|s| dofs(&s.nodes)).collect();
-        let edges: Vec<_> = self.surface.edges().iter().map(|e| dofs(e)).collect();
-        let matrix = Matrix::new(self.unknowns, &solids, &edges, symmetric)?;
+        let edges: Vec<_> = self.surface.edges().iter().map(|e| self.block.equations.group(e)).collect();
+        let matrix = Matrix::new(self.unknowns(), &self.block.groups(), &edges, symmetric)?;
         if self.surface.ball().is_some() { Ok(matrix) } else { matrix.factorising_all() }
     }
 
@@ -228,29 +214,25 @@ impl System {
         self.clear(out);
         matrix.clear();
         let symmetric = matrix.is_symmetric();
-        let each = step.material.history();
-        let mut at = 0;
-        for (index, solid) in self.solids.iter().enumerate() {
-            let (dofs, local) = self.gather::<DOFS>(&solid.nodes, u);
-            let range = at..at + each * solid.points();
-            at = range.end;
-            let matter = Matter { material: step.material, step: &step.relaxation, history: &step.old.matter[range] };
-            let (mut force, mut k) = ([0.0; DOFS], [[0.0; DOFS]; DOFS]);
-            let Some(energy) = solid.stiffness(&matter, &local, &mut force, &mut k, symmetric) else { return false };
-            out.potential += energy;
-            spread(&dofs, &force, out);
-            matrix.add_solid(index, &k);
-        }
+        let matter = Matter { material: step.material, step: &step.relaxation };
+        let State { residual, base_force_n, .. } = &mut *out;
+        let law = |_| Some(&matter);
+        let add = |index, (dofs, force, k): Stiff<DOFS>| {
+            resist(dofs, force, residual, base_force_n);
+            matrix.add_solid(index, k);
+        };
+        let Some(energy) = self.block.stiffness(law, &step.old.matter, u, symmetric, add) else { return false };
+        out.potential = energy;
         let per = if self.surface.has_friction() { self.surface.per_edge() } else { 0 };
         for (index, edge) in self.surface.edges().iter().enumerate() {
-            let (dofs, local) = self.gather::<6>(edge, u);
+            let (dofs, local) = self.block.equations.gather::<_, 6>(edge, u);
             let (mut force, mut k) = ([0.0; 6], EdgeStiffness::default());
             let old = &step.old.grips[index * per..(index + 1) * per];
             let energy = out.sum.energy;
             let datum = self.datum_mm(step.depth_mm);
             self.surface.edge(index, datum, &local, old, None, &mut force, Some(&mut k), &mut out.sum);
             if out.sum.energy != energy {
-                press(&dofs, &force, out);
+                spread(&dofs, &force, &mut out.contact);
                 matrix.add_edge(index, &dofs, &k);
             }
         }
@@ -260,20 +242,12 @@ impl System {
 }
 
 /// Nodal forces of a solid: the only held axial dofs are those of the base.
-fn spread<T: Real>(dofs: &[usize; DOFS], force: &[T; DOFS], out: &mut State<T>) {
+fn resist<T: Real>(dofs: &[usize; DOFS], force: &[T; DOFS], residual: &mut [T], base_force_n: &mut T) {
     for (i, (&d, &f)) in dofs.iter().zip(force).enumerate() {
         if d != HELD {
-            out.residual[d] += f;
+            residual[d] += f;
         } else if i % 2 == 1 {
-            out.base_force_n += f;
-        }
-    }
-}
-
-fn press<T: Real>(dofs: &[usize; 6], force: &[T; 6], out: &mut State<T>) {
-    for (&d, &f) in dofs.iter().zip(force) {
-        if d != HELD {
-            out.contact[d] += f;
+            *base_force_n += f;
         }
     }
 }

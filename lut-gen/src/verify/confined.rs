@@ -133,13 +133,13 @@ impl Block {
     /// Internal force of every dof (N) and the stiffness' values at the displacement of every dof.
     fn evaluate(&self, material: &Material, u: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let step = material.relaxation(0.0);
-        let matter = Matter { material, step: &step, history: &[] };
+        let matter = Matter { material, step: &step };
         let (mut force, mut values) = (vec![0.0; u.len()], vec![0.0; self.pattern.entries()]);
         for (solid, scatter) in self.solids.iter().zip(&self.scatter) {
             let dof = |i: usize| 2 * solid.nodes[i / 2] + i % 2;
             let local: [f64; DOFS] = std::array::from_fn(|i| u[dof(i)]);
             let (mut f, mut k) = ([0.0; DOFS], [[0.0; DOFS]; DOFS]);
-            solid.stiffness(&matter, &local, &mut f, &mut k, true)?;
+            solid.stiffness(&matter, &[], &local, &mut f, &mut k, true)?;
             for (i, f) in f.into_iter().enumerate() {
                 force[dof(i)] += f;
             }

@@ -1,6 +1,6 @@
 //! A rigid sphere that does not slip.
 
-use crate::element::gauss;
+use crate::fem::quadrature::gauss;
 
 /// Force of a sphere whose contact sticks from the first touch on, over Hertz's at the same small
 /// depth, for Poisson's ratio `0 <= nu < 0.5`.

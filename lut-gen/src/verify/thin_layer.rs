@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::hertz_force_n;
-use crate::element::gauss;
+use crate::fem::quadrature::gauss;
 use crate::solve::Base;
 
 /// An elastic layer on a rigid base, at small strain.

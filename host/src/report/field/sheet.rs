@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use lut_gen::element::quad8;
+use lut_gen::fem::shape::quad8;
 use lut_gen::field::Field;
 
 use crate::report::sheet::Sheet;

@@ -1,7 +1,8 @@
 //! Iterative solution of an unsymmetric system with a good preconditioner.
 
 /// Scalar product.
-pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
+#[must_use]
+pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
