@@ -21,7 +21,7 @@ impl<T: Real, B, const NODES: usize, const C: usize> Domain<T, B, NODES, C> {
     /// Numbers that the domain's points remember, of which each keeps `each`.
     #[must_use]
     pub fn states(&self, each: usize) -> usize {
-        each * self.elements.iter().map(Element::points).sum::<usize>()
+        each * self.elements.iter().map(|e| e.points.len()).sum::<usize>()
     }
 
     /// Equations that each element couples.
@@ -51,7 +51,7 @@ impl<T: Real, B, const NODES: usize, const C: usize> Domain<T, B, NODES, C> {
         for (index, element) in self.elements.iter().enumerate() {
             let Some(law) = law(index) else { continue };
             let (dofs, local) = self.equations.gather(&element.nodes, u);
-            let range = at..at + law.states() * element.points();
+            let range = at..at + law.states() * element.points.len();
             at = range.end;
             let kept = new.as_deref_mut().map(|h| &mut h[range.clone()]);
             let mut force = [T::from(0.0); D];
@@ -83,7 +83,7 @@ impl<B, const NODES: usize, const C: usize> Domain<f64, B, NODES, C> {
         for (index, element) in self.elements.iter().enumerate() {
             let Some(law) = law(index) else { continue };
             let (dofs, local) = self.equations.gather(&element.nodes, u);
-            let range = at..at + law.states() * element.points();
+            let range = at..at + law.states() * element.points.len();
             at = range.end;
             let (mut force, mut k) = ([0.0; D], [[0.0; D]; D]);
             energy += element.stiffness(law, &old[range], &local, &mut force, &mut k, symmetric)?;

@@ -17,7 +17,8 @@ pub struct Point<T, B, const NODES: usize> {
 pub struct Element<T, B, const NODES: usize> {
     /// Its nodes.
     pub nodes: [usize; NODES],
-    points: Vec<Point<T, B, NODES>>,
+    /// Its points of integration.
+    pub points: Vec<Point<T, B, NODES>>,
 }
 
 // Loops over indices in this file: of the adaptors of arrays that are nested here only a part is inlined, which doubles
@@ -105,12 +106,6 @@ impl<T: Real, B, const NODES: usize> Element<T, B, NODES> {
     #[must_use]
     pub fn of(nodes: [usize; NODES], points: Vec<Point<T, B, NODES>>) -> Self {
         Self { nodes, points }
-    }
-
-    /// Number of its points.
-    #[must_use]
-    pub fn points(&self) -> usize {
-        self.points.len()
     }
 
     /// Reference volume of every point.

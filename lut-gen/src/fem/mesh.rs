@@ -20,6 +20,14 @@ pub struct Mesh {
     pub regions: Vec<usize>,
 }
 
+impl Mesh {
+    /// Positions of a triangle's nodes, mm; those that its order has not are of no meaning.
+    #[must_use]
+    pub fn places(&self, triangle: usize) -> [[f64; 2]; NODES] {
+        self.triangles[triangle].map(|n| self.nodes[n])
+    }
+}
+
 /// A drawing that cannot be meshed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MeshError {

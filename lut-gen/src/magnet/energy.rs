@@ -23,8 +23,8 @@ impl Field {
             let matter = &matter[self.mesh.regions[t]];
             let own: [f64; NODES] =
                 std::array::from_fn(|n| if n < count { solution.potential[triangle[n]] } else { 0.0 });
-            for point in &self.points[t] {
-                let g = gradient(point, &own);
+            for point in self.points(t) {
+                let g = gradient(&point, &own);
                 let b = g[0].hypot(g[1]);
                 let law = matter.law.at(b);
                 let volume = point.area * point.width;
@@ -43,8 +43,8 @@ impl Field {
         for (t, triangle) in self.mesh.triangles.iter().enumerate().filter(|(t, _)| self.mesh.regions[*t] == region) {
             let own: [f64; NODES] =
                 std::array::from_fn(|n| if n < count { solution.potential[triangle[n]] } else { 0.0 });
-            for point in &self.points[t] {
-                let g = gradient(point, &own);
+            for point in self.points(t) {
+                let g = gradient(&point, &own);
                 let own = point.area * point.width;
                 sum = [sum[0] + own * g[0], sum[1] + own * g[1]];
                 volume += own;

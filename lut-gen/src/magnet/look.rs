@@ -3,13 +3,13 @@
 use crate::fem::triangle::NODES;
 
 use super::field::{Field, Geometry, Solution};
-use super::point::{coordinates, gradient, point};
+use super::point::{gradient, point};
 
 impl Field {
     /// Flux density at a point, (x, y) or (r, z), T; `None` outside of the mesh. Recovered from the triangles around it.
     #[must_use]
     pub fn flux_density(&self, solution: &Solution, at: [f64; 2]) -> Option<[f64; 2]> {
-        let (t, coordinates) = self.find(at)?;
+        let (t, coordinates) = self.locator.find(&self.mesh, at)?;
         let g = self.fitted(solution, t, at).or_else(|| self.averaged(solution, t, coordinates))?;
         Some(match self.geometry {
             Geometry::Plane => [g[1], -g[0]],
@@ -49,7 +49,7 @@ impl Field {
         let count = self.mesh.order.nodes();
         let (mut sum, mut area) = (0.0, 0.0);
         for (t, triangle) in self.mesh.triangles.iter().enumerate().filter(|(t, _)| self.mesh.regions[*t] == region) {
-            for point in &self.points[t] {
+            for point in self.points(t) {
                 let here: f64 = (0..count).map(|n| point.shape[n] * solution.potential[triangle[n]]).sum();
                 sum += point.area * point.width * here;
                 area += point.area;
@@ -61,28 +61,8 @@ impl Field {
     /// Area of a region, mm^2.
     #[must_use]
     pub fn area(&self, region: usize) -> f64 {
-        let own = self.points.iter().zip(&self.mesh.regions).filter(|(_, own)| **own == region);
-        own.flat_map(|(points, _)| points).map(|point| point.area).sum()
-    }
-
-    /// The triangle around a point, with the point's barycentric coordinates.
-    fn find(&self, at: [f64; 2]) -> Option<(usize, [f64; 3])> {
-        let mut best: Option<(usize, [f64; 3])> = None;
-        for (t, triangle) in self.mesh.triangles.iter().enumerate() {
-            let corner = [0, 1, 2].map(|i| self.mesh.nodes[triangle[i]]);
-            let reach =
-                (0..3).map(|i| (corner[i][0] - corner[(i + 1) % 3][0]).hypot(corner[i][1] - corner[(i + 1) % 3][1]));
-            let reach = reach.fold(0.0, f64::max);
-            if (at[0] - corner[0][0]).hypot(at[1] - corner[0][1]) > 1.2 * reach {
-                continue;
-            }
-            let Some(found) = coordinates(&self.mesh, t, at) else { continue };
-            let least = |l: &[f64; 3]| l.iter().copied().fold(f64::INFINITY, f64::min);
-            if best.as_ref().is_none_or(|(_, l)| least(&found) > least(l)) {
-                best = Some((t, found));
-            }
-        }
-        best.filter(|(_, l)| l.iter().all(|x| *x > -1e-6))
+        let own = (0..self.mesh.triangles.len()).filter(|t| self.mesh.regions[*t] == region);
+        own.flat_map(|t| self.points(t)).map(|point| point.area).sum()
     }
 }
 

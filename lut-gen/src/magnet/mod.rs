@@ -12,6 +12,7 @@ mod look;
 pub mod map;
 pub mod material;
 mod point;
+mod potential;
 mod recover;
 pub mod shape;
 mod sizes;
