@@ -4,7 +4,7 @@
     calculix.py deck --refinement 1 > case.inp      # then: ccx case
     calculix.py forces case.dat                     # "depth_mm force_n" a line
 
-Units mm, N, MPa. The block has the mesh of `lut_gen::mesh::BlockMesh` with the sizes of
+Units mm, N, MPa. The block has the mesh of `lut_gen::fem::block::BlockMesh` with the sizes of
 `Indentation` (same element: eight nodes, 2 x 2 points), so that both codes discretise alike.
 What ccx 2.20 needs, beyond its manual: a hyperfoam of one term computes no stress, so the
 term is written twice with half of mu; the first step alone re-bases penetrations at every
@@ -23,7 +23,7 @@ ARC_DEG = 88.0
 
 
 def divide(length, refinement, size):
-    """[0, length] in intervals that follow size(x), as lut_gen::mesh::graded does."""
+    """[0, length] in intervals that follow size(x), as lut_gen::fem::grading::graded does."""
     samples = 4000
     step = length / samples
     count = [0.0]

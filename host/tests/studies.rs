@@ -3,7 +3,7 @@
 
 use std::process::{Command, Output};
 
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use palpate::identify::model::{ForwardModel, Shape, UnitCurve};
 use palpate::study::rivals::landscape::{Ground, Landscape};
 use palpate::study::rivals::method::Method;

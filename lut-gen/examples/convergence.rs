@@ -2,10 +2,10 @@
 //! over exponents, heights and balls. The figures of `docs/physics.md` come from
 //! `cargo run --release -p lut-gen --example convergence`.
 
-use lut_gen::contact::Ball;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{Curve, Indentation, Resolution, Specimen};
-use lut_gen::solve::SolveError;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{Curve, Indentation, Resolution, Specimen};
+use lut_gen::solid::solve::SolveError;
 
 /// alpha, height [mm], ball radius [mm]
 const CASES: [(f64, f64, f64); 6] = [

@@ -4,10 +4,10 @@
 //! "depth_mm force_n" at 16 even depths, the base sliding; `curve table` solves the 30 x 30 x 200 table of
 //! the ball and prints its number of solves.
 
-use lut_gen::contact::Ball;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{Indentation, Resolution, Specimen};
-use lut_gen::solve::Base;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{Indentation, Resolution, Specimen};
+use lut_gen::solid::solve::Base;
 use lut_gen::table::{ForceGrid, GridSpec};
 
 /// Depths printed.

@@ -4,11 +4,11 @@
 use std::error::Error;
 use std::time::Instant;
 
-use lut_gen::contact::{Ball, Interface};
-use lut_gen::dynamics::{Explicit, Press, Pressed};
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{Resolution, Simulation, Specimen};
-use lut_gen::solve::{Motion, Station};
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::dynamics::{Explicit, Press, Pressed};
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::{Motion, Station};
 
 /// Rate (mm/s), factor on the mass of a foam of 100 kg/m^3, damping (1/s).
 const RUNS: [(f64, f64, f64); 8] = [

@@ -7,30 +7,24 @@
 //!
 //! | folder | holds |
 //! |---|---|
-//! | [`law`] | elastic energies in principal stretches (Hyperfoam, Ogden, linear), stress and exact tangent for an axisymmetric deformation gradient; relaxation (Prony) and softening (Ogden-Roxburgh) on top |
 //! | [`scalar`] | numbers that carry a derivative: the same code gives sensitivities |
-//! | [`fem`] | finite elements without a physics: drawings, graded triangle meshes, shape functions, sparse factors |
+//! | [`fem`] | finite elements without a physics: meshes, shape functions, elements over a point's energy, equations, sparse factors, the least of an energy |
+//! | [`solid`] | mechanics of the specimen: materials, contact, indentation and compression with sensitivities, the force model |
 //! | [`magnet`] | magnetostatics in the plane and about an axis: saturating cores, the fluid, coils, permanent magnets |
-//! | [`mesh`] | structured quadratic mesh of the block, graded towards the ball |
-//! | [`element`] | eight-node ring element, total Lagrangian |
-//! | [`contact`] | analytic ball with shank, penalty integrated over the surface, Coulomb friction, adhesion |
-//! | [`solve`] | sparse tangent, Newton's method, adaptive path through a motion of depth or force |
-//! | [`model`] | a ball of any motion on a specimen of any material ([`model::Simulation`]) with sensitivities, a cylinder between platens ([`model::Compression`]), the elastic indentation ([`model::Indentation`]) and the continuous [`model::ForceModel`] over exponent, depth and height |
-//! | [`homogeneous`] | stress of a material in uniaxial, confined, equibiaxial and planar tests and in simple shear, over time, with derivatives |
-//! | [`field`] | stretches, stresses and contact pressure at one equilibrium, and their files for ParaView |
-//! | [`dynamics`] | the thesis' explicit method (appendix B), lumped mass and central differences, with an inertia report |
+//! | [`effect`], [`chain`] | departures from the base model, and the stages a run passes through |
 //! | [`table`] | the thesis' grid and the bytes the board reads |
 //! | [`sweep`] | grids over any number of parameters, in shards, resumable |
 //! | [`vtk`] | files for ParaView |
-//! | [`verify`] | closed forms and difference quotients |
+//!
+//! A physics imports [`fem`] and no other physics.
 //!
 //! Assumptions: quasi-static, homogeneous isotropic block with free sides. Verification and
 //! measured errors: `docs/physics.md` and `docs/verification.md`.
 //!
 //! ```
-//! use lut_gen::contact::Ball;
-//! use lut_gen::law::Hyperfoam;
-//! use lut_gen::model::{Indentation, Resolution, Specimen};
+//! use lut_gen::solid::contact::Ball;
+//! use lut_gen::solid::law::Hyperfoam;
+//! use lut_gen::solid::model::{Indentation, Resolution, Specimen};
 //!
 //! let curve = Indentation {
 //!     law: Hyperfoam::one_term(0.22, 10.526)?,
@@ -41,24 +35,15 @@
 //! }
 //! .solve_at(&[1.0, 4.0])?;
 //! assert!((curve.force_n[1] - 6.15).abs() < 0.02);
-//! # Ok::<(), lut_gen::solve::SolveError>(())
+//! # Ok::<(), lut_gen::solid::solve::SolveError>(())
 //! ```
 
 pub mod chain;
-pub mod contact;
-pub mod dynamics;
 pub mod effect;
-pub mod element;
 pub mod fem;
-pub mod field;
-pub mod homogeneous;
-pub mod law;
 pub mod magnet;
-pub mod mesh;
-pub mod model;
 pub mod scalar;
-pub mod solve;
+pub mod solid;
 pub mod sweep;
 pub mod table;
-pub mod verify;
 pub mod vtk;

@@ -2,12 +2,12 @@
 //! lies between (Maugis); jumps into and out of contact.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Adhesion, Ball, Interface};
-use lut_gen::law::Hencky;
-use lut_gen::mesh::{BlockMesh, Sizes};
-use lut_gen::model::{Resolution, Simulation, Specimen};
-use lut_gen::solve::{Base, Motion, Newton, SolveError, Station, Stepping};
-use lut_gen::verify::{Adhered, AdhesiveContact};
+use lut_gen::solid::contact::{Adhesion, Ball, Interface};
+use lut_gen::solid::law::Hencky;
+use lut_gen::solid::mesh::{BlockMesh, Sizes};
+use lut_gen::solid::model::{Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::{Base, Motion, Newton, SolveError, Station, Stepping};
+use lut_gen::solid::verify::{Adhered, AdhesiveContact};
 
 /// A linear elastic block under a ball of 1 mm that attracts it.
 struct Case {

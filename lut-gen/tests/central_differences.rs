@@ -2,13 +2,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use faer::{Mat, Side};
-use lut_gen::contact::{Ball, Interface, Penalty, Surface};
-use lut_gen::dynamics::{Body, CentralDifference, Forces, UpdatedElement, critical_step_s, lumped_mass};
-use lut_gen::element::{DOFS, Matter, Quadrature, Solid};
-use lut_gen::law::{Hyperfoam, Material, Term};
-use lut_gen::mesh::BlockMesh;
-use lut_gen::solve::{History, Step};
-use lut_gen::verify::worst_mismatch;
+use lut_gen::solid::contact::{Ball, Interface, Penalty, Surface};
+use lut_gen::solid::dynamics::{Body, CentralDifference, Forces, UpdatedElement, critical_step_s, lumped_mass};
+use lut_gen::solid::element::{DOFS, Matter, Quadrature, Solid};
+use lut_gen::solid::law::{Hyperfoam, Material, Term};
+use lut_gen::solid::mesh::BlockMesh;
+use lut_gen::solid::solve::{History, Step};
+use lut_gen::solid::verify::worst_mismatch;
 
 /// 100 kg/m^3 in t/mm^3.
 const DENSITY: f64 = 1e-10;

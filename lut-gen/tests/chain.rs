@@ -4,11 +4,11 @@
 use std::sync::LazyLock;
 
 use lut_gen::chain::{Chain, Geometry, Library, Model, Need, Passage, Setting};
-use lut_gen::contact::{Ball, Interface};
 use lut_gen::effect::{self, Effect};
-use lut_gen::law::{Hyperfoam, Material, PronyTerm, Term};
-use lut_gen::model::{Resolution, Simulation, Specimen};
-use lut_gen::solve::{Base, Motion};
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::law::{Hyperfoam, Material, PronyTerm, Term};
+use lut_gen::solid::model::{Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::{Base, Motion};
 
 const DEPTH_MM: f64 = 3.0;
 const ALPHA: f64 = 10.0;
@@ -42,7 +42,7 @@ fn passage(motion: &Motion) -> Passage {
     let mut passage = Passage::default();
     let (mut time_s, mut depth_mm) = (0.0, motion.start_mm);
     for segment in &motion.segments {
-        let lut_gen::solve::Target::DepthMm(end) = segment.end else { panic!("depths only") };
+        let lut_gen::solid::solve::Target::DepthMm(end) = segment.end else { panic!("depths only") };
         for k in 0..60 {
             let share = f64::from(k) / 60.0;
             passage.time_s.push(time_s + share * segment.duration_s);

@@ -1,10 +1,10 @@
 //! Finite elements against closed forms. Tolerances and their reasons are with the functions in
-//! `lut_gen::verify`; Hertz and the uniaxial closed form are tested in `indentation.rs` and `law.rs`.
+//! `lut_gen::solid::verify`; Hertz and the uniaxial closed form are tested in `indentation.rs` and `law.rs`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::solve::Base;
-use lut_gen::verify::{
+use lut_gen::solid::law::{Hyperfoam, Term};
+use lut_gen::solid::solve::Base;
+use lut_gen::solid::verify::{
     Check, ConfinedBlock, ThinLayer, confined_compression, confined_stress_mpa, hertz_force_n, thin_layer,
 };
 

@@ -3,10 +3,10 @@
 
 use std::f64::consts::PI;
 
-use lut_gen::homogeneous::{Coupon, Mode, Programme};
-use lut_gen::law::{Hyperfoam, Material, Ogden, OgdenTerm, Parameter, PronyTerm, Term};
-use lut_gen::model::{Compression, Ends, Resolution};
-use lut_gen::solve::Motion;
+use lut_gen::solid::homogeneous::{Coupon, Mode, Programme};
+use lut_gen::solid::law::{Hyperfoam, Material, Ogden, OgdenTerm, Parameter, PronyTerm, Term};
+use lut_gen::solid::model::{Compression, Ends, Resolution};
+use lut_gen::solid::solve::Motion;
 
 /// 50 mm by 30 mm.
 fn cylinder(material: impl Into<Material>, ends: Ends, strain: f64) -> Compression {

@@ -5,8 +5,8 @@ use lut_gen::chain::{Model, Setting, Shortening, Sides};
 use lut_gen::effect::{
     Effect, compliance, contact_offset, find, lag, poisson, relaxation, second_term, softening, thickness,
 };
-use lut_gen::homogeneous::{Coupon, Programme};
-use lut_gen::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
+use lut_gen::solid::homogeneous::{Coupon, Programme};
+use lut_gen::solid::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
 
 const HEIGHT_MM: f64 = 12.7;
 const AREA_MM2: f64 = 700.0;

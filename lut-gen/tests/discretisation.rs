@@ -1,14 +1,14 @@
 //! Element, contact and system: patch test, consistent derivatives, symmetry.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Adhesion, Ball, Interface, Penalty, Surface};
-use lut_gen::element::{DOFS, Matter, Quadrature, Solid};
 use lut_gen::fem::quadrature::gauss;
 use lut_gen::fem::shape::quad8;
-use lut_gen::law::{Hyperfoam, Material, PronyTerm, Relaxation, Term};
-use lut_gen::mesh::{BlockMesh, Sizes, graded};
-use lut_gen::solve::{Base, HELD, History, Step, System};
-use lut_gen::verify::worst_mismatch;
+use lut_gen::solid::contact::{Adhesion, Ball, Interface, Penalty, Surface};
+use lut_gen::solid::element::{DOFS, Matter, Quadrature, Solid};
+use lut_gen::solid::law::{Hyperfoam, Material, PronyTerm, Relaxation, Term};
+use lut_gen::solid::mesh::{BlockMesh, Sizes, graded};
+use lut_gen::solid::solve::{Base, HELD, History, Step, System};
+use lut_gen::solid::verify::worst_mismatch;
 
 fn foam() -> Material {
     Hyperfoam::new(vec![Term { mu_mpa: 0.1, alpha: 8.0, nu: 0.2 }]).unwrap().into()

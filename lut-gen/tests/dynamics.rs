@@ -1,11 +1,11 @@
 //! The explicit method as a whole: agreement with the implicit one, energy, inertia report.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Ball, Interface};
-use lut_gen::dynamics::{DynamicsError, Explicit, LIMIT, Press};
-use lut_gen::law::{Hyperfoam, Ogden, OgdenTerm, PronyTerm};
-use lut_gen::model::{Resolution, Simulation, Specimen};
-use lut_gen::solve::Motion;
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::dynamics::{DynamicsError, Explicit, LIMIT, Press};
+use lut_gen::solid::law::{Hyperfoam, Ogden, OgdenTerm, PronyTerm};
+use lut_gen::solid::model::{Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::Motion;
 
 fn press(rate_mm_s: f64) -> Press {
     let simulation = Simulation {

@@ -3,14 +3,14 @@
 
 use std::collections::BTreeMap;
 
-use lut_gen::contact::{Adhesion, Ball, Interface, Penalty, Surface};
 use lut_gen::fem::quadrature::gauss;
 use lut_gen::fem::shape::line3;
-use lut_gen::field::{Field, FieldError, Step, vtu};
-use lut_gen::law::{Hyperfoam, PronyTerm, Term, first_piola, relaxed};
-use lut_gen::mesh::BlockMesh;
-use lut_gen::model::{Indentation, Resolution, Simulation, Specimen};
-use lut_gen::solve::Motion;
+use lut_gen::solid::contact::{Adhesion, Ball, Interface, Penalty, Surface};
+use lut_gen::solid::field::{Field, FieldError, Step, vtu};
+use lut_gen::solid::law::{Hyperfoam, PronyTerm, Term, first_piola, relaxed};
+use lut_gen::solid::mesh::BlockMesh;
+use lut_gen::solid::model::{Indentation, Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::Motion;
 
 fn homogeneous(law: &Hyperfoam, radial: f64, axial: f64) -> Result<Field, FieldError> {
     let mesh = BlockMesh::from_lines(&[0.0, 1.0, 2.5], &[0.0, 1.5, 2.0]);
@@ -137,7 +137,7 @@ fn pressure_and_stress_carry_the_force() {
 #[test]
 fn stress_of_a_relaxing_material_falls_at_fixed_stretch() {
     let series = vec![PronyTerm { g: 0.5, k: 0.5, tau_s: 1.0 }];
-    let material = lut_gen::law::Material::from(Hyperfoam::one_term(0.1, 6.0).unwrap()).relaxing(series.clone());
+    let material = lut_gen::solid::law::Material::from(Hyperfoam::one_term(0.1, 6.0).unwrap()).relaxing(series.clone());
     let simulation = Simulation {
         material: material.unwrap(),
         motion: Motion::ramp(2.0, 1e4).hold(3.0),

@@ -4,9 +4,9 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use lut_gen::contact::Ball;
-use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::{Hyperfoam, Term};
+use lut_gen::solid::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen};
 
 const BALL: Ball = Ball { radius_mm: 4.0 };
 

@@ -1,9 +1,9 @@
 //! Homogeneous tests against closed forms, and their derivatives against differences.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::homogeneous::{Coupon, Mode, Programme};
-use lut_gen::law::{Hencky, Hyperfoam, Material, Ogden, OgdenRoxburgh, OgdenTerm, Parameter, PronyTerm, Term};
-use lut_gen::verify::{confined_stress_mpa, relaxing_column_mpa};
+use lut_gen::solid::homogeneous::{Coupon, Mode, Programme};
+use lut_gen::solid::law::{Hencky, Hyperfoam, Material, Ogden, OgdenRoxburgh, OgdenTerm, Parameter, PronyTerm, Term};
+use lut_gen::solid::verify::{confined_stress_mpa, relaxing_column_mpa};
 
 const MODES: [Mode; 5] = [Mode::Uniaxial, Mode::Confined, Mode::Equibiaxial, Mode::Planar, Mode::SimpleShear];
 

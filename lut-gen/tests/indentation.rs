@@ -1,13 +1,13 @@
 //! Whole indentations: Hertz, convergence, scaling, balance, errors.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Ball, Interface, Penalty, Surface};
-use lut_gen::element::Quadrature;
-use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::mesh::{BlockMesh, Sizes};
-use lut_gen::model::{Indentation, Resolution, Specimen};
-use lut_gen::solve::{Base, Course, Motion, Newton, Stepping, System};
-use lut_gen::verify::hertz_force_n;
+use lut_gen::solid::contact::{Ball, Interface, Penalty, Surface};
+use lut_gen::solid::element::Quadrature;
+use lut_gen::solid::law::{Hyperfoam, Term};
+use lut_gen::solid::mesh::{BlockMesh, Sizes};
+use lut_gen::solid::model::{Indentation, Resolution, Specimen};
+use lut_gen::solid::solve::{Base, Course, Motion, Newton, Stepping, System};
+use lut_gen::solid::verify::hertz_force_n;
 
 fn block(alpha: f64, height_mm: f64, radius_mm: f64, depth_mm: f64) -> Indentation {
     Indentation {

@@ -1,12 +1,12 @@
 //! The material law: energy -> stress -> tangent, limits, closed forms.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::law::{
+use lut_gen::scalar::{Dual, Real};
+use lut_gen::solid::law::{
     Elastic, Gradient, Hencky, Hyperfoam, Law, Material, Ogden, OgdenRoxburgh, OgdenTerm, Parameter, PronyTerm, Term,
     first_piola, first_piola_dual, respond,
 };
-use lut_gen::scalar::{Dual, Real};
-use lut_gen::verify::{central_gradient, worst_mismatch};
+use lut_gen::solid::verify::{central_gradient, worst_mismatch};
 use proptest::prelude::*;
 
 /// Central differences with Richardson: a power `n` of a stretch or of `J` has a truncation

@@ -3,10 +3,10 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use lut_gen::contact::{Ball, Interface};
-use lut_gen::law::{Hyperfoam, Material, PronyTerm, Term};
-use lut_gen::model::{Axis, ForceModel, Indentation, ModelSpec, Resolution, Scale, Simulation, Specimen};
-use lut_gen::solve::Motion;
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::law::{Hyperfoam, Material, PronyTerm, Term};
+use lut_gen::solid::model::{Axis, ForceModel, Indentation, ModelSpec, Resolution, Scale, Simulation, Specimen};
+use lut_gen::solid::solve::Motion;
 use lut_gen::table::{
     ForceGrid, Form, GridSpec, SecondTerm, UsedSpot, display_displacement_mm, foams, library, lut, write,
 };

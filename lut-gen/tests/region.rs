@@ -1,10 +1,10 @@
 //! The whole region the engine promises: nothing hangs, nothing is wrong in silence.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Ball, Interface};
-use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::model::{Curve, Resolution, Simulation, Specimen};
-use lut_gen::solve::{Base, Motion, SolveError};
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::law::{Hyperfoam, Term};
+use lut_gen::solid::model::{Curve, Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::{Base, Motion, SolveError};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 use rayon::prelude::*;

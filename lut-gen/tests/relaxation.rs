@@ -1,11 +1,11 @@
 //! Relaxation of a homogeneous column in ramp and hold, against the convolution integral.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Ball, Interface};
-use lut_gen::law::{Hyperfoam, Material, Ogden, PronyTerm, relaxed};
-use lut_gen::model::{Record, Resolution, Simulation, Specimen};
-use lut_gen::solve::{Base, Motion, Newton, Stepping};
-use lut_gen::verify::relaxing_column_mpa;
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::law::{Hyperfoam, Material, Ogden, PronyTerm, relaxed};
+use lut_gen::solid::model::{Record, Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::{Base, Motion, Newton, Stepping};
+use lut_gen::solid::verify::relaxing_column_mpa;
 
 const STRETCH: f64 = 0.6;
 const RAMP_S: f64 = 1.0;
@@ -27,7 +27,7 @@ fn driven(material: &Material, ramp_s: f64, steps: usize, time_s: f64, holds: us
         let (_, p) = material.stress(&material.relaxation(dt), &f, &old, Some(&mut new)).unwrap();
         std::mem::swap(&mut old, &mut new);
         last = p[3];
-        if matches!(material.elastic, lut_gen::law::Elastic::Hyperfoam(_)) {
+        if matches!(material.elastic, lut_gen::solid::law::Elastic::Hyperfoam(_)) {
             assert!(p[0].abs() < 1e-12 && p[4].abs() < 1e-12, "the sides of a foam with nu = 0 are free");
         }
     }

@@ -1,11 +1,11 @@
 //! Derivatives of the force by every parameter, against central differences of whole solves.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Adhesion, Ball, Interface};
-use lut_gen::law::{Hyperfoam, Material, Ogden, OgdenRoxburgh, Parameter, PronyTerm, Term};
-use lut_gen::mesh::BlockMesh;
-use lut_gen::model::{Record, Resolution, Simulation, Specimen, Tracker};
-use lut_gen::solve::{Base, Motion, Newton, Station, Stepping};
+use lut_gen::solid::contact::{Adhesion, Ball, Interface};
+use lut_gen::solid::law::{Hyperfoam, Material, Ogden, OgdenRoxburgh, Parameter, PronyTerm, Term};
+use lut_gen::solid::mesh::BlockMesh;
+use lut_gen::solid::model::{Record, Resolution, Simulation, Specimen, Tracker};
+use lut_gen::solid::solve::{Base, Motion, Newton, Station, Stepping};
 
 /// Largest miss of the differentiated force, relative to the larger of the derivative's peak
 /// along the path and what a one percent change of the parameter does.

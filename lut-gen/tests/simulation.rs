@@ -1,12 +1,12 @@
 //! Materials, interfaces and motions in whole solves: against closed forms and against themselves.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Adhesion, Ball, Interface};
-use lut_gen::law::{Hencky, Hyperfoam, Material, Ogden, OgdenRoxburgh, PronyTerm, relaxed};
-use lut_gen::mesh::{BlockMesh, Sizes};
-use lut_gen::model::{Resolution, Simulation, Specimen};
-use lut_gen::solve::{Base, Motion, Newton, Stepping};
-use lut_gen::verify::no_slip_factor;
+use lut_gen::solid::contact::{Adhesion, Ball, Interface};
+use lut_gen::solid::law::{Hencky, Hyperfoam, Material, Ogden, OgdenRoxburgh, PronyTerm, relaxed};
+use lut_gen::solid::mesh::{BlockMesh, Sizes};
+use lut_gen::solid::model::{Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::{Base, Motion, Newton, Stepping};
+use lut_gen::solid::verify::no_slip_factor;
 
 fn block(material: Material, motion: Motion) -> Simulation {
     Simulation {

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use lut_gen::solve::SolveError;
+use lut_gen::solid::solve::SolveError;
 use lut_gen::sweep::{
     Finished, Forces, Journal, JournalError, JournalHead, MergeError, Parameter, Point, Shard, Spacing, SweepAxis,
     SweepLaw, SweepMotion, SweepSpec, SweepTable, TableError, merge, run,

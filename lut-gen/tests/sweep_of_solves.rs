@@ -1,12 +1,12 @@
 //! Small sweeps of the finite elements on coarse meshes, against closed forms.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::solve::SolveError;
+use lut_gen::solid::solve::SolveError;
+use lut_gen::solid::verify::hertz_force_n;
 use lut_gen::sweep::{
     Forces, Journal, JournalHead, Parameter, Point, Shard, SweepAxis, SweepLaw, SweepMotion, SweepSpec, SweepTable,
     engine, merge, run, solve_point,
 };
-use lut_gen::verify::hertz_force_n;
 
 /// The table of a sweep, by way of a journal.
 fn swept(spec: &SweepSpec, solve: &(dyn Fn(&Point) -> Result<Forces, SolveError> + Sync)) -> SweepTable {

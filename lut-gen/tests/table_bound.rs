@@ -1,9 +1,9 @@
 //! The error bound a table states, against solves on a mesh it never saw, through the reader the board uses.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::Ball;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{Indentation, Resolution, Specimen};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{Indentation, Resolution, Specimen};
 use lut_gen::table::{ForceGrid, Form, GridSpec, write};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;

@@ -1,9 +1,9 @@
 //! Tables of relaxing foams at several rates.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::Ball;
-use lut_gen::law::PronyTerm;
-use lut_gen::model::{Resolution, Specimen};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::PronyTerm;
+use lut_gen::solid::model::{Resolution, Specimen};
 use lut_gen::table::{ForceGrid, Form, GridSpec, LutError, foams, library, write};
 use protocol::lut::{Table, axis_name};
 

@@ -5,11 +5,11 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
 
-use lut_gen::contact::{Ball, Interface};
-use lut_gen::law::{Hyperfoam, Material, Ogden, Parameter, PronyTerm};
-use lut_gen::mesh::BlockMesh;
-use lut_gen::model::{ForceModel, ModelSpec, Resolution, Simulation, Specimen, Watcher};
-use lut_gen::solve::{Accepted, Motion, Observer, SolveError, System};
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::law::{Hyperfoam, Material, Ogden, Parameter, PronyTerm};
+use lut_gen::solid::mesh::BlockMesh;
+use lut_gen::solid::model::{ForceModel, ModelSpec, Resolution, Simulation, Specimen, Watcher};
+use lut_gen::solid::solve::{Accepted, Motion, Observer, SolveError, System};
 use lut_gen::table::{ForceGrid, GridSpec};
 use tests::document;
 

@@ -6,8 +6,8 @@
 
 use std::error::Error;
 
-use lut_gen::contact::Ball;
-use lut_gen::model::{ForceModel, ModelSpec, Specimen};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::model::{ForceModel, ModelSpec, Specimen};
 use palpate::diagnose::{self, Models};
 use palpate::experiment::Experiment;
 use palpate::identify::identify_from;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use lut_gen::verify::{Check, closed_forms};
+use lut_gen::solid::verify::{Check, closed_forms};
 use tests::document::replace_section;
 use tests::magnets::{self, Shared};
 use tests::reference::{Comparison, curves, folder, table};

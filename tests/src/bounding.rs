@@ -5,8 +5,8 @@ use firmware::kalman::identify::identify;
 use firmware::kalman::indentation::Indentation;
 use firmware::search::Slice;
 use firmware::surface::Surface;
-use lut_gen::contact::Ball;
-use lut_gen::model::Specimen;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::model::Specimen;
 use lut_gen::table::{ForceGrid, Form, GridSpec, LutError, write};
 use protocol::lut::Table;
 

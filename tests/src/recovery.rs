@@ -1,10 +1,10 @@
 //! Blind recovery: foams drawn from the thesis' ranges, recordings of two balls made on a finer mesh than the fit's, with noise and
 //! unknown contact points; what the fit finds is held against the Cramer-Rao bound of each case.
 
-use lut_gen::contact::Ball;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen as Block};
-use lut_gen::solve::SolveError;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen as Block};
+use lut_gen::solid::solve::SolveError;
 use palpate::experiment::{self, BaseLaw, Experiment};
 use palpate::identify::newton::condition::{Condition, Source};
 use palpate::identify::newton::problem::Weight;
@@ -101,7 +101,7 @@ fn drawn(seed: u64, at: usize) -> (f64, f64, Pcg64) {
 /// The block under the balls.
 #[must_use]
 pub fn block() -> Block {
-    Block { height_mm: HEIGHT_MM, radius_mm: RADIUS_MM, base: lut_gen::solve::Base::Bonded }
+    Block { height_mm: HEIGHT_MM, radius_mm: RADIUS_MM, base: lut_gen::solid::solve::Base::Bonded }
 }
 
 /// One force model a ball, on the fit's mesh: a thousand fits then need no solve of their own.

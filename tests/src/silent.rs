@@ -3,7 +3,7 @@
 //! The ranges below are those of instruments and foams as their standards and data sheets state them, and as wide as, or wider than, what the
 //! diagnosis takes them to be; nothing here is read from its catalogue. Amounts are even over their range.
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use palpate::simulate::{Effect, Spec};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;

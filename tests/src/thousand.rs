@@ -8,7 +8,7 @@ use firmware::kalman::{Bounding, Region};
 use firmware::profile::ProfileSearch;
 use firmware::search::{Search, Slice};
 use firmware::surface::Surface;
-use lut_gen::model::Specimen;
+use lut_gen::solid::model::Specimen;
 use lut_gen::table::{ForceGrid, Form, GridSpec, LutError, write};
 use nalgebra::Vector2;
 use palpate::plant::{Noise, Source};

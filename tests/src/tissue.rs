@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use lut_gen::contact::{Ball, Interface};
-use lut_gen::law::{Material, Ogden, PronyTerm};
-use lut_gen::model::{Resolution, Simulation, Specimen as Block};
-use lut_gen::solve::{Motion, SolveError};
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::law::{Material, Ogden, PronyTerm};
+use lut_gen::solid::model::{Resolution, Simulation, Specimen as Block};
+use lut_gen::solid::solve::{Motion, SolveError};
 use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen};
 use palpate::identify::newton::track::Track;
 use palpate::identify::newton::verdict::Standing;
@@ -94,7 +94,7 @@ impl Pressed {
     pub fn record(&self, tissue: &Tissue, seed: u64) -> Result<Experiment, SolveError> {
         let simulation = Simulation {
             material: tissue.material()?,
-            specimen: Block { height_mm: self.height_mm, radius_mm: 25.0, base: lut_gen::solve::Base::Bonded },
+            specimen: Block { height_mm: self.height_mm, radius_mm: 25.0, base: lut_gen::solid::solve::Base::Bonded },
             ball: Ball { radius_mm: self.ball_mm },
             interface: Interface::default(),
             motion: Motion::ramp(self.depth_mm, self.rate_mm_s).hold(self.hold_s),

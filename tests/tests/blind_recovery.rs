@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use lut_gen::model::ForceModel;
+use lut_gen::solid::model::ForceModel;
 use palpate::identify::fit::Parameter;
 use palpate::identify::newton::condition::{Condition, Source};
 use palpate::identify::spec::{FitSpec, Loss, Method};

@@ -4,9 +4,9 @@
 
 use firmware::search::Slice;
 use firmware::surface::Surface;
-use lut_gen::contact::Ball;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen};
 use protocol::lut::{AxisSpec, Role, Scale, Table, TableSpec, axis_name};
 
 const HEIGHT_MM: f64 = 19.05;

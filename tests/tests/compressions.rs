@@ -1,11 +1,11 @@
 //! Materials that are compressed and never indented: simulated by the material point along the whole motion
-//! (`lut_gen::homogeneous`), which shares no code with the chain that names effects, and a public recording.
+//! (`lut_gen::solid::homogeneous`), which shares no code with the chain that names effects, and a public recording.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
 use std::sync::LazyLock;
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use palpate::diagnose::Verdict;
 use palpate::diagnose::compression::{Diagnosis, answer, diagnose};
 use palpate::experiment::{self, Test};

@@ -5,8 +5,8 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use lut_gen::law::PronyTerm;
-use lut_gen::model::Resolution;
+use lut_gen::solid::law::PronyTerm;
+use lut_gen::solid::model::Resolution;
 use palpate::diagnose::Models;
 use palpate::experiment::Experiment;
 use palpate::extended::gain::{self, Options};

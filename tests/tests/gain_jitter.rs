@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lut_gen::chain::Chain;
 use lut_gen::effect::relaxation;
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use palpate::diagnose::coordinate::Candidate;
 use palpate::diagnose::design::Design;
 use palpate::diagnose::fit::{Fit, Problem};

@@ -4,8 +4,8 @@
 
 use std::path::PathBuf;
 
-use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::verify::confined_stress_mpa;
+use lut_gen::solid::law::{Hyperfoam, Term};
+use lut_gen::solid::verify::confined_stress_mpa;
 use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
 use palpate::identify::newton::verdict::Standing;
 use palpate::identify::spec::{Extra, FitSpec, FittedLaw, Loss, Method};
@@ -178,9 +178,9 @@ fn multistart_finds_one_law_for_all_modes() {
 /// A ball's runs and those between platens share one law; neither disturbs the other.
 #[test]
 fn a_ball_and_platens_share_one_fit() {
-    use lut_gen::contact::{Ball, Interface};
-    use lut_gen::model::{Resolution, Simulation, Specimen as Block};
-    use lut_gen::solve::Motion;
+    use lut_gen::solid::contact::{Ball, Interface};
+    use lut_gen::solid::model::{Resolution, Simulation, Specimen as Block};
+    use lut_gen::solid::solve::Motion;
     let mut both = experiment(&MODES[..1]);
     let law = Hyperfoam::new(vec![Term { mu_mpa: MU_MPA, alpha: ALPHA, nu: NU }]).unwrap();
     let press = Simulation {

@@ -3,10 +3,10 @@
 //! Recordings come from a mesh 1.5 times finer than the fit's, with noise and unknown contact points.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::contact::{Ball, Interface};
-use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::model::{Resolution, Simulation, Specimen as Block};
-use lut_gen::solve::{Base, Motion};
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::law::{Hyperfoam, Term};
+use lut_gen::solid::model::{Resolution, Simulation, Specimen as Block};
+use lut_gen::solid::solve::{Base, Motion};
 use palpate::experiment::{BaseLaw, Experiment};
 use palpate::identify::fit::Parameter;
 use palpate::identify::newton::verdict::Standing;

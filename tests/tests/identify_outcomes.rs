@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use lut_gen::contact::Ball;
-use lut_gen::model::{ForceModel, ModelSpec, Resolution, Specimen as Block};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::model::{ForceModel, ModelSpec, Resolution, Specimen as Block};
 use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen, Test};
 use palpate::identify::newton::condition::{Condition, Source};
 use palpate::identify::newton::setup;

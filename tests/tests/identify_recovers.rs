@@ -4,9 +4,9 @@
 
 use std::path::PathBuf;
 
-use lut_gen::contact::Ball;
-use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::model::{Indentation, Resolution, Specimen as Block};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::{Hyperfoam, Term};
+use lut_gen::solid::model::{Indentation, Resolution, Specimen as Block};
 use palpate::experiment::{Base, BaseLaw, Experiment, Indenter, Length, Recording, Run, Sensor, Specimen};
 use palpate::identify::spec::FitSpec;
 use palpate::identify::{self, Outcome, identify, json};

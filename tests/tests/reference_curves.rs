@@ -5,7 +5,7 @@
 //! are in docs/verification.md; `cargo run --release -p tests --example verification` makes them again.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::solve::Base;
+use lut_gen::solid::solve::Base;
 use tests::reference::{Comparison, Reference, curves, folder, table};
 
 #[test]

@@ -1,7 +1,7 @@
 //! Six hyper-viscoelastic parameters from one recording of a ramp and a hold (thesis section 2.11).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use palpate::identify::identify_from;
 use palpate::identify::newton::condition::{Condition, Source};
 use palpate::identify::newton::verdict::Standing;

@@ -1,7 +1,7 @@
 //! A part of what `docs/thesis-numbers.md` reports: 60 palpations a rate on coarser meshes.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use protocol::lut::Table;
 use tests::palpations::{Conditions, RATES_MM_S, Study, pressed_foams, tables};
 

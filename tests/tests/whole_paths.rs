@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use lut_gen::chain::{Chain, Detail, Model, Setting};
 use lut_gen::effect::{self, Effect};
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use palpate::diagnose::Models;
 use palpate::diagnose::design::{Branch, Design};
 use palpate::diagnose::fit;

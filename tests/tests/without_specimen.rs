@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use palpate::diagnose::{self, Diagnosis, Models, Verdict};
 use palpate::experiment::{Experiment, Test};
 use palpate::simulate::{Effect, RunTemplate, Solver, Spec, TrueLaw, TrueSpecimen, simulate};

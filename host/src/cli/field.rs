@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use lut_gen::contact::Ball;
-use lut_gen::field::{Field, vtu};
-use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::model::{Indentation, Resolution, Specimen};
-use lut_gen::solve::Base;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::field::{Field, vtu};
+use lut_gen::solid::law::{Hyperfoam, Term};
+use lut_gen::solid::model::{Indentation, Resolution, Specimen};
+use lut_gen::solid::solve::Base;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use serde_json::json;
 

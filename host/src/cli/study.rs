@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use miette::{IntoDiagnostic, WrapErr};
 
 use crate::experiment;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use lut_gen::solve::SolveError;
+use lut_gen::solid::solve::SolveError;
 use lut_gen::table::LutError;
 
 use crate::log::LogError;

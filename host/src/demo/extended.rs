@@ -1,7 +1,7 @@
 //! The demo with an extended model: its material lies on the bench beside the four foams, and table and bench have its effects.
 
-use lut_gen::contact::Ball;
-use lut_gen::model::{Resolution, Specimen};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::model::{Resolution, Specimen};
 use lut_gen::table::{self, ForceGrid, Form, GridSpec, foams, write};
 use protocol::lut::MaterialSpec;
 

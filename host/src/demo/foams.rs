@@ -2,9 +2,9 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use lut_gen::contact::Ball;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{Indentation, Resolution, Specimen};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{Indentation, Resolution, Specimen};
 use lut_gen::table::foams;
 
 use super::{BALL_RADIUS_MM, DemoError, Stage, Watcher};

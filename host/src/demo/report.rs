@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use lut_gen::contact::Ball;
-use lut_gen::field::FieldError;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{Indentation, Resolution, Specimen};
-use lut_gen::solve::SolveError;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::field::FieldError;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{Indentation, Resolution, Specimen};
+use lut_gen::solid::solve::SolveError;
 use protocol::lut::Table;
 
 use super::figures::{

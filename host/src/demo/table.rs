@@ -1,7 +1,7 @@
 //! The demo's table: three heights, 30 x 30 parameters, 200 depths, four foams and four dummy curves.
 
-use lut_gen::contact::Ball;
-use lut_gen::model::Specimen;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::model::Specimen;
 use lut_gen::table::{Foam, ForceGrid, Form, GridSpec, foams, library, write};
 
 use super::{DemoError, Stage, Watcher};

@@ -156,7 +156,7 @@ impl Models {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
-    use lut_gen::model::Specimen;
+    use lut_gen::solid::model::Specimen;
     use rayon::prelude::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -13,8 +13,8 @@
 
 use lut_gen::chain::Setting;
 use lut_gen::effect::{Stage, thickness};
-use lut_gen::law::PronyTerm;
-use lut_gen::solve::Base;
+use lut_gen::solid::law::PronyTerm;
+use lut_gen::solid::solve::Base;
 use lut_gen::table::{self, Foam, ForceGrid, GridSpec, LutError, SecondTerm, UsedSpot};
 use protocol::lut::MaterialSpec;
 

@@ -1,7 +1,7 @@
 //! An identified material as a model file.
 
 use lut_gen::effect::{Effect, friction, poisson, relaxation, second_term};
-use lut_gen::law::{Elastic, Material, PronyTerm};
+use lut_gen::solid::law::{Elastic, Material, PronyTerm};
 
 use crate::experiment::{Experiment, Length};
 use crate::identify::Identification;

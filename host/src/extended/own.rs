@@ -85,8 +85,8 @@ pub fn library(entries: &[Entry], rate_mm_s: f64, rates: bool) -> Result<Vec<Mat
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::expect_used)]
 mod tests {
-    use lut_gen::contact::Ball;
-    use lut_gen::model::Specimen;
+    use lut_gen::solid::contact::Ball;
+    use lut_gen::solid::model::Specimen;
 
     use super::*;
     use crate::experiment::Base;

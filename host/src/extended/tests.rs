@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lut_gen::effect::{CATALOGUE, Owner, Spread};
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -147,9 +147,9 @@ fn model(effects: Vec<Added>) -> ExtendedModel {
 }
 
 mod board {
-    use lut_gen::contact::Ball;
-    use lut_gen::model::Specimen;
-    use lut_gen::solve::Base as Bottom;
+    use lut_gen::solid::contact::Ball;
+    use lut_gen::solid::model::Specimen;
+    use lut_gen::solid::solve::Base as Bottom;
     use lut_gen::table::{GridSpec, SecondTerm, UsedSpot};
 
     use super::*;

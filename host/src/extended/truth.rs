@@ -1,7 +1,7 @@
 //! The extended model as the truth of a simulated experiment: finite elements, not the chain that named it.
 
 use lut_gen::effect::{Owner, softening};
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 
 use crate::simulate::{Effect, Spec, TrueLaw};
 

@@ -3,10 +3,10 @@
 use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use lut_gen::contact::Ball;
-use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen as Block};
-use lut_gen::solve::{Base as Support, SolveError};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::{Hyperfoam, Term};
+use lut_gen::solid::model::{ForceModel, Indentation, ModelSpec, Resolution, Specimen as Block};
+use lut_gen::solid::solve::{Base as Support, SolveError};
 
 use crate::experiment::{Base, Experiment, Length};
 

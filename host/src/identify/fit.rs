@@ -4,8 +4,8 @@ use crate::experiment::Experiment;
 use crate::experiment::motion::noise_of;
 use crate::infer::covariance::{Z95, covariance};
 use crate::infer::descent::{Ending, Minimum};
-use lut_gen::law::Material;
-use lut_gen::model::{Resolution, Simulation};
+use lut_gen::solid::law::Material;
+use lut_gen::solid::model::{Resolution, Simulation};
 
 use super::data::{LoadingCurve, Selection};
 use super::interval::Interval;

@@ -1,6 +1,6 @@
 //! What holds and deforms a specimen in a run.
 
-use lut_gen::homogeneous::Mode;
+use lut_gen::solid::homogeneous::Mode;
 
 use crate::experiment::Test;
 

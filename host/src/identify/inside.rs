@@ -1,6 +1,6 @@
 //! What the identified material looks like inside, at the deepest point of its runs.
 
-use lut_gen::field::{Field, FieldError};
+use lut_gen::solid::field::{Field, FieldError};
 
 use super::{Identification, Outcome};
 

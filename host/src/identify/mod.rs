@@ -35,7 +35,7 @@ use crate::experiment::{BaseLaw, Experiment, Length, Test, replicate};
 use data::{LeftOut, Selection};
 use fe::{ModelError, Progress};
 use fit::Fit;
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use multistart::Effort;
 use newton::condition::{Condition, Source};
 use newton::coordinate::{Kind, Unknown};
@@ -303,7 +303,7 @@ fn other_radius(experiment: &Experiment, problem: &Problem<'_>, fit: &Fit) -> Op
             let place = usual.local(point);
             let before = usual.surrogate.at(&place);
             let at_peak = |values: &[f64]| {
-                let ramp = &values[..lut_gen::model::RAMP_NODES.min(values.len())];
+                let ramp = &values[..lut_gen::solid::model::RAMP_NODES.min(values.len())];
                 newton::track::Track::new(usual.depth_mm, 0.0, ramp, 0.0).ramp(usual.depth_mm).0
             };
             let change = 100.0 * (at_peak(&node.value) / at_peak(&before) - 1.0);

@@ -1,9 +1,9 @@
 //! The picture of a look-up table.
 
-use lut_gen::field::FieldError;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::Indentation;
-use lut_gen::solve::SolveError;
+use lut_gen::solid::field::FieldError;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::Indentation;
+use lut_gen::solid::solve::SolveError;
 use lut_gen::table::ForceGrid;
 
 use super::figure::{Axis, Figure, Series, Stroke};

@@ -1,9 +1,9 @@
 //! What specimen, material and contact effects make of the declared specimen and ball: the finite-element case.
 
-use lut_gen::contact::{Adhesion, Ball, Interface};
-use lut_gen::law::{Hyperfoam, LawError, Material, Ogden, OgdenRoxburgh, OgdenTerm, Term};
-use lut_gen::model::{Resolution, Simulation, Specimen as Block};
-use lut_gen::solve::{Base as Bottom, Motion};
+use lut_gen::solid::contact::{Adhesion, Ball, Interface};
+use lut_gen::solid::law::{Hyperfoam, LawError, Material, Ogden, OgdenRoxburgh, OgdenTerm, Term};
+use lut_gen::solid::model::{Resolution, Simulation, Specimen as Block};
+use lut_gen::solid::solve::{Base as Bottom, Motion};
 
 use crate::experiment::Base;
 
@@ -79,7 +79,7 @@ impl Body {
     /// The elastic press without friction and adhesion, to a depth (mm), at another exponent or height if given.
     pub fn elastic(&self, depth_mm: f64, alpha: Option<f64>, height_mm: f64) -> Result<Simulation, SimulateError> {
         let mut material = Material { prony: Vec::new(), softening: None, ..self.material.clone() };
-        if let (Some(alpha), lut_gen::law::Elastic::Hyperfoam(law)) = (alpha, &material.elastic) {
+        if let (Some(alpha), lut_gen::solid::law::Elastic::Hyperfoam(law)) = (alpha, &material.elastic) {
             let terms = law.terms().iter().enumerate();
             let terms = terms.map(|(i, t)| if i == 0 { Term { alpha, ..*t } } else { *t }).collect();
             let law = Hyperfoam::new(terms);

@@ -4,8 +4,8 @@
 //! material. What acts between ball and specimen or depends on where a ball is pressed has no meaning here and leaves a coupon as it is: friction, adhesion, radius,
 //! a base that slides, tilt, skin, the power law of an anisotropic foam under balls, the finite elements' numerics, placebos.
 
-use lut_gen::homogeneous::{Coupon, Mode, Programme};
-use lut_gen::solve::SolveError;
+use lut_gen::solid::homogeneous::{Coupon, Mode, Programme};
+use lut_gen::solid::solve::SolveError;
 
 use crate::experiment::Test;
 

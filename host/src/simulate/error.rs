@@ -1,7 +1,7 @@
 //! Why an experiment cannot be simulated.
 
-use lut_gen::law::LawError;
-use lut_gen::solve::SolveError;
+use lut_gen::solid::law::LawError;
+use lut_gen::solid::solve::SolveError;
 
 /// Why an experiment cannot be simulated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! What the recorded depth does in a run, and the ball's true motion as straight pieces for the finite elements.
 
-use lut_gen::solve::Motion;
+use lut_gen::solid::solve::Motion;
 
 /// A recorded run: down at a rate, perhaps a hold, perhaps back.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! The motions that have to be solved where history counts.
 
-use lut_gen::model::Simulation;
-use lut_gen::solve::Motion;
+use lut_gen::solid::model::Simulation;
+use lut_gen::solid::solve::Motion;
 
 use super::condition::{Condition, FINE};
 use super::motion::{Corner, corners, through};

@@ -2,8 +2,8 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use lut_gen::model::Simulation;
-use lut_gen::solve::SolveError;
+use lut_gen::solid::model::Simulation;
+use lut_gen::solid::solve::SolveError;
 use rayon::prelude::*;
 
 use crate::experiment::Test;

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use lut_gen::model::Record;
+use lut_gen::solid::model::Record;
 
 use super::effect::{Effect, outside};
 use super::interpolation::Smooth;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use lut_gen::model::{Record, Simulation};
-use lut_gen::solve::Station;
+use lut_gen::solid::model::{Record, Simulation};
+use lut_gen::solid::solve::Station;
 
 use super::condition::{Condition, FINE};
 use super::coupon::{self, TrueCoupon};

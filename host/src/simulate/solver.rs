@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use lut_gen::model::{DepthProfile, RampRelaxation, Record, Sample, Simulation};
-use lut_gen::solve::SolveError;
+use lut_gen::solid::model::{DepthProfile, RampRelaxation, Record, Sample, Simulation};
+use lut_gen::solid::solve::SolveError;
 
 use super::interpolation::Smooth;
 

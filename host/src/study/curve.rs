@@ -1,7 +1,7 @@
 //! Measured against predicted force with what is left over (thesis Figs. 12, 14): fitted to all balls, and predicted for each ball from
 //! the others alone.
 
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use serde_json::{Value, json};
 
 use crate::identify::fe::Progress;

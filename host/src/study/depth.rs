@@ -1,6 +1,6 @@
 //! Parameters against the depth they were identified from, for each ball, and where the balls' trends meet (thesis section 2.9, Fig. 11).
 
-use lut_gen::model::ForceModel;
+use lut_gen::solid::model::ForceModel;
 
 use crate::experiment::{Experiment, motion};
 use crate::identify::data::{Height, Selection};
@@ -115,7 +115,7 @@ pub fn depths(subject: &Subject, seed: u64, progress: &Progress<'_>) -> Result<D
     let source = |c: &Condition| match c.grip.indenter().and_then(|ball| model_of(&model, &selection, c.specimen, ball))
     {
         Some(model) => Source::Model(Box::new(model.clone())),
-        None => Source::Solves(lut_gen::model::Resolution::Standard),
+        None => Source::Solves(lut_gen::solid::model::Resolution::Standard),
     };
     let spec = FitSpec { terms: Some(1), ..FitSpec::default() };
     let mut found = Vec::new();

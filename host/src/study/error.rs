@@ -1,6 +1,6 @@
 //! Why a study cannot be made.
 
-use lut_gen::solve::SolveError;
+use lut_gen::solid::solve::SolveError;
 
 use crate::identify::fe::ModelError;
 

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use lut_gen::contact::Ball;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{Indentation, Resolution, Specimen as Block};
-use lut_gen::solve::{Base as Support, SolveError};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{Indentation, Resolution, Specimen as Block};
+use lut_gen::solid::solve::{Base as Support, SolveError};
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;

@@ -5,7 +5,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use rayon::prelude::*;
 
 use crate::identify::data::Selection;

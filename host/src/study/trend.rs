@@ -1,6 +1,6 @@
 //! Trends of identified parameters with depth: their lines, where these cross, and how noise moves the crossing.
 
-use lut_gen::model::ForceModel;
+use lut_gen::solid::model::ForceModel;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};

@@ -3,12 +3,12 @@
 //! Nothing of ball, friction and contact is in it. With one Poisson's ratio for all terms the free sides of a Hyperfoam follow the axis by
 //! `s = l^(-nu)` whatever the stress, so that free and held sides share one closed form ([`Column`]); and since no work is done on the sides,
 //! relaxation and softening multiply and convolve the axial stress alone, exactly (`tests/coupon.rs` compares with
-//! [`crate::homogeneous::Coupon::follow`]).
+//! [`crate::solid::homogeneous::Coupon::follow`]).
 
 use super::Model;
 use crate::effect::{compliance, poisson, relaxation, second_term, softening};
-use crate::homogeneous::Mode;
-use crate::law::OgdenRoxburgh;
+use crate::solid::homogeneous::Mode;
+use crate::solid::law::OgdenRoxburgh;
 
 /// What holds the sides of a coupon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -41,7 +41,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::super::Need;
     use super::*;
-    use crate::model::Specimen;
+    use crate::solid::model::Specimen;
 
     #[test]
     fn what_is_read_back_is_what_was_kept_and_damage_is_seen() {

@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::{Ball, Interface};
 use crate::effect::{friction, poisson, relaxation, thickness};
-use crate::law::{Hyperfoam, PronyTerm, Term};
-use crate::model::{CLOSER, ForceModel, ForceSlice, ModelSpec, Resolution, Simulation, Specimen};
-use crate::solve::{Base, Motion, SolveError};
+use crate::solid::contact::{Ball, Interface};
+use crate::solid::law::{Hyperfoam, PronyTerm, Term};
+use crate::solid::model::{CLOSER, ForceModel, ForceSlice, ModelSpec, Resolution, Simulation, Specimen};
+use crate::solid::solve::{Base, Motion, SolveError};
 
 /// A ball on a specimen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use crate::effect::{
     adhesion, compliance, contact_offset, depth_gain, drift, friction, lag, numerics, poisson, radius, relaxation,
     second_term, sensor_creep, sensor_gain, sensor_nonlinearity, softening, thickness, time_gain,
 };
-use crate::model::ForceSlice;
+use crate::solid::model::ForceSlice;
 
 /// A library and the runs it is asked for.
 #[derive(Debug, Clone)]

@@ -1,5 +1,10 @@
 //! An element of any shape and physics: its points of integration, its force and its stiffness.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "of nested adaptors of arrays only a part is inlined, which doubles the time of a solve"
+)]
+
 use super::operator::{Operator, PointLaw, PointTangent};
 use crate::scalar::Real;
 
@@ -21,8 +26,6 @@ pub struct Element<T, B, const NODES: usize> {
     pub points: Vec<Point<T, B, NODES>>,
 }
 
-// Loops over indices in this file: of the adaptors of arrays that are nested here only a part is inlined, which doubles
-// the time of a solve.
 impl<T: Real, B, const NODES: usize> Point<T, B, NODES> {
     /// Strain at the values `u`, from `rest` where they are zero.
     #[inline]

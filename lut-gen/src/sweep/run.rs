@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Instant;
 
 use super::{Point, SweepSpec};
-use crate::solve::SolveError;
+use crate::solid::solve::SolveError;
 
 /// Forces of one point (N): `[rate][sample]`, samples being the depths and then the times of the hold.
 pub type Forces = Vec<Vec<f64>>;

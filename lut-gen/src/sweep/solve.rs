@@ -1,10 +1,10 @@
 //! The simulation of one point.
 
 use super::{Forces, Parameter, Point, SweepBase, SweepLaw, SweepSpec};
-use crate::contact::{Ball, Interface};
-use crate::law::{Hyperfoam, Material, Ogden, PronyTerm, Term};
-use crate::model::{Resolution, Simulation, Specimen};
-use crate::solve::{Base, Motion, SolveError};
+use crate::solid::contact::{Ball, Interface};
+use crate::solid::law::{Hyperfoam, Material, Ogden, PronyTerm, Term};
+use crate::solid::model::{Resolution, Simulation, Specimen};
+use crate::solid::solve::{Base, Motion, SolveError};
 
 /// Solves one point of a sweep: one curve a rate.
 ///

@@ -4,11 +4,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use crate::contact::{Ball, Interface};
 use crate::effect::softening;
-use crate::law::{Hyperfoam, Material, PronyTerm, Term};
-use crate::model::{Axis, Curve, DepthProfile, ErrorBound, Resolution, Scale, Simulation, Specimen};
-use crate::solve::{Base, Motion, SolveError};
+use crate::solid::contact::{Ball, Interface};
+use crate::solid::law::{Hyperfoam, Material, PronyTerm, Term};
+use crate::solid::model::{Axis, Curve, DepthProfile, ErrorBound, Resolution, Scale, Simulation, Specimen};
+use crate::solid::solve::{Base, Motion, SolveError};
 
 /// A second term of the Hyperfoam energy that all materials of a grid share.
 #[derive(Debug, Clone, Copy, PartialEq)]

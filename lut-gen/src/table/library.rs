@@ -1,6 +1,6 @@
 //! Named foams a board recognises, and how the display renders them.
 
-use crate::law::{Hyperfoam, LawError};
+use crate::solid::law::{Hyperfoam, LawError};
 
 /// A material of the library.
 #[derive(Debug, Clone, Copy, PartialEq)]

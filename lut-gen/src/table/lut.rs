@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::grid::{forces_n, problem};
 use super::{Foam, ForceGrid, GridSpec, display_displacement_mm};
-use crate::model::Specimen;
-use crate::solve::SolveError;
+use crate::solid::model::Specimen;
+use crate::solid::solve::SolveError;
 
 /// How the shear modulus is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use lut_gen::homogeneous::{Coupon, Mode, Programme};
-use lut_gen::law::{Hyperfoam, Material, Ogden, OgdenTerm, PronyTerm, Term};
-use lut_gen::model::ForceModel;
+use lut_gen::solid::homogeneous::{Coupon, Mode, Programme};
+use lut_gen::solid::law::{Hyperfoam, Material, Ogden, OgdenTerm, PronyTerm, Term};
+use lut_gen::solid::model::ForceModel;
 use palpate::experiment::{Base, BaseLaw, Experiment, Length, Recording, Run, Sensor, Specimen, Test};
 use palpate::identify::spec::{Extra, FitSpec, FittedLaw, Loss};
 use rand::{Rng, SeedableRng};

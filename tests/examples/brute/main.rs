@@ -10,7 +10,7 @@ mod search;
 
 use std::time::Instant;
 
-use lut_gen::model::{ForceModel, Resolution};
+use lut_gen::solid::model::{ForceModel, Resolution};
 use palpate::experiment::Experiment;
 use palpate::identify::newton::condition::{Condition, Source};
 use palpate::identify::newton::fit::Newton;

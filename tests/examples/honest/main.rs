@@ -6,7 +6,7 @@ mod plain;
 
 use std::path::Path;
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use palpate::diagnose::{Models, diagnose};
 use palpate::simulate::{EXAMPLE, Effect, Solver, Spec, parse, simulate};
 

@@ -14,7 +14,7 @@ mod what_if;
 use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use protocol::lut::Table;
 use row::Row;
 use tests::document::replace_section;

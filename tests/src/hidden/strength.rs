@@ -1,6 +1,6 @@
 //! How strong effects are: five levels each, from below what any design sees to well above.
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use palpate::simulate::Effect;
 use rand::Rng;
 use rand_pcg::Pcg64;

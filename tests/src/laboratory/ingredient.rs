@@ -1,6 +1,6 @@
 //! Effects with amounts and knobs from wide ranges, and the same effects larger or smaller.
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use palpate::simulate::{Effect, Rest, SimulatedExperiment, Spec};
 use rand::Rng;
 use rand_pcg::Pcg64;

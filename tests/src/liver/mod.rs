@@ -8,7 +8,7 @@ pub mod table;
 
 use std::path::Path;
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use palpate::experiment::{Base, Experiment};
 use palpate::simulate::{Effect, Noise, RunTemplate, SimulateError, Solver, Spec, TrueLaw, TrueSpecimen, simulate};
 

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use palpate::experiment::Experiment;
 use palpate::identify::data::Selection;
 use palpate::identify::newton::condition::{Condition, Source};

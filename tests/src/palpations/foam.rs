@@ -1,9 +1,9 @@
 //! The foams under the probe.
 
-use lut_gen::contact::{Ball, Interface};
-use lut_gen::law::{Hyperfoam, Material, PronyTerm};
-use lut_gen::model::{Curve as Solved, Resolution, Simulation, Specimen};
-use lut_gen::solve::{Motion, SolveError};
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::law::{Hyperfoam, Material, PronyTerm};
+use lut_gen::solid::model::{Curve as Solved, Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::{Motion, SolveError};
 use lut_gen::table::{Foam, foams};
 use palpate::plant::Curve;
 

@@ -1,6 +1,6 @@
 //! The tables of the board, one for each rate (thesis section 3.2.6).
 
-use lut_gen::model::{Resolution, Specimen};
+use lut_gen::solid::model::{Resolution, Specimen};
 use lut_gen::table::{ForceGrid, Form, GridSpec, LutError, foams, library, write};
 
 use super::BALL;

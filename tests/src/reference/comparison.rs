@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use lut_gen::model::{Indentation, Resolution, Stats};
-use lut_gen::solve::Base;
+use lut_gen::solid::model::{Indentation, Resolution, Stats};
+use lut_gen::solid::solve::Base;
 
 use super::{Reference, ReferenceError};
 
@@ -110,7 +110,7 @@ pub fn table(comparisons: &[Comparison]) -> String {
     out.push('\n');
     for c in comparisons {
         let r = &c.reference;
-        let list = |f: &dyn Fn(&lut_gen::law::Term) -> f64| {
+        let list = |f: &dyn Fn(&lut_gen::solid::law::Term) -> f64| {
             let mut values: Vec<String> = r.law.terms().iter().map(|t| f(t).to_string()).collect();
             values.dedup();
             values.join(", ")

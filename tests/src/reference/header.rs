@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use lut_gen::contact::Ball;
-use lut_gen::law::{Hyperfoam, Term};
-use lut_gen::model::Specimen;
-use lut_gen::solve::Base;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::{Hyperfoam, Term};
+use lut_gen::solid::model::Specimen;
+use lut_gen::solid::solve::Base;
 
 use super::Reference;
 

@@ -10,9 +10,9 @@ mod header;
 use std::path::{Path, PathBuf};
 
 pub use comparison::{Comparison, FROM_MM, PROMISE_PERCENT, SHOWN_MM, table};
-use lut_gen::contact::Ball;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::Specimen;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::Specimen;
 
 /// A force curve of another code with the problem it solves.
 #[derive(Debug, Clone, PartialEq)]

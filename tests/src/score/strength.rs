@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use lut_gen::chain::{Chain, Model};
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 use nalgebra::{DMatrix, DVector};
 use palpate::diagnose::design::{Branch, Design, Node, Series};
 use palpate::diagnose::evidence::{basis, rest_of};

@@ -97,6 +97,18 @@ impl Crate {
         self.0.iter().map(|entry| (entry.0, of(entry))).collect()
     }
 
+    /// What the files of a folder name outside of it and of the allowed folders.
+    pub fn leaving(&self, folder: &str, allowed: &[&str]) -> Vec<String> {
+        let of = |(module, file): (&Segments, &File)| -> Vec<String> {
+            let named = file.used.iter().map(|(_, from, _)| from).chain(&file.paths);
+            let all = named.filter_map(|path| self.absolute(module, path));
+            let strange = all.filter(|to| to.first().is_some_and(|to| to != folder && !allowed.contains(&to.as_str())));
+            strange.map(|to| format!("{}: {}", module.join("::"), to.join("::"))).collect()
+        };
+        let own = self.0.iter().filter(|(module, _)| module.first().is_some_and(|first| first == folder));
+        own.flat_map(of).collect()
+    }
+
     /// Groups of files that reach each other, of more than one.
     pub fn circles(&self) -> Vec<Vec<String>> {
         let arrows = self.arrows();

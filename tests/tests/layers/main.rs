@@ -109,6 +109,23 @@ fn layers_import_what_is_below_them_only() {
     assert_eq!(others("diagnose/compression", &["table::", "display::"]), [""; 0]);
 }
 
+/// Finite elements know no physics, and a physics knows them and no other physics; numbers with a derivative and files
+/// for ParaView are below all of them.
+#[test]
+fn every_physics_stands_on_the_finite_elements_alone() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../lut-gen/src");
+    let all = Crate::read(&source);
+    assert_eq!(all.leaving("fem", &["scalar"]), [""; 0]);
+    assert_eq!(all.leaving("solid", &["fem", "scalar", "vtk"]), [""; 0]);
+    assert_eq!(all.leaving("magnet", &["fem", "vtk"]), [""; 0]);
+    // Nothing found at all would be a search that finds nothing.
+    for physics in ["solid", "magnet"] {
+        assert!(all.leaving(physics, &[]).iter().any(|place| place.contains(": fem::")), "{physics}");
+    }
+    let circles = Crate::read(&source.join("fem")).circles();
+    assert!(circles.is_empty(), "{circles:?}");
+}
+
 /// Worlds that judge a diagnosis are drawn without a look at it; only their score sees its answers.
 #[test]
 fn laboratory_worlds_know_nothing_of_the_diagnosis() {
@@ -150,6 +167,10 @@ fn an_arrow_leads_to_the_file_that_defines_a_name() {
     // What the face passes on is not its own, nor are names of tests arrows.
     assert_eq!(circles(vec![face(), a(), file(&["b"], "use crate::One; pub fn go() {}")]), [[""; 0]; 0]);
     assert_eq!(circles(vec![face(), a(), file(&["b"], "pub fn go() { crate::run() }")]), [["", "b"]]);
+    let fem = || file(&["fem"], "pub struct One;");
+    let other = file(&["solid", "law"], "use super::super::magnet::bh; use crate::fem::One;");
+    let all = Crate::of(vec![face(), fem(), other, file(&["magnet", "bh"], "")]);
+    assert_eq!(all.leaving("solid", &["fem"]), ["solid::law: magnet::bh"]);
     let b = file(&["b"], "use super::a; pub(in crate::a) fn go() -> a::One { a::One }");
     assert_eq!(circles(vec![face(), file(&["a"], "use crate::b; pub struct One;"), b]), [["a", "b"]]);
 }

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use lut_gen::contact::Ball;
-use lut_gen::law::PronyTerm;
-use lut_gen::model::Specimen;
-use lut_gen::solve::Base;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::PronyTerm;
+use lut_gen::solid::model::Specimen;
+use lut_gen::solid::solve::Base;
 use lut_gen::table::{self, ForceGrid, Form, GridSpec};
 use miette::{IntoDiagnostic, WrapErr, miette};
 use protocol::lut::{MaterialSpec, Table};

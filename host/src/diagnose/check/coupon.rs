@@ -314,8 +314,8 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use lut_gen::chain::Setting;
     use lut_gen::effect::{poisson, relaxation, softening};
-    use lut_gen::homogeneous::{self, Programme};
-    use lut_gen::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
+    use lut_gen::solid::homogeneous::{self, Programme};
+    use lut_gen::solid::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
 
     use super::*;
     use crate::experiment::{Base, Length, Specimen};

@@ -5,8 +5,8 @@ pub(super) mod windows;
 
 use lut_gen::chain::{Geometry, Passage, RUBBER_NU, Window};
 use lut_gen::effect::{Effect, Owner, Sizes};
-use lut_gen::model::Specimen as Block;
-use lut_gen::solve;
+use lut_gen::solid::model::Specimen as Block;
+use lut_gen::solid::solve;
 use nalgebra::{DMatrix, DVector};
 
 use super::Refusal;

@@ -1,6 +1,6 @@
 //! How a gain is measured.
 
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 
 /// How it is measured.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,8 @@
 //! Tables of base and extended model for the conditions of an experiment.
 
-use lut_gen::contact::Ball;
-use lut_gen::model::Specimen;
-use lut_gen::solve::Base as Bottom;
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::model::Specimen;
+use lut_gen::solid::solve::Base as Bottom;
 use lut_gen::table::{self, Foam, ForceGrid, Form, GridSpec, LutError};
 use protocol::lut::MaterialSpec;
 

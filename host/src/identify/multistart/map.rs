@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use lut_gen::solve::SolveError;
+use lut_gen::solid::solve::SolveError;
 
 use crate::identify::newton::coordinate::{Kind, Unknown};
 use crate::identify::newton::problem::{MOST_RELAXING, Problem};

@@ -20,7 +20,7 @@ mod objective;
 mod slice;
 mod trace;
 
-use lut_gen::solve::SolveError;
+use lut_gen::solid::solve::SolveError;
 
 use super::newton::coordinate::{Kind, Unknown};
 use super::newton::problem::Problem;

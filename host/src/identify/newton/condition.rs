@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use lut_gen::contact::Ball;
-use lut_gen::law::Parameter;
-use lut_gen::model::{ForceModel, Press, RAMP_NODES, Resolution, Simulation, Specimen};
-use lut_gen::solve::{Motion, SolveError};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::Parameter;
+use lut_gen::solid::model::{ForceModel, Press, RAMP_NODES, Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::{Motion, SolveError};
 
 use crate::identify::grip::Grip;
 

@@ -1,8 +1,8 @@
 //! Coordinates of a fit: what each is, its range, and how the force's derivatives become derivatives by it.
 
-use lut_gen::contact::Interface;
-use lut_gen::law::{Hyperfoam, Material, Ogden, OgdenTerm, Parameter, PronyTerm, Term};
-use lut_gen::solve::SolveError;
+use lut_gen::solid::contact::Interface;
+use lut_gen::solid::law::{Hyperfoam, Material, Ogden, OgdenTerm, Parameter, PronyTerm, Term};
+use lut_gen::solid::solve::SolveError;
 
 use crate::identify::spec::FittedLaw;
 

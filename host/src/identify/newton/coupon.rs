@@ -1,9 +1,9 @@
 //! The solve of a condition without a ball: a specimen that deforms homogeneously, or that platens rub.
 
-use lut_gen::homogeneous::{Coupon, Programme};
-use lut_gen::law::Parameter;
-use lut_gen::model::{Compression, Ends, Press, RAMP_NODES, Resolution};
-use lut_gen::solve::{Motion, SolveError};
+use lut_gen::solid::homogeneous::{Coupon, Programme};
+use lut_gen::solid::law::Parameter;
+use lut_gen::solid::model::{Compression, Ends, Press, RAMP_NODES, Resolution};
+use lut_gen::solid::solve::{Motion, SolveError};
 
 use super::condition::Condition;
 use super::coordinate::Values;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use lut_gen::solve::SolveError;
+use lut_gen::solid::solve::SolveError;
 
 use crate::identify::noise::Noise;
 use crate::identify::spec::Loss;

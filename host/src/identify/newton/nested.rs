@@ -1,6 +1,6 @@
 //! Simpler laws inside a law. A fit begins from the best of the simpler one, so that it never ends higher.
 
-use lut_gen::solve::SolveError;
+use lut_gen::solid::solve::SolveError;
 
 use crate::infer::descent::Region;
 

@@ -1,6 +1,6 @@
 //! How a press relaxes by Hertz's contact: what is left for the finite elements to say is small and smooth.
 
-use lut_gen::model::{HOLD_NODES, Press, RAMP_NODES, RampRelaxation};
+use lut_gen::solid::model::{HOLD_NODES, Press, RAMP_NODES, RampRelaxation};
 
 /// Hertz's contact of a relaxing solid under a ramp and a hold, as a reference for the values of a condition.
 #[derive(Debug, Clone, PartialEq)]

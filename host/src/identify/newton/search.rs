@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use lut_gen::solve::SolveError;
+use lut_gen::solid::solve::SolveError;
 
 use crate::infer::descent::{Minimum, Region};
 

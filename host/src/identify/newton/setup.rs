@@ -1,6 +1,6 @@
 //! From an experiment's runs to a problem: which conditions there are, and what is free.
 
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 
 use crate::experiment::{Experiment, Length};
 use crate::identify::data::{Height, LoadingCurve, MODEL_OF_HEIGHT, Selection};

@@ -1,6 +1,6 @@
 //! Solves of one condition made before, joined: a source of forces for many fits that share it.
 
-use lut_gen::solve::SolveError;
+use lut_gen::solid::solve::SolveError;
 
 use super::condition::Condition;
 use super::surrogate::{Node, Surrogate};

@@ -1,6 +1,6 @@
 //! Force over depth and hold time of one condition, from the values of its grid.
 
-use lut_gen::model::{HOLD_NODES, Press, RAMP_NODES};
+use lut_gen::solid::model::{HOLD_NODES, Press, RAMP_NODES};
 
 /// Force on a ball or a face that goes down and then may stand.
 #[derive(Debug, Clone, PartialEq)]

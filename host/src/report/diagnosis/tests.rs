@@ -3,7 +3,7 @@
 
 use lut_gen::chain::{Geometry, Model, Setting};
 use lut_gen::effect;
-use lut_gen::model::Specimen as Block;
+use lut_gen::solid::model::Specimen as Block;
 use nalgebra::{DMatrix, DVector};
 
 use super::*;
@@ -186,7 +186,7 @@ fn evidence(held: Vec<Weighed>) -> Evidence {
         force_n: s.nodes.iter().map(|n| n.depth_mm.powf(1.5)).collect(),
         slope_n_per_mm: s.nodes.iter().map(|n| 1.5 * n.depth_mm.sqrt()).collect(),
     };
-    let block = Block { height_mm: 12.7, radius_mm: 25.0, base: lut_gen::solve::Base::Bonded };
+    let block = Block { height_mm: 12.7, radius_mm: 25.0, base: lut_gen::solid::solve::Base::Bonded };
     let all = vec![series(0), series(1)];
     let curves: Vec<Curve> = all.iter().map(curve).collect();
     let margin = |variable, label: &str| Margin {

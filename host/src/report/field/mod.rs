@@ -5,7 +5,7 @@ mod sheet;
 
 use std::fmt::Write;
 
-use lut_gen::field::{Field, PointState};
+use lut_gen::solid::field::{Field, PointState};
 
 use super::escaped;
 use super::figure::Axis;

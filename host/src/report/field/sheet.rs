@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use lut_gen::fem::shape::quad8;
-use lut_gen::field::Field;
+use lut_gen::solid::field::Field;
 
 use crate::report::sheet::Sheet;
 

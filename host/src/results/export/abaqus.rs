@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use lut_gen::law::{Elastic, Hyperfoam, Material, Ogden, PronyTerm};
+use lut_gen::solid::law::{Elastic, Hyperfoam, Material, Ogden, PronyTerm};
 
 use super::{Header, NoCounterpart, alike, field, name};
 
@@ -94,7 +94,7 @@ fn relaxation(out: &mut String, prony: &[PronyTerm], otherwise: bool) {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::expect_used)]
 mod tests {
-    use lut_gen::law::{Hencky, Law, OgdenTerm, Term};
+    use lut_gen::solid::law::{Hencky, Law, OgdenTerm, Term};
 
     use super::*;
 

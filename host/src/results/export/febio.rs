@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use lut_gen::law::{Elastic, Hyperfoam, Material, Ogden, PronyTerm};
+use lut_gen::solid::law::{Elastic, Hyperfoam, Material, Ogden, PronyTerm};
 
 use super::{Header, NoCounterpart, alike, field, name};
 
@@ -120,7 +120,7 @@ fn ogden(law: &Ogden) -> Block {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::expect_used)]
 mod tests {
-    use lut_gen::law::{Law, OgdenTerm, Term};
+    use lut_gen::solid::law::{Law, OgdenTerm, Term};
 
     use super::*;
 

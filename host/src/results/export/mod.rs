@@ -10,7 +10,7 @@ mod febio;
 pub use abaqus::abaqus;
 pub use febio::febio;
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 
 /// What a block says of itself, one line each.
 #[derive(Debug, Clone, PartialEq, Default)]

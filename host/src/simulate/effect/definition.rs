@@ -1,6 +1,6 @@
 //! The effects and their parameters.
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 
 use super::rest::Rest;
 

@@ -3,7 +3,7 @@
 use crate::experiment::section::Section;
 use crate::experiment::{ExperimentError, Problem};
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 
 use super::{Along, Effect, Kernel, Rest, ShareOf, Variable};
 

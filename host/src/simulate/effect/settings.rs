@@ -1,6 +1,6 @@
 //! Effects as they are written.
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 
 use super::{Along, Effect, Kernel, ShareOf, Variable};
 

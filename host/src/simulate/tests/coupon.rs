@@ -1,6 +1,6 @@
-use lut_gen::homogeneous::{Coupon, Mode, Programme};
-use lut_gen::law::{Hyperfoam, Material, PronyTerm, Term};
-use lut_gen::verify::confined_stress_mpa;
+use lut_gen::solid::homogeneous::{Coupon, Mode, Programme};
+use lut_gen::solid::law::{Hyperfoam, Material, PronyTerm, Term};
+use lut_gen::solid::verify::confined_stress_mpa;
 
 use super::*;
 use crate::experiment::Test;

@@ -1,7 +1,7 @@
 use super::*;
-use lut_gen::contact::Ball;
-use lut_gen::law::Hyperfoam;
-use lut_gen::model::{Indentation, Resolution, Specimen};
+use lut_gen::solid::contact::Ball;
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{Indentation, Resolution, Specimen};
 
 /// Forces of the first run without noise.
 fn forces(spec: &Spec) -> Vec<f64> {

@@ -8,7 +8,7 @@ mod text;
 
 use std::sync::LazyLock;
 
-use lut_gen::law::PronyTerm;
+use lut_gen::solid::law::PronyTerm;
 
 use super::*;
 

@@ -5,7 +5,7 @@ mod asked;
 mod panel;
 mod pictures;
 
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use serde_json::json;
 
 use crate::experiment::replicate;

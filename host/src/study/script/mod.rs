@@ -9,10 +9,10 @@ pub mod simplex;
 
 use std::collections::BTreeMap;
 
-use lut_gen::contact::{Ball, Interface};
-use lut_gen::law::{Material, Ogden, PronyTerm};
-use lut_gen::model::{Resolution, Simulation, Specimen as Block};
-use lut_gen::solve::{Base as Support, Motion, SolveError};
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::law::{Material, Ogden, PronyTerm};
+use lut_gen::solid::model::{Resolution, Simulation, Specimen as Block};
+use lut_gen::solid::solve::{Base as Support, Motion, SolveError};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;

@@ -1,6 +1,6 @@
 //! The answer, the table and the pictures of appendix C.
 
-use lut_gen::model::Resolution;
+use lut_gen::solid::model::Resolution;
 use serde_json::{Value, json};
 
 use crate::identify::fe::Progress;

@@ -11,8 +11,8 @@ use super::run::{Curve, Detail, Fine};
 use super::twin::Twin;
 use crate::chain::{Chain, Model, Passage};
 use crate::effect::softening;
-use crate::model::Record;
-use crate::solve::SolveError;
+use crate::solid::model::Record;
+use crate::solid::solve::SolveError;
 
 /// Below this part of the largest elastic force a mesh is no longer wrong by a part of the force.
 const SHALLOW: f64 = 0.01;

@@ -10,9 +10,9 @@ use super::path::deepest_mm;
 use super::run::{Curve, Detail};
 use super::twin::plain;
 use crate::chain::{Chain, Model, Passage};
-use crate::model::Simulation;
-use crate::model::chebyshev::{clenshaw, least_squares};
-use crate::solve::{Motion, SolveError};
+use crate::solid::model::Simulation;
+use crate::solid::model::chebyshev::{clenshaw, least_squares};
+use crate::solid::solve::{Motion, SolveError};
 
 /// Places along the way down at which it is told, even in the size of the contact; cubics connect them.
 const PLACES: u32 = 40;

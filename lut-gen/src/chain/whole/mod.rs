@@ -19,13 +19,13 @@ use rayon::prelude::*;
 
 use super::predict::Chain;
 use super::{Model, Passage};
-use crate::contact::{Ball, Interface};
 use crate::effect::{
     adhesion, friction, lag, numerics, poisson, radius, relaxation, second_term, softening, thickness,
 };
-use crate::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
-use crate::model::{CLOSER, Resolution, Simulation, Specimen};
-use crate::solve::{Motion, SolveError};
+use crate::solid::contact::{Ball, Interface};
+use crate::solid::law::{Hyperfoam, Material, OgdenRoxburgh, PronyTerm, Term};
+use crate::solid::model::{CLOSER, Resolution, Simulation, Specimen};
+use crate::solid::solve::{Motion, SolveError};
 use contains::has;
 use history::History;
 use job::Job;

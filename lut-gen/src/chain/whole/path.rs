@@ -1,6 +1,6 @@
 //! Paths of a ball: times (s) and depths (mm).
 
-use crate::solve::Motion;
+use crate::solid::solve::Motion;
 
 /// Largest distance (part of the deepest point) between a recorded path and the straight pieces it is solved on.
 const STRAIGHT: f64 = 0.002;

@@ -6,10 +6,10 @@ use super::job::Job;
 use super::path::deepest_mm;
 use super::run::{Block, Curve, Detail};
 use crate::chain::{Chain, Model};
-use crate::contact::Interface;
-use crate::law::{Hyperfoam, Material, Term};
-use crate::model::{Record, Simulation};
-use crate::solve::{Motion, SolveError};
+use crate::solid::contact::Interface;
+use crate::solid::law::{Hyperfoam, Material, Term};
+use crate::solid::model::{Record, Simulation};
+use crate::solid::solve::{Motion, SolveError};
 
 /// Pieces of an elastic ramp: straight between their ends, its force is met to 0.12/40^2, less than one in ten thousand.
 const RAMP: usize = 40;

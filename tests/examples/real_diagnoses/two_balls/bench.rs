@@ -1,8 +1,8 @@
 //! The experiment of thesis chapter 2 on force models, and its identification.
 
 use lut_gen::chain::{Chain, Geometry, Library, Model, Need, Passage, Setting};
-use lut_gen::model::Specimen;
-use lut_gen::solve::Base;
+use lut_gen::solid::model::Specimen;
+use lut_gen::solid::solve::Base;
 
 use super::super::Outcome;
 use super::cause::{Cause, Foam, Pair, SESSION};
