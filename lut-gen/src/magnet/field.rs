@@ -14,28 +14,9 @@ use crate::fem::sparse::{Factor, HELD, Pattern, Scatter, Stored, elimination_ord
 use crate::fem::triangle::NODES;
 
 use super::bh::Law;
+pub use super::point::Geometry;
 use super::point::{Isotropic, Parts, Point};
 use super::potential::{Potential, Square, add_load};
-
-/// The plane, or the half plane of radius and height.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Geometry {
-    /// Per mm of depth.
-    #[default]
-    Plane,
-    /// Radius is x, the axis is at x = 0.
-    Axisymmetric,
-}
-
-impl Geometry {
-    /// The vector whose product with g is that of `v` with the flux density.
-    const fn turned(self, v: [f64; 2]) -> [f64; 2] {
-        match self {
-            Geometry::Plane => [-v[1], v[0]],
-            Geometry::Axisymmetric => [v[1], -v[0]],
-        }
-    }
-}
 
 /// What a region is made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -157,9 +138,11 @@ impl Field {
         equations.renumber(&elimination_order(&unordered).ok_or_else(memory)?);
         let ordered = groups(&equations);
         let (pattern, scatter) = Pattern::new(unknowns, ordered.iter().map(Vec::as_slice), Stored::Lower);
+        let degenerate =
+            |t: usize| FieldError::Degenerate { region: mesh.regions[t], at: mesh.nodes[mesh.triangles[t][0]] };
         Ok(Field {
             factor: Factor::new(&pattern).ok_or_else(memory)?,
-            parts: Parts::new(&mesh, geometry, equations.clone())?,
+            parts: Parts::new(&mesh, geometry, equations.clone()).map_err(degenerate)?,
             locator: Locator::new(&mesh),
             shapes: mesh.order.rule().iter().map(|(l, _)| mesh.order.shapes(*l)).collect(),
             square: Square::default(),
@@ -216,7 +199,7 @@ impl Field {
                 x[*equation] = *value;
             }
         }
-        self.square.renew(&self.parts, &self.mesh, matter, &self.pattern, &self.scatter);
+        self.square.renew(&self.parts, &self.mesh, matter.iter().map(|m| &m.law), &self.pattern, &self.scatter);
         let found = self.minimise(matter, &load, CLOSE * sources, &mut x);
         let residual = found.left / sources;
         if !found.closed {

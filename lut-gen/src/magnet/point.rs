@@ -9,12 +9,31 @@ use crate::fem::place::place;
 use crate::fem::triangle::{NODES, Order};
 
 use super::bh::{Carlson, Law, Strength};
-use super::field::{FieldError, Geometry};
 
 /// Radius below which a point is on the axis, mm.
 const ON_AXIS_MM: f64 = 1e-9;
 /// Flux density below which the law is its slope at zero, T.
 const NO_FLUX_T: f64 = 1e-12;
+
+/// The plane, or the half plane of radius and height.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Geometry {
+    /// Per mm of depth.
+    #[default]
+    Plane,
+    /// Radius is x, the axis is at x = 0.
+    Axisymmetric,
+}
+
+impl Geometry {
+    /// The vector whose product with g is that of `v` with the flux density.
+    pub(super) const fn turned(self, v: [f64; 2]) -> [f64; 2] {
+        match self {
+            Geometry::Plane => [-v[1], v[0]],
+            Geometry::Axisymmetric => [v[1], -v[0]],
+        }
+    }
+}
 
 /// A point of integration.
 #[derive(Debug, Clone)]
@@ -114,8 +133,8 @@ pub(super) enum Parts {
 }
 
 impl Parts {
-    /// Prepares the triangles of a mesh.
-    pub fn new(mesh: &Mesh, geometry: Geometry, equations: Equations<1>) -> Result<Self, FieldError> {
+    /// Prepares the triangles of a mesh; the number of one that turns over is an error.
+    pub fn new(mesh: &Mesh, geometry: Geometry, equations: Equations<1>) -> Result<Self, usize> {
         Ok(match mesh.order {
             Order::First => Parts::First(Domain { elements: elements(mesh, geometry)?, equations }),
             Order::Second => Parts::Second(Domain { elements: elements(mesh, geometry)?, equations }),
@@ -137,18 +156,15 @@ impl Parts {
     }
 }
 
-fn elements<const COUNT: usize>(mesh: &Mesh, geometry: Geometry) -> Result<Vec<Element<f64, Turn, COUNT>>, FieldError> {
+fn elements<const COUNT: usize>(mesh: &Mesh, geometry: Geometry) -> Result<Vec<Element<f64, Turn, COUNT>>, usize> {
     let element = |t: usize| {
         let points = mesh.order.rule().iter().map(|(l, weight)| {
             let point = point(mesh, geometry, t, *l, *weight)?;
             let operators = std::array::from_fn(|n| Turn(point.slope[n]));
             Some(element::Point { volume: point.area * point.width, operators })
         });
-        let points = points.collect::<Option<_>>();
-        let triangle = mesh.triangles[t];
-        points
-            .map(|points| Element::of(std::array::from_fn(|n| triangle[n]), points))
-            .ok_or_else(|| FieldError::Degenerate { region: mesh.regions[t], at: mesh.nodes[triangle[0]] })
+        let points = points.collect::<Option<_>>().ok_or(t)?;
+        Ok(Element::of(std::array::from_fn(|n| mesh.triangles[t][n]), points))
     };
     (0..mesh.triangles.len()).map(element).collect()
 }

@@ -1,7 +1,6 @@
 //! The energy of a field over the potential of its free nodes: a square of the linear regions, and the rest.
 
 use super::bh::Law;
-use super::field::Matter;
 use super::point::{Isotropic, Parts, Turn};
 use crate::fem::domain::{Domain, Stiff};
 use crate::fem::equations::spread;
@@ -21,9 +20,16 @@ pub(super) struct Square {
 
 impl Square {
     /// Assembles it anew where a linear law is another.
-    pub fn renew(&mut self, parts: &Parts, mesh: &Mesh, matter: &[Matter], pattern: &Pattern, scatter: &Scatter) {
-        let linear = |m: &Matter| matches!(m.law, Law::Linear(_)).then(|| m.law.clone());
-        let laws: Vec<Option<Law>> = matter.iter().map(linear).collect();
+    pub fn renew<'a>(
+        &mut self,
+        parts: &Parts,
+        mesh: &Mesh,
+        laws: impl Iterator<Item = &'a Law>,
+        pattern: &Pattern,
+        scatter: &Scatter,
+    ) {
+        let linear = |law: &Law| matches!(law, Law::Linear(_)).then(|| law.clone());
+        let laws: Vec<Option<Law>> = laws.map(linear).collect();
         if laws == self.laws {
             return;
         }
