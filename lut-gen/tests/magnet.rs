@@ -1,4 +1,4 @@
-//! Magnets against another solver's fields: `../shared/reference/display`.
+//! The ring against another solver's field (the other references: `tests/tests/magnets.rs`), a closed form, scaling.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{PI, TAU};
@@ -148,7 +148,8 @@ fn the_ring_electromagnet_is_that_of_another_solver() {
         linked = linked.max((linkage.abs() / row[13] - 1.0).abs());
         // The reference's own uncertainty, and a thousandth of the centre.
         let allowed = |r: f64| 6e-4 * r + 1e-3 * row[1];
-        worst = found.iter().zip(&row[1..]).fold(worst, |w, (b, r)| w.max((b - r).abs() / allowed(*r)));
+        // The back of the core crosses kinks of the table's lines and wants a finer core: the tests crate has it.
+        worst = found[..11].iter().zip(&row[1..]).fold(worst, |w, (b, r)| w.max((b - r).abs() / allowed(*r)));
         last.push((row[0], solution));
     }
     println!(
@@ -156,169 +157,6 @@ fn the_ring_electromagnet_is_that_of_another_solver() {
         begun.elapsed().as_secs_f64()
     );
     assert!(centre < 3e-4 && linked < 1e-3 && worst < 1.0, "centre {centre:e}, linkage {linked:e}, points {worst}");
-}
-
-/// Corners of a rectangle: x and y of the lower left and of the upper right one, mm.
-type Rectangle = [f64; 4];
-
-/// An arrangement of permanent magnets.
-struct Arrangement {
-    /// Magnets with the directions of their magnetisation.
-    magnets: Vec<(Rectangle, [f64; 2])>,
-    fluid: Vec<Rectangle>,
-    core: Vec<Rectangle>,
-}
-
-/// The arrangement of a file's first line.
-fn arrangement(text: &str) -> Arrangement {
-    let header = text.lines().next().unwrap();
-    let json = &header[header.find('{').unwrap()..=header.find("};").unwrap()];
-    let value: serde_json::Value = serde_json::from_str(json).unwrap();
-    let numbers =
-        |v: &serde_json::Value| -> Vec<f64> { v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect() };
-    let rectangle = |v: &serde_json::Value| -> [f64; 4] { numbers(v).try_into().unwrap() };
-    let list = |name: &str| value[name].as_array().unwrap().iter().map(rectangle).collect();
-    let magnets = value["mag"].as_array().unwrap().iter().map(|m| {
-        let along = numbers(&m[1]);
-        (rectangle(&m[0]), [along[0], along[1]])
-    });
-    Arrangement { magnets: magnets.collect(), fluid: list("mrf"), core: list("core") }
-}
-
-#[test]
-fn permanent_magnets_are_those_of_another_solver() {
-    /// Coercive field strength of Alnico 5, A/mm.
-    const COERCIVE: f64 = 50.963;
-    let Some(table) = shared("data/bh_tables/Alnico_5.csv") else { return };
-    let points: Vec<(f64, f64)> = rows(&table).iter().map(|r| (r[0], r[1])).collect();
-    let (alnico, Some(steel)) = (Law::Table(Table::new(&points, Between::Straight).unwrap()), steel()) else { return };
-    for name in ["pm_a", "pm_b", "pm_c", "pm_d"] {
-        let Some(text) = shared(&format!("reference/display/{name}.csv")) else { return };
-        let Arrangement { magnets, fluid, core } = arrangement(&text);
-        let all: Vec<[f64; 4]> =
-            magnets.iter().map(|(r, _)| *r).chain(fluid.iter().copied()).chain(core.iter().copied()).collect();
-        let mut curves = vec![Curve::circle([0.0, 0.0], 120.0)];
-        all.iter().for_each(|[x0, y0, x1, y1]| curves.extend(Curve::rectangle([*x0, *y0], [*x1, *y1])));
-        let inside = |p: [f64; 2], [x0, y0, x1, y1]: [f64; 4]| (x0..x1).contains(&p[0]) && (y0..y1).contains(&p[1]);
-        let region = |p: [f64; 2]| Some(all.iter().position(|r| inside(p, *r)).map_or(0, |i| i + 1));
-        let size = |p: [f64; 2]| 0.4 + 0.25 * (p[0].hypot(p[1]) - 18.0).max(0.0);
-        let mesh = mesh(&curves, Order::Second, &size, &region).unwrap();
-        let mut field = Field::new(mesh, Geometry::Plane, |p| p[0].hypot(p[1]) > 119.999).unwrap();
-        let still = |law: Law, coercive: [f64; 2]| Matter { law, current: 0.0, coercive };
-        let mut matter = vec![still(Law::linear(1.0).unwrap(), [0.0; 2])];
-        matter.extend(magnets.iter().map(|(_, m)| still(alnico.clone(), m.map(|m| m * COERCIVE))));
-        matter.extend(fluid.iter().map(|_| still(Law::fluid(0.22).unwrap(), [0.0; 2])));
-        matter.extend(core.iter().map(|_| still(steel.clone(), [0.0; 2])));
-        let solution = field.solve(&matter, None).unwrap();
-        let mut worst = (0.0_f64, [0.0; 2]);
-        for row in rows(&text) {
-            for (y, at) in [(0.02, 1), (2.0, 5)] {
-                let b = field.flux_density(&solution, [row[0], y]).unwrap();
-                let off = (b[0] - row[at]).hypot(b[1] - row[at + 1]);
-                if off > worst.0 {
-                    worst = (off, [row[0], y]);
-                }
-            }
-        }
-        println!(
-            "{name}: {} unknowns, {} steps, worst {:.1e} T at {:?}",
-            field.unknowns(),
-            solution.steps,
-            worst.0,
-            worst.1
-        );
-        assert!(worst.0 < 2e-4, "{name}: {worst:?}");
-    }
-}
-
-#[test]
-fn the_pot_magnet_is_that_of_another_solver() {
-    let (Some(text), Some(steel)) = (shared("reference/display/pot_A.csv"), steel()) else { return };
-    let mut curves = Curve::rectangle([0.0, -90.0], [90.0, 90.0]).to_vec();
-    for [r0, z0, r1, z1] in [
-        [0.0, -20.0, 14.0, -16.0],
-        [0.0, -16.0, 6.0, 0.0],
-        [11.0, -16.0, 14.0, 0.0],
-        [6.5, -15.5, 10.5, -0.5],
-        [0.0, 0.0, 16.0, 5.0],
-    ] {
-        curves.extend(Curve::rectangle([r0, z0], [r1, z1]));
-    }
-    let region = |p: [f64; 2]| {
-        let [r, z] = p;
-        Some(
-            if (-20.0..-16.0).contains(&z) && r < 14.0
-                || (-16.0..0.0).contains(&z) && (r < 6.0 || (11.0..14.0).contains(&r))
-            {
-                CORE
-            } else if (-15.5..-0.5).contains(&z) && (6.5..10.5).contains(&r) {
-                INNER
-            } else if (0.0..5.0).contains(&z) && r < 16.0 {
-                FLUID
-            } else {
-                AIR
-            },
-        )
-    };
-    let size = |p: [f64; 2]| {
-        let gap = (p[0] - 14.0).max(0.0).hypot((p[1] - 2.5).abs() - 2.5);
-        0.25 + 0.2 * gap.max(0.0)
-    };
-    let mesh = mesh(&curves, Order::Second, &size, &region).unwrap();
-    let on_edge = |p: [f64; 2]| p[0] < 1e-9 || p[0] > 89.999 || p[1].abs() > 89.999;
-    let mut field = Field::new(mesh, Geometry::Axisymmetric, on_edge).unwrap();
-    let still = |law: Law| Matter { law, current: 0.0, coercive: [0.0; 2] };
-    let air = Law::linear(1.0).unwrap();
-    // Uncertainty of each column as the file's header says.
-    let uncertain = [0.002_093, 0.001_161, 0.000_136, 0.001_087, 0.000_533, 0.0015, 0.001_525];
-    let mut missed = Vec::new();
-    let at = [[0.05, 1.0], [0.05, 2.5], [3.0, 2.5], [8.5, 2.5], [12.5, 2.5], [8.5, 1.0], [0.05, -8.0]];
-    let mut start: Option<Vec<f64>> = None;
-    for row in rows(&text) {
-        let wound = Matter { law: air.clone(), current: 770.0 * row[0] / 60.0, coercive: [0.0; 2] };
-        let matter =
-            [still(air.clone()), still(steel.clone()), still(Law::fluid(0.22).unwrap()), still(air.clone()), wound];
-        let solution = field.solve(&matter, start.as_deref()).unwrap();
-        let centre = row[2];
-        let mut line = String::new();
-        for (i, p) in at.iter().enumerate() {
-            let b = field.flux_density(&solution, *p).unwrap();
-            let found = if i == 6 { b[1].abs() } else { b[0].hypot(b[1]) };
-            line.push_str(&format!("{:+.5} ", found / row[1 + i] - 1.0));
-            let allowed = uncertain[i] * row[1 + i] + 1e-3 * centre;
-            if (found - row[1 + i]).abs() >= allowed {
-                missed.push(format!("{} A, {p:?}: {found} T for {} T", row[0], row[1 + i]));
-            }
-        }
-        println!("{} A: {} steps, {line}", row[0], solution.steps);
-        start = Some(solution.potential);
-    }
-    println!("{} unknowns", field.unknowns());
-    assert!(missed.is_empty(), "{missed:#?}");
-}
-
-#[test]
-fn a_magnetised_cylinder_is_the_closed_form() {
-    let Some(text) = shared("reference/display/linear_cylinder.csv") else { return };
-    let mut curves = Curve::rectangle([0.0, -240.0], [240.0, 240.0]).to_vec();
-    curves.extend(Curve::rectangle([0.0, -3.0], [4.0, 3.0]));
-    let region = |p: [f64; 2]| Some(usize::from(p[0] < 4.0 && p[1].abs() < 3.0));
-    let size = |p: [f64; 2]| {
-        let fine = 0.15 + 0.08 * (p[0].hypot(p[1]) - 7.0).max(0.0);
-        fine.min(at_corner((p[0] - 4.0).hypot(p[1].abs() - 3.0), 0.15))
-    };
-    let mesh = mesh(&curves, Order::Second, &size, &region).unwrap();
-    let on_edge = |p: [f64; 2]| p[0] < 1e-9 || p[0] > 239.999 || p[1].abs() > 239.999;
-    let mut field = Field::new(mesh, Geometry::Axisymmetric, on_edge).unwrap();
-    let matter =
-        [[0.0; 2], [0.0, 1.0 / MU_0]].map(|coercive| Matter { law: Law::linear(1.0).unwrap(), current: 0.0, coercive });
-    let solution = field.solve(&matter, None).unwrap();
-    assert_eq!(solution.steps, 1);
-    for row in rows(&text) {
-        let b = field.flux_density(&solution, [row[0], row[1]]).unwrap();
-        let off = (b[1] - row[2]).abs().max((b[0] - row[3]).abs());
-        assert!(off < 1e-4, "({}, {}): {b:?} T for ({}, {})", row[0], row[1], row[3], row[2]);
-    }
 }
 
 /// A wire of 2 mm along the axis of a steel tube in a round box of 15 mm, everything `scale` times as large.

@@ -5,6 +5,7 @@ pub mod expression;
 mod file;
 mod material;
 mod part;
+pub mod simulated;
 pub mod uncertain;
 
 use lut_gen::magnet::curve::Built;

@@ -132,6 +132,16 @@ pub enum DesignError {
         /// Name of the coil.
         coil: String,
     },
+    /// The drawing cannot be meshed.
+    #[error("region \"{region}\", with triangles of {size_mm:.2e} mm: {source}")]
+    Mesh {
+        /// Name of the region.
+        region: String,
+        /// Its wanted size, mm.
+        size_mm: f64,
+        /// Why.
+        source: crate::fem::mesh::MeshError,
+    },
     /// The boundary is no number.
     #[error("the boundary is at {value} mm: expected more than 0")]
     Edge {

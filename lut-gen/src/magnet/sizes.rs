@@ -4,7 +4,7 @@ use crate::fem::drawing::{Curve, cut};
 use crate::fem::mesh::{Mesh, MeshError, mesh};
 use crate::fem::triangle::Order;
 
-use super::design::{Design, Edge};
+use super::design::{Design, DesignError, Edge};
 use super::field::Geometry;
 
 /// Parts of a region's smallest extent that a side is long where no size is told.
@@ -23,8 +23,8 @@ impl Design {
     /// Meshes it. `coarser` multiplies every size: 1 is the usual mesh.
     ///
     /// # Errors
-    /// [`MeshError`].
-    pub fn mesh(&self, order: Order, coarser: f64) -> Result<Mesh, MeshError> {
+    /// [`DesignError::Mesh`] with the region that is to blame.
+    pub fn mesh(&self, order: Order, coarser: f64) -> Result<Mesh, DesignError> {
         let mut curves = self.frame();
         for region in &self.regions {
             let shapes = region.shapes.iter().chain(&region.without);
@@ -54,7 +54,20 @@ impl Design {
             }
             least
         };
-        mesh(&curves, order, &size, &|p| self.is_inside(p).then(|| self.region_at(p)))
+        let region = |p| self.is_inside(p).then(|| self.region_at(p));
+        mesh(&curves, order, &size, &region).map_err(|source| self.blamed(source, &sizes))
+    }
+
+    /// A mesh that cannot be made, with the region at its place, or the one that asks for the smallest triangles.
+    fn blamed(&self, source: MeshError, sizes: &[f64]) -> DesignError {
+        let finest = sizes.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i + 1);
+        let number = match &source {
+            MeshError::Degenerate { at } => Some(self.region_at(*at)).filter(|number| *number > 0),
+            _ => None,
+        };
+        let number = number.unwrap_or(finest);
+        let size_mm = number.checked_sub(1).and_then(|i| sizes.get(i)).copied().unwrap_or(f64::NAN);
+        DesignError::Mesh { region: self.name(number).to_owned(), size_mm, source }
     }
 
     /// True when a point is on the boundary or the axis, where the potential is held.

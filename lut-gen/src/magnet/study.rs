@@ -2,7 +2,6 @@
 
 use super::design::{Design, DesignError};
 use super::field::{Field, FieldError, Geometry, Matter, Solution};
-use crate::fem::mesh::MeshError;
 use crate::fem::triangle::Order;
 
 /// How much longer the sides of the second mesh are. What both differ by is more than the finer one errs.
@@ -14,9 +13,6 @@ pub enum StudyError {
     /// The design.
     #[error(transparent)]
     Design(#[from] DesignError),
-    /// Its mesh.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
     /// Its field.
     #[error("at {ampere} A: {source}")]
     Field {
@@ -50,6 +46,8 @@ pub struct Wanted {
     pub probes: Vec<usize>,
     /// Multiplies the size of all triangles; 1 as the design says.
     pub coarser: f64,
+    /// Only one mesh: errors are not known (NaN). For differences of two designs.
+    pub is_single: bool,
 }
 
 /// A flux density with its discretisation error, T.
@@ -124,18 +122,25 @@ impl Design {
         self.check()?;
         let coarser = if wanted.coarser > 0.0 { wanted.coarser } else { 1.0 };
         let mut fine = self.prepared(wanted.order, coarser)?;
-        let mut coarse = self.prepared(wanted.order, COARSER * coarser)?;
+        let mut coarse = match wanted.is_single {
+            true => None,
+            false => Some(self.prepared(wanted.order, COARSER * coarser)?),
+        };
         let mut solutions: Vec<Solution> = Vec::new();
-        let mut before: Option<Solution> = None;
+        let mut before: Option<Vec<f64>> = None;
         let mut states = Vec::new();
         for (i, ampere) in currents.iter().enumerate() {
-            let rough = self.solve(&mut coarse, *ampere, before.as_ref())?;
-            let exact = self.solve(&mut fine, *ampere, solutions.last())?;
-            let [from_fine, from_coarse] =
-                [(&fine, &exact), (&coarse, &rough)].map(|(p, s)| self.raw(p, s, *ampere, wanted));
-            states.push(merged(*ampere, &from_fine?, &from_coarse?, exact.steps));
+            let start = ahead(&solutions, &currents[..=i]);
+            let exact = self.solve(&mut fine, *ampere, start.as_deref())?;
+            let from_fine = self.raw(&fine, &exact, *ampere, wanted)?;
+            let mut from_coarse = None;
+            if let Some(coarse) = &mut coarse {
+                let rough = self.solve(coarse, *ampere, before.as_deref())?;
+                from_coarse = Some(self.raw(coarse, &rough, *ampere, wanted)?);
+                before = Some(rough.potential);
+            }
+            states.push(merged(*ampere, &from_fine, from_coarse.as_ref(), exact.steps));
             solutions.push(exact);
-            before = Some(rough);
             told(i + 1);
         }
         Ok(Study { field: fine.field, solutions, areas: fine.areas, states })
@@ -160,9 +165,8 @@ impl Design {
         self.coils.iter().map(|coil| coil.share * ampere).collect()
     }
 
-    fn solve(&self, on: &mut Prepared, ampere: f64, start: Option<&Solution>) -> Result<Solution, StudyError> {
+    fn solve(&self, on: &mut Prepared, ampere: f64, start: Option<&[f64]>) -> Result<Solution, StudyError> {
         let matter = self.matter(&self.currents(ampere), &on.areas);
-        let start = start.map(|s| s.potential.as_slice());
         on.field.solve(&matter, start).map_err(|source| StudyError::Field { ampere, source })
     }
 
@@ -207,6 +211,15 @@ impl Design {
     }
 }
 
+/// Where to start for the last of these currents: as far beyond the last potential as the current goes on.
+fn ahead(solutions: &[Solution], currents: &[f64]) -> Option<Vec<f64>> {
+    let [.., first, last] = solutions else { return solutions.last().map(|s| s.potential.clone()) };
+    let [.., a, b, c] = currents else { return None };
+    let part = (c - b) / (b - a);
+    // Far beyond, a straight line says less than the last potential does.
+    if part.abs() <= 2.0 { last.beyond(first, part) } else { Some(last.potential.clone()) }
+}
+
 /// What one mesh says.
 struct Raw {
     points: Vec<[f64; 2]>,
@@ -216,16 +229,25 @@ struct Raw {
     coenergy_j: f64,
 }
 
-fn merged(ampere: f64, fine: &Raw, coarse: &Raw, steps: usize) -> State {
-    let flux = |(a, b): (&[f64; 2], &[f64; 2])| Flux { b_t: *a, error_t: (a[0] - b[0]).hypot(a[1] - b[1]) };
-    let reading = |a: f64, b: f64| Reading { value: a, error: (a - b).abs() };
+fn merged(ampere: f64, fine: &Raw, coarse: Option<&Raw>, steps: usize) -> State {
+    let fluxes = |of: fn(&Raw) -> &[[f64; 2]]| -> Vec<Flux> {
+        let off = |(i, a): (usize, &[f64; 2])| {
+            let other = coarse.and_then(|coarse| of(coarse).get(i));
+            Flux { b_t: *a, error_t: other.map_or(f64::NAN, |b| (a[0] - b[0]).hypot(a[1] - b[1])) }
+        };
+        of(fine).iter().enumerate().map(off).collect()
+    };
+    let reading = |of: &dyn Fn(&Raw) -> f64| Reading {
+        value: of(fine),
+        error: coarse.map_or(f64::NAN, |coarse| (of(fine) - of(coarse)).abs()),
+    };
     State {
         ampere,
-        points: fine.points.iter().zip(&coarse.points).map(flux).collect(),
-        probes: fine.probes.iter().zip(&coarse.probes).map(flux).collect(),
-        linkage_wb: fine.linkage_wb.iter().zip(&coarse.linkage_wb).map(|(a, b)| reading(*a, *b)).collect(),
-        energy_j: reading(fine.energy_j, coarse.energy_j),
-        coenergy_j: reading(fine.coenergy_j, coarse.coenergy_j),
+        points: fluxes(|raw| &raw.points),
+        probes: fluxes(|raw| &raw.probes),
+        linkage_wb: (0..fine.linkage_wb.len()).map(|i| reading(&|raw| raw.linkage_wb[i])).collect(),
+        energy_j: reading(&|raw| raw.energy_j),
+        coenergy_j: reading(&|raw| raw.coenergy_j),
         steps,
     }
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use super::readings::Unusable;
 use crate::experiment::Run;
 use crate::magnet::BUILT_IN;
-use crate::magnet::uncertain::{PARTS, Simulated, simulate};
+use crate::magnet::simulated::{Simulated, simulate};
+use crate::magnet::uncertain::PARTS;
 
 /// Currents that are solved at most; between them lines are straight.
 const MOST: usize = 33;
