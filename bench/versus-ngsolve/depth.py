@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 """The ring electromagnet of finite depth, in three dimensions, by NGSolve.
 
-    depth.py --depth 6 --currents 0.25 2 4
-    depth.py --depth 6 --gap 5 --no-probe --linear
-    depth.py --slab                                # no ends: must be the plane problem
+    depth.py --depths 0 6 --currents 0.25 2 4
+    depth.py --depths 0 6 12 --gap 5 --no-probe --linear --currents 1
 
 Core, fluid and probe of the plane problem have the depth t; the wound sectors too, and end turns of 1.8 mm in front of
 the core and behind it close the turns. The field is H = T - grad phi. T is a field with curl T = J: in the sectors
@@ -23,12 +22,14 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["PATH"] = sysconfig.get_path("scripts") + os.pathsep + os.environ["PATH"]  # NGSolve's compiler, ngscxx
 import ngsolve as ng
-from netgen.occ import Box, Cylinder, Glue, OCCGeometry, Pnt, WorkPlane, X, Y, Z, Axes
+from netgen.occ import Glue, OCCGeometry, WorkPlane, Z
 
 import laws
 
 TURNS = 770
+INNER, OUTER = 2.0, 1.6  # thickness of the winding inside of the core and outside of it, mm
 END = 1.8  # thickness of the end turns, mm
+SLAB = 4.0  # thickness of the slab that stands for the plane, mm
 BOX = 150.0
 
 
@@ -39,20 +40,21 @@ def extruded(face, low, high):
 def quarter(o):
     """Mesh of x > 0, z > 0."""
     half, far = o.depth / 2, o.depth / 2 if o.slab else o.depth / 2 + BOX
+    ri, ro = o.inner, o.outer
     disc = lambda r: WorkPlane().Circle(0, 0, r).Face()
     rectangle = lambda x0, y0, x1, y1: WorkPlane().MoveTo(x0, y0).Rectangle(x1 - x0, y1 - y0).Face()
     right = rectangle(0, -200, 200, 200)
     cut = math.radians(25)
     wedge = WorkPlane().MoveTo(0, 0).LineTo(70 * math.sin(cut), 70 * math.cos(cut)).LineTo(0, 70).Close().Face()
     ring = lambda low, high: (disc(high) - disc(low)) * right
-    iron = ring(14, 20) - rectangle(-1, 0, o.gap / 2, 30)
+    iron = ring(ri, ro) - rectangle(-1, 0, o.gap / 2, 200)
     plan = {
         "core": iron - wedge,
         "tip": iron * wedge,
-        "inner": ring(12, 14) - wedge,
-        "outer": ring(20, 21.6) - wedge,
+        "inner": ring(ri - INNER, ri) - wedge,
+        "outer": ring(ro, ro + OUTER) - wedge,
     }
-    fluid = rectangle(0, 12, o.gap / 2 + 2, 22) - iron - plan["inner"] - plan["outer"]
+    fluid = rectangle(0, ri - 2, o.gap / 2 + 2, ro + 2) - iron - plan["inner"] - plan["outer"]
     if o.probe:
         plan["probe"] = rectangle(0, 15, 0.5, 19)
         fluid = fluid - plan["probe"]
@@ -64,12 +66,12 @@ def quarter(o):
         solid.solids.maxh = {"core": o.core, "inner": o.coil, "outer": o.coil}.get(name, o.fine)
         solids.append(solid)
     if not o.slab:
-        for low, high in ((12, 14), (14, 20), (20, 21.6)):
+        for low, high in ((ri - INNER, ri), (ri, ro), (ro, ro + OUTER)):
             solid = extruded(ring(low, high) - wedge, half, half + END)
             solid.solids.name = "end"
             solid.solids.maxh = o.coil
             solids.append(solid)
-        near = extruded(rectangle(0, 10, o.gap / 2 + 4, 24), 0, half + 4)
+        near = extruded(rectangle(0, ri - 4, o.gap / 2 + 4, ro + 4), 0, half + 4)
         for s in solids:
             near = near - s
         near.solids.name = "air"
@@ -86,10 +88,10 @@ def quarter(o):
         if box[1].x < 1e-6:
             face.name = "middle"
     if o.edge:  # pole edges and the probe's, where the field is singular
-        reach = math.sqrt(20.0**2 - o.gap**2 / 4) + 1e-3
+        reach = math.sqrt(ro**2 - o.gap**2 / 4) + 1e-3
         for edge in shape.edges:
             box = edge.bounding_box
-            if abs(box[0].x - o.gap / 2) < 1e-6 and abs(box[1].x - o.gap / 2) < 1e-6 and box[0].y > 12 and box[1].y < reach and box[1].z < half + 1e-6:
+            if abs(box[0].x - o.gap / 2) < 1e-6 and abs(box[1].x - o.gap / 2) < 1e-6 and box[0].y > ri - 2 and box[1].y < reach and box[1].z < half + 1e-6:
                 edge.maxh = o.edge
     return ng.Mesh(OCCGeometry(shape).GenerateMesh(maxh=40, grading=o.grading))
 
@@ -105,8 +107,12 @@ class Depth:
         self.field = ng.GridFunction(self.space)
         self.solved = False
         self.amps = ng.Parameter(1.0)
+        self.wide = ng.Parameter(1.0)  # relative permeability of the air, of the plane problem alone
         r = ng.sqrt(ng.x**2 + ng.y**2)
-        f = ng.IfPos(14 - r, (r**2 - 144) / 52, ng.IfPos(r - 20, (21.6**2 - r**2) / (21.6**2 - 400), 1.0))
+        ri, ro = o.inner, o.outer
+        rise = (r**2 - (ri - INNER) ** 2) / (ri**2 - (ri - INNER) ** 2)
+        fall = ((ro + OUTER) ** 2 - r**2) / ((ro + OUTER) ** 2 - ro**2)
+        f = ng.IfPos(ri - r, rise, ng.IfPos(r - ro, fall, 1.0))
         half = o.depth / 2
         g = 1.0 if o.slab else ng.IfPos(ng.z - half, 1 - (ng.z - half) / END, 1.0)
         about = TURNS / math.radians(310) * f * g / r**2 * ng.CF((-ng.y, ng.x, 0))
@@ -129,16 +135,17 @@ class Depth:
         air = laws.MU_0 * h
         steel = float(self.iron.start[1]) * h if o.linear else self.iron.value(size) / size * h
         mrf = self.mrf.slope * h if o.linear else self.mrf.value(size) / size * h
-        self.b = mesh.MaterialCF({"core": steel, "tip": steel, "fluid": mrf}, default=air)
+        laws_of = {"core": steel, "tip": steel, "fluid": mrf, "probe": air}
+        self.b = mesh.MaterialCF(laws_of, default=self.wide * air)
 
     def equations(self, steel, mrf, square):
         form = ng.BilinearForm(self.space, symmetric=True, condense=True)
-        for region, density in ("air|probe|inner|outer|end", laws.MU_0 / 2 * square), ("core|tip", steel), ("fluid", mrf):
+        for region, density in ("air|inner|outer|end", self.wide * laws.MU_0 / 2 * square), ("probe", laws.MU_0 / 2 * square), ("core|tip", steel), ("fluid", mrf):
             form += ng.Variation(density * ng.dx(region))
         return form, None if self.o.direct else ng.Preconditioner(form, "bddc")
 
     def solve(self, amps):
-        """The field of a current, from the last one's; returns Newton steps and steps of the inner iterations."""
+        """The field of a current, from the last one's; returns Newton steps."""
         start = self.amps.Get()
         self.amps.Set(amps)
         self.field.vec.data *= amps / start
@@ -161,7 +168,7 @@ class Depth:
             if self.o.verbose:
                 print("   ", steps, ng.Norm(residual) / source, energy, inner, flush=True)
             if ng.Norm(residual) < close * source:
-                return steps, inner
+                return steps
             form.AssembleLinearization(vec)
             residual.data += form.harmonic_extension_trans * residual
             if self.o.direct:
@@ -186,36 +193,39 @@ class Depth:
     def answers(self):
         """|B| at the centre, its mean over the probe where |z| < 2, both T, and flux linkage per depth, Wb/m."""
         o = self.o
-        centre = math.hypot(*self.b(self.mesh(1e-7, 17.0, 1e-7)))
-        n, total = 8, 0.0
-        points = [(0.5 * (i + 0.5) / n, 15 + 4 * (j + 0.5) / n, 2 * (k + 0.5) / n) for i in range(4) for j in range(n) for k in range(n)]
-        points = [(0.5 * (i + 0.5) / 4, y, z) for i in range(4) for _, y, z in points[: n * n]]
-        for p in points:
-            total += math.hypot(*self.b(self.mesh(*p)))
+        centre = math.hypot(*self.b(self.mesh(1e-7, (o.inner + o.outer) / 2, 1e-7)))
+        n, top = 10, min(2.0, o.depth / 2)
+        places = [(i + 0.5) / n for i in range(n)]
+        total = sum(
+            math.hypot(*self.b(self.mesh(0.5 * x, 15 + 4 * y, top * z))) for x in places[::2] for y in places for z in places
+        )
         dx = ng.dx("core|inner|outer|end", bonus_intorder=2)
         linkage = 4 * ng.Integrate(ng.InnerProduct(self.b, self.unit) * dx, self.mesh) / o.depth * 1e-3
-        return centre, total / len(points), linkage
+        return centre, 2 * total / n**3, linkage
 
-    def ampere(self):
-        """The integral of H around the core at r = 17 mm, z = 0, over N I; and flux through x = 0 that does not return."""
-        n, total = 4000, 0.0
+    def checks(self):
+        """The integral of H around the core at its middle radius, z = 0, over N I; and the part of the flux over x = 0, y > 0 that does not
+        come back over y < 0."""
+        n, total, r = 20000, 0.0, (self.o.inner + self.o.outer) / 2
         for i in range(n):
             a = -math.pi / 2 + math.pi * (i + 0.5) / n
-            h = self.h(self.mesh(17 * math.cos(a), 17 * math.sin(a), 1e-7))
-            total += (-math.sin(a) * h[0] + math.cos(a) * h[1]) * 17 * math.pi / n
+            h = self.h(self.mesh(r * math.cos(a), r * math.sin(a), 1e-7))
+            total += (-math.sin(a) * h[0] + math.cos(a) * h[1]) * r * math.pi / n
         flux = [ng.Integrate(s * ng.BoundaryFromVolumeCF(self.b)[0] * ng.ds("middle"), self.mesh) for s in (ng.IfPos(ng.y, 1, 0), 1)]
         return 2 * total / (TURNS * self.amps.Get()), flux[1] / flux[0]
 
 
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--depth", type=float, default=6.0)
+    p.add_argument("--depths", type=float, nargs="*", default=[6, 12, 24, 48], help="mm; 0: the plane, a slab without ends, then also with the air of each of the other depths")
+    p.add_argument("--air", type=float, nargs="*", default=[], help="depths whose air the plane gets, instead of --depths, mm")
     p.add_argument("--gap", type=float, default=10.0)
     p.add_argument("--currents", type=float, nargs="*", default=[0.25, 1, 1.5, 1.75, 2, 2.25, 2.5, 4])
+    p.add_argument("--inner", type=float, default=14.0, help="inner radius of the core, mm")
+    p.add_argument("--outer", type=float, default=20.0)
     p.add_argument("--no-probe", dest="probe", action="store_false")
     p.add_argument("--linear", action="store_true", help="steel and fluid with their permeability at zero field")
-    p.add_argument("--slab", action="store_true")
-    p.add_argument("--order", type=int, default=2)
+    p.add_argument("--order", type=int, default=3)
     p.add_argument("--fine", type=float, default=1.0)
     p.add_argument("--edge", type=float, default=0.0)
     p.add_argument("--core", type=float, default=2.0)
@@ -226,15 +236,22 @@ def main():
     p.add_argument("--verbose", action="store_true")
     o = p.parse_args()
     ng.SetNumThreads(1)
-    begun = time.perf_counter()
-    depth = Depth(o)
-    print(f"# depth {o.depth} gap {o.gap} {depth.mesh.ne} elements, {depth.space.ndof} unknowns, meshed in {time.perf_counter() - begun:.1f} s", flush=True)
-    for amps in o.currents:
+    print(laws.COLUMNS)
+    for depth in o.depths:
+        o.slab, o.depth = depth == 0, depth or SLAB
         begun = time.perf_counter()
-        steps, inner = depth.solve(amps)
-        row = depth.answers()
-        print(f"{o.depth:g},{o.gap:g},{amps:g}," + ",".join(f"{x:.6g}" for x in row) + f",{steps},{inner},{time.perf_counter() - begun:.1f}", flush=True)
-    print("# ampere, flux lost:", depth.ampere(), flush=True)
+        magnet = Depth(o)
+        print(f"# {magnet.mesh.ne} elements, prepared in {time.perf_counter() - begun:.0f} s", flush=True)
+        deep = o.air or [depth for depth in o.depths if depth]
+        for wide in [1.0] if depth else [1.0] + [laws.air(t, o.inner, o.outer) for t in deep]:
+            magnet.wide.Set(wide)
+            for amps in o.currents:
+                begun = time.perf_counter()
+                steps = magnet.solve(amps)
+                cells = [f"{x:g}" for x in (depth, o.gap, o.inner, o.outer, o.probe, o.linear, wide, amps)]
+                cells += [f"{x:.6g}" for x in magnet.answers()]
+                cells += [f"{magnet.space.ndof}", f"{steps}", f"{time.perf_counter() - begun:.1f}"]
+                print(",".join(cells + [f"{x:.5f}" for x in magnet.checks()]), flush=True)
 
 
 if __name__ == "__main__":

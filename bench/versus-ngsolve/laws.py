@@ -45,9 +45,7 @@ class Law:
 
 def steel(name="1018_Steel"):
     """A steel of the tables in ../shared/data/bh_tables: straight lines, the last slope continued."""
-    lines = (SHARED / "data/bh_tables" / f"{name}.csv").read_text().splitlines()
-    points = [[float(c) for c in line.split(",")[:2]] for line in lines if line and not line.startswith("#")]
-    b, h = np.array(points).T
+    b, h = np.array(table(SHARED / "data/bh_tables" / f"{name}.csv")).T
     return Law(make_interp_spline(b, h * 1e-3, k=1))
 
 
@@ -86,11 +84,33 @@ def wound_areas():
     return half * (14.0**2 - 12.0**2), half * (21.6**2 - 20.0**2)
 
 
+COLUMNS = (
+    "depth_mm,gap_mm,inner_mm,outer_mm,probe,linear,wide,current_A,B_centre_T,B_probe_T,lambda_Wb_per_m,"
+    "unknowns,newton,seconds,ampere,flux_lost"
+)
+
+
+def air(depth, inner, outer):
+    """Relative permeability of the plane problem's air that stands for a core of a depth and two radii, mm."""
+    return 1 + (0.75 * (inner + outer) / 2 + 2.0 * (outer - inner)) / depth
+
+
+def bulge(depth, gap):
+    """The field in the middle of a gap between poles of a depth over that of the plane with `air`."""
+    return 1 - 0.45 * math.exp(-1.5 * math.pi * depth / gap)
+
+
+def table(path):
+    """Rows of numbers of a file with comments and one line of names."""
+    lines = path.read_text().splitlines()
+    return [[float(c) for c in line.split(",")] for line in lines if line[:1].isdigit()]
+
+
 def reference():
     """The reference curve: rows of current, |B| at the centre, and flux linkage."""
-    rows = []
-    for line in (SHARED / "reference/display/ring_A.csv").read_text().splitlines():
-        if line[:1].isdigit():
-            cells = [float(c) for c in line.split(",")]
-            rows.append((cells[0], cells[1], cells[13]))
-    return rows
+    return [(row[0], row[1], row[13]) for row in table(SHARED / "reference/display/ring_A.csv")]
+
+
+def fine():
+    """The same curve by plane.py on a very fine mesh."""
+    return table(Path(__file__).with_name("ring_A_fine.csv"))

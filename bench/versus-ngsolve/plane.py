@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """The reference's ring electromagnet (../shared/reference/display/README.md) in the plane, by NGSolve: time and error.
 
-    plane.py                      # the settings of the table below
-    plane.py --order 3 --scale 1  # one setting
+    plane.py                       # the settings of SETTINGS, a markdown table
+    plane.py --setting 3 1 0.03    # order, scale of all sizes, size at the corners
 
-The potential A is the least of the energy, by Newton's method with a line search, from current to current, starting
-with the last current's field. Times are wall seconds of assembly and solution of the 16 currents on one thread;
-meshing, compiling and the first assembly (which finds the matrix' graph) are apart.
+The potential A makes the energy least: Newton's method with a line search, from current to current. Seconds are those of
+assembly and solution of the 16 currents on one thread; meshing, compiling and the matrix' first analysis are apart. Errors
+are the largest of the 16 currents, against the reference's table and against ring_A_fine.csv.
 """
 import argparse
 import math
@@ -18,7 +18,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["PATH"] = sysconfig.get_path("scripts") + os.pathsep + os.environ["PATH"]  # NGSolve's compiler, ngscxx
 import ngsolve as ng
-from netgen.occ import Circle, Face, Glue, MoveTo, OCCGeometry, WorkPlane, X, Y
+from netgen.occ import Glue, MoveTo, OCCGeometry, WorkPlane
 
 import laws
 
@@ -41,8 +41,9 @@ def sector(low, high):
     return disc(high) - disc(low) - wedge
 
 
-def ring(sizes, grading):
-    """Mesh of the magnet; `sizes` are the greatest element sizes, mm, by region and at the corners."""
+def ring(scale, corner):
+    """Mesh of the magnet, coarser by `scale`, with elements of `corner` mm at the corners of pole and probe."""
+    sizes = {name: scale * size for name, size in SIZES.items()}
     core = disc(20) - disc(14) - MoveTo(-5, 0).Rectangle(10, 30).Face()
     probe = MoveTo(-0.5, 15).Rectangle(1, 4).Face()
     inner, outer = sector(12, 14), sector(20, 21.6)
@@ -60,14 +61,16 @@ def ring(sizes, grading):
     shape = Glue(list(parts.values()))
     for vertex in shape.vertices:
         at = (vertex.p.x, vertex.p.y)
-        for corners, size in ((TIPS, sizes["tip"]), (PROBE, sizes["corner"])):
-            if any(math.dist(at, c) < 1e-6 for c in corners):
-                vertex.maxh = size
-    return OCCGeometry(shape, dim=2).GenerateMesh(maxh=sizes["air"], grading=grading)
+        if any(math.dist(at, c) < 1e-6 for c in TIPS + PROBE):
+            vertex.maxh = corner
+    return ng.Mesh(OCCGeometry(shape, dim=2).GenerateMesh(maxh=sizes["air"], grading=GRADING))
 
 
-# Sizes at scale 1, mm.
-SIZES = {"probe": 0.6, "fluid": 1.0, "core": 2.0, "inner": 2.0, "outer": 2.0, "air": 40.0, "tip": 0.1, "corner": 0.1}
+# Greatest sizes at scale 1, mm.
+SIZES = {"probe": 0.6, "fluid": 1.0, "core": 2.0, "inner": 2.0, "outer": 2.0, "air": 40.0}
+# Order, scale, size at the corners of pole and probe, mm.
+SETTINGS = [(2, 1.2, 0.15), (2, 0.6, 0.05), (2, 0.5, 0.02), (3, 3.0, 0.2), (3, 2.0, 0.1), (3, 1.0, 0.1), (3, 1.0, 0.03), (4, 2.0, 0.03)]
+GRADING = 0.4
 
 
 class Plane:
@@ -156,27 +159,31 @@ def errors(rows, truth):
 
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--order", type=int, default=3)
-    p.add_argument("--scale", type=float, default=1.0)
-    p.add_argument("--grading", type=float, default=0.3)
-    p.add_argument("--inverse", default="sparsecholesky")
-    p.add_argument("--points", type=int, default=0)
-    p.add_argument("--set", nargs="*", default=[])
+    p.add_argument("--setting", nargs=3, type=float, metavar=("ORDER", "SCALE", "CORNER"))
+    p.add_argument("--inverse", default="sparsecholesky", choices=["sparsecholesky", "umfpack"])
+    p.add_argument("--repeat", type=int, default=1, help="the least seconds of so many curves count")
+    p.add_argument("--rows", action="store_true", help="the curve instead of the table")
     o = p.parse_args()
     ng.SetNumThreads(1)
-    sizes = dict(SIZES)
-    for s in o.set:
-        k, v = s.split("=")
-        sizes[k] = float(v)
-    sizes = {k: v * o.scale for k, v in sizes.items()}
-    begun = time.perf_counter()
-    mesh = ng.Mesh(ring(sizes, o.grading))
-    meshed = time.perf_counter() - begun
-    plane = Plane(mesh, o.order, o.inverse, o.points)
-    truth = laws.reference()
-    wall, cpu, n, rows = plane.curve([r[0] for r in truth])
-    c, l = errors(rows, truth)
-    print(f"order {o.order} scale {o.scale} {o.inverse} ne {mesh.ne} free {plane.unknowns} mesh {meshed:.2f}s curve {wall:.2f}s cpu {cpu:.2f} steps {n} centre {c:.1e} linked {l:.1e}")
+    truth, fine = laws.reference(), laws.fine()
+    if not o.rows:
+        print("| NGSolve | unknowns | Newton steps | mesh s | wall s | CPU s | centre, table | linkage, table | centre, fine | linkage, fine |")
+        print("|---|---|---|---|---|---|---|---|---|---|")
+    for order, scale, corner in [o.setting] if o.setting else SETTINGS:
+        begun = time.process_time()
+        mesh = ring(scale, corner)
+        meshed = time.process_time() - begun
+        plane = Plane(mesh, int(order), o.inverse)
+        curves = [plane.curve([row[0] for row in truth]) for _ in range(o.repeat)]
+        wall, cpu = (min(c[i] for c in curves) for i in (0, 1))
+        steps, rows = curves[0][2:]
+        if o.rows:
+            print("\n".join(",".join(f"{x:.9g}" for x in row) for row in rows))
+            continue
+        cells = [f"order {order:g}, sizes x {scale:g}, corners {corner:g} mm", plane.unknowns, steps]
+        cells += [f"{x:.2f}" for x in (meshed, wall, cpu)]
+        cells += [f"{x:.1e}" for x in errors(rows, truth) + errors(rows, fine)]
+        print("| " + " | ".join(map(str, cells)) + " |", flush=True)
 
 
 if __name__ == "__main__":
