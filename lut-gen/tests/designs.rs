@@ -50,6 +50,7 @@ fn c_core(scale: f64, gap: f64, law: Law) -> Design {
     Design {
         geometry: Geometry::Plane,
         depth_mm: 6.0 * scale,
+        out_of_plane: None,
         edge: Edge::Round { radius: 80.0 * scale },
         regions: vec![core, wound("in", [8.0, 10.0], 1.0), wound("out", [14.0, 15.5], -1.0)],
         coils: vec![Coil { name: "winding".into(), winding: winding(500.0), share: 1.0 }],
@@ -125,6 +126,7 @@ fn any_design() -> impl Strategy<Value = Design> {
         Design {
             geometry: if axial { Geometry::Axisymmetric } else { Geometry::Plane },
             depth_mm: 6.0,
+            out_of_plane: None,
             edge: if round { Edge::Round { radius: 40.0 } } else { Edge::Box { half: 40.0 } },
             coils: if coiled {
                 vec![Coil { name: "winding".into(), winding: winding(300.0), share: 1.0 }]

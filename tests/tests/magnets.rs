@@ -2,7 +2,7 @@
 //! `cargo run --release -p tests --example verification` makes them again.
 #![allow(clippy::unwrap_used)]
 
-use tests::magnets::{Compared, Shared, c_cores, magnetised, permanent, pot, ring};
+use tests::magnets::{Compared, Shared, c_cores, finite_depth, magnetised, permanent, pot, ring};
 use tests::shared_or_skipped;
 
 fn met(list: &[Compared]) {
@@ -49,4 +49,9 @@ fn a_magnetised_cylinder_is_the_closed_form() {
 #[test]
 fn a_gap_leaks_as_much_as_another_solver_says() {
     met(&c_cores().unwrap());
+}
+
+#[test]
+fn a_ring_of_finite_depth_leaks_as_in_three_dimensions() {
+    with("ring_A.csv", |shared| finite_depth(shared).unwrap());
 }

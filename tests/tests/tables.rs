@@ -199,15 +199,18 @@ fn built_with(set: (&str, f64), seed: u64) -> Diagnosis {
     of_folder(folder.path()).unwrap().unwrap()
 }
 
-/// A wider gap, fewer turns and a leak change the flux density nearly alike: the truth is named, or among the names that
-/// cannot be told apart, and never another alone.
+/// A wider gap, less iron and a leak change the flux density nearly alike: what is named holds the truth, and the part that
+/// leaves least when it stands alone is the truth.
 #[test]
-fn a_magnet_that_differs_from_its_drawing_is_named_or_among_its_twins() {
+fn a_magnet_that_differs_from_its_drawing_is_not_named_wrong() {
     for (set, code) in [(("gap", 11.0), "gap"), (("steel", 0.9), "saturation")] {
         let found = built_with(set, 7);
         let named = codes(&found);
         println!("{set:?}: {} {named:?} {:?}", found.verdict.word(), found.alone);
         assert!(named.contains(&code) || found.findings.is_empty(), "{set:?} is named {named:?}");
+        let alone = found.alone.as_ref().unwrap();
+        assert_eq!(alone.parts[0].code, code, "{alone:?}");
+        assert!(alone.parts[0].left < 1.2 * SIGMA && alone.without > 20.0 * SIGMA, "{alone:?}");
     }
     let found = built_with(("gap", 10.0), 8);
     assert!(found.findings.is_empty(), "the drawing itself is named {:?}", codes(&found));
@@ -227,8 +230,8 @@ fn table_6_beside_a_magnet_is_bounded_and_not_named() {
     let found = of_folder(copy.path()).unwrap().unwrap();
     assert_eq!((found.verdict, found.findings.len()), (Verdict::TooFewData, 0));
     let alone = found.alone.as_ref().unwrap();
-    // The drawing has 0.27 to 0.38 T where 0.06 to 0.08 T were read.
-    assert!((2000.0..3500.0).contains(&alone.without), "{alone:?}");
+    // The drawing has 0.19 to 0.23 T where 0.06 to 0.08 T were read.
+    assert!((1000.0..2000.0).contains(&alone.without), "{alone:?}");
     let of = |code: &str| alone.parts.iter().find(|part| part.code == code).unwrap().amount;
     assert!(of("gap") > 6.0 && of("leakage") < -6.0 && of("turns") < -6.0, "{alone:?}");
     assert!(answer::json(&found, None)["alone"]["parts"].as_array().unwrap().len() >= 6);

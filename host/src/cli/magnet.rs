@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use lut_gen::fem::triangle::Order;
 use lut_gen::magnet::curve::FluxCurve;
+use lut_gen::magnet::field::Geometry;
 use lut_gen::magnet::study::{State, Study};
 use lut_gen::magnet::winding::Fit;
 use miette::{IntoDiagnostic, WrapErr, miette};
@@ -187,7 +188,7 @@ fn print(magnet: &Magnet, study: &Study) {
     if !magnet.source.is_empty() {
         outln!("{}", magnet.source);
     }
-    for line in winding_lines(magnet, study) {
+    for line in depth_line(magnet).into_iter().chain(winding_lines(magnet, study)) {
         outln!("{line}");
     }
     outln!("");
@@ -232,6 +233,25 @@ fn give_or_take(value: f64, error: f64) -> String {
     }
     let digits = (1.0 - error.log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.digits$} +- {error:.digits$}")
+}
+
+/// What a plane drawing says of the third dimension.
+fn depth_line(magnet: &Magnet) -> Option<String> {
+    let design = &magnet.design;
+    if design.geometry == Geometry::Axisymmetric {
+        return None;
+    }
+    Some(match &design.out_of_plane {
+        Some(out) => format!(
+            "{} mm deep: flux that leaves the plane is allowed for, to 3.5 % in the gap (air of permeability {})",
+            number(design.depth_mm),
+            number(out.air(design.depth_mm))
+        ),
+        None => format!(
+            "Plane: as if it were infinitely deep. A magnet that is {} mm deep leaks before and behind.",
+            number(design.depth_mm)
+        ),
+    })
 }
 
 fn winding_lines(magnet: &Magnet, study: &Study) -> Vec<String> {
@@ -315,7 +335,7 @@ fn summary(magnet: &Magnet, study: &Study, files: &[PathBuf]) -> Value {
     let control = curve(magnet, &study.states)
         .map(|c| json!({"most_A": c.most_a(), "most_T": c.flux_t(c.most_a()), "bound_T": c.bound_t()}));
     let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-    json!({"title": magnet.title, "source": magnet.source, "unknowns": study.field.unknowns(),
+    json!({"title": magnet.title, "depth": depth_line(magnet), "source": magnet.source, "unknowns": study.field.unknowns(),
            "coils": coils.collect::<Vec<_>>(), "states": states.collect::<Vec<_>>(), "control": control, "files": files})
 }
 
@@ -337,7 +357,7 @@ fn write(folder: &Path, all_maps: bool, magnet: &Magnet, study: &Study) -> miett
     let over = (study.states.len() > 1).then(|| picture::over_current(magnet, &study.states).svg());
     let mut page = Page::new(&magnet.title, &magnet.source);
     page.figure(&drawn, "Bands of |B|, and lines of flux: between two of them flows the same flux.");
-    for line in winding_lines(magnet, study) {
+    for line in depth_line(magnet).into_iter().chain(winding_lines(magnet, study)) {
         page.paragraph(&line);
     }
     if let Some(svg) = &along {

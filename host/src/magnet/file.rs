@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use lut_gen::magnet::curve::Built;
-use lut_gen::magnet::design::{Design, Edge, Region};
+use lut_gen::magnet::design::{Design, Edge, OutOfPlane, Region};
 use lut_gen::magnet::field::Geometry;
 use lut_gen::magnet::shape::Shape;
 
@@ -14,7 +14,7 @@ use super::{Control, Line, Magnet, Named, material, part};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{ExperimentError, Problem, text_of};
 
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "title",
     "source",
     "geometry",
@@ -28,6 +28,7 @@ const KEYS: [&str; 15] = [
     "probe",
     "control",
     "built",
+    "out_of_plane",
     "parameters",
     "uncertain",
 ];
@@ -80,7 +81,8 @@ pub fn parse(file: &Path, text: &str, set: &BTreeMap<String, f64>) -> Result<Mag
         part::coil(name, section, geometry, depth_mm, mean_radius_mm(&regions, i), &parameters)
     });
     let coils = coils.collect::<Result<_, _>>()?;
-    let design = Design { geometry, depth_mm, edge: edge(&root, &parameters)?, regions, coils };
+    let out_of_plane = out_of_plane(&root, geometry, &parameters)?;
+    let design = Design { geometry, depth_mm, out_of_plane, edge: edge(&root, &parameters)?, regions, coils };
     design.check().map_err(|error| {
         let text = error.to_string();
         let at = sections.iter().zip(&design.regions).find(|(_, r)| text.contains(&format!("\"{}\"", r.name)));
@@ -153,6 +155,27 @@ fn edge(root: &Section<'_>, parameters: &Parameters) -> Result<Edge, ExperimentE
         (None, Some(half)) => Ok(Edge::Box { half }),
         _ => Err(section.missing("radius_mm", "either radius_mm of a circle or half_mm of a box")),
     }
+}
+
+fn out_of_plane(
+    root: &Section<'_>,
+    geometry: Geometry,
+    parameters: &Parameters,
+) -> Result<Option<OutOfPlane>, ExperimentError> {
+    let Some(section) = root.section("out_of_plane", "[out_of_plane]".to_owned())? else { return Ok(None) };
+    section.only(&["mean_radius_mm", "width_mm", "gap_mm"])?;
+    if geometry == Geometry::Axisymmetric {
+        let text = "[out_of_plane] belongs to a plane drawing; about an axis nothing leaves the plane".to_owned();
+        return Err(section.document.error(section.span.clone(), Problem::Contradiction(text)));
+    }
+    let length = |key: &str, expected: &str| {
+        parameters.number(&section, key, 1e-3..=1e5, expected)?.ok_or_else(|| section.missing(key, expected))
+    };
+    Ok(Some(OutOfPlane {
+        mean_radius_mm: length("mean_radius_mm", "the mean radius of the core, mm")?,
+        width_mm: length("width_mm", "the width of the core in the plane, mm")?,
+        gap_mm: length("gap_mm", "the gap between the poles, mm")?,
+    }))
 }
 
 fn name_of(section: &Section<'_>) -> Result<String, ExperimentError> {

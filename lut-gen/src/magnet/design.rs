@@ -50,6 +50,36 @@ pub enum Edge {
     },
 }
 
+/// What a plane drawing of a ring with a gap lacks: flux that leaves the plane before and behind the core.
+///
+/// Fitted to magnetostatics in three dimensions (`bench/versus-ngsolve/depth.csv`: depths of 3 to 48 mm, gaps of 2 to 10 mm,
+/// steel and linear, up to 4 A): flux density in the gap within 3.5 %, linkage within 3 %. One case of 48 misses by 5.4 %, the
+/// thinnest core with the widest gap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OutOfPlane {
+    /// Mean radius of the core, mm.
+    pub mean_radius_mm: f64,
+    /// Width of the core in the plane, mm.
+    pub width_mm: f64,
+    /// Gap between the poles, mm.
+    pub gap_mm: f64,
+}
+
+impl OutOfPlane {
+    /// Relative permeability of the plane's air and coils that carries as much flux beside a core of this depth (mm) as air
+    /// before, behind and beside it does.
+    #[must_use]
+    pub fn air(&self, depth_mm: f64) -> f64 {
+        1.0 + (0.75 * self.mean_radius_mm + 2.0 * self.width_mm) / depth_mm
+    }
+
+    /// Flux density in the middle of the gap, half way of the depth, over that of the plane: the field bulges out.
+    #[must_use]
+    pub fn bulge(&self, depth_mm: f64) -> f64 {
+        1.0 - 0.45 * (-1.5 * std::f64::consts::PI * depth_mm / self.gap_mm).exp()
+    }
+}
+
 /// A magnet. Where regions overlap the later one counts; what no region covers is air.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
@@ -57,6 +87,8 @@ pub struct Design {
     pub geometry: Geometry,
     /// Depth of a plane magnet out of the plane, mm; not used about an axis.
     pub depth_mm: f64,
+    /// What leaves the plane; without, the plane is infinitely deep.
+    pub out_of_plane: Option<OutOfPlane>,
     /// Where it ends.
     pub edge: Edge,
     /// Its parts.
@@ -261,14 +293,24 @@ impl Design {
     /// The matter of the mesh's regions when these currents flow through the coils, A.
     #[must_use]
     pub fn matter(&self, currents: &[f64], areas: &[f64]) -> Vec<Matter> {
-        let air = Matter { law: Law::Linear(1.0), current: 0.0, coercive: [0.0; 2] };
+        let around = Law::Linear(self.out_of_plane.map_or(1.0, |out| out.air(self.depth_mm)));
+        let air = Matter { law: around.clone(), current: 0.0, coercive: [0.0; 2] };
         let regions = self.regions.iter().map(|region| {
             let current = region.coil.map_or(0.0, |(coil, sense)| {
                 let window = self.window_mm2(coil, areas)[usize::from(sense < 0.0)];
                 sense * self.coils[coil].winding.turns * currents.get(coil).copied().unwrap_or(0.0) / window
             });
-            Matter { law: region.law.clone(), current, coercive: region.coercive }
+            let is_around = region.coil.is_some() && region.law == Law::Linear(1.0);
+            let law = if is_around { around.clone() } else { region.law.clone() };
+            Matter { law, current, coercive: region.coercive }
         });
         std::iter::once(air).chain(regions).collect()
+    }
+
+    /// What the flux density of a plane region is multiplied with half way of the depth: 1 in steel.
+    #[must_use]
+    pub fn bulge(&self, number: usize) -> f64 {
+        let out = self.out_of_plane.filter(|_| !matches!(self.law(number), Law::Table(_)));
+        out.map_or(1.0, |out| out.bulge(self.depth_mm))
     }
 }

@@ -198,6 +198,7 @@ mod tests {
         let design = Design {
             geometry: Geometry::Plane,
             depth_mm: 1.0,
+            out_of_plane: None,
             edge: Edge::Round { radius: 50.0 },
             // Two blocks of iron side by side are one; the copper above them has corners of no account.
             regions: vec![

@@ -171,10 +171,15 @@ impl Design {
     }
 
     fn raw(&self, on: &Prepared, solution: &Solution, ampere: f64, wanted: &Wanted) -> Result<Raw, StudyError> {
-        let at = |p: &[f64; 2]| on.field.flux_density(solution, *p).ok_or(StudyError::Outside { at: *p });
+        let at = |p: &[f64; 2]| {
+            let bulge = self.bulge(self.region_at(*p));
+            let flux = on.field.flux_density(solution, *p).ok_or(StudyError::Outside { at: *p })?;
+            Ok::<_, StudyError>(flux.map(|b| bulge * b))
+        };
         let mean = |region: &usize| {
             let none = || StudyError::NoProbe { region: self.name(*region).to_owned() };
-            on.field.mean_flux(solution, *region).ok_or_else(none)
+            let flux = on.field.mean_flux(solution, *region).ok_or_else(none)?;
+            Ok::<_, StudyError>(flux.map(|b| self.bulge(*region) * b))
         };
         let matter: Vec<Matter> = self.matter(&self.currents(ampere), &on.areas);
         let energy = on.field.energy(solution, &matter);

@@ -79,6 +79,7 @@ fn ring_of(gap_mm: f64, core: (Law, f64), fluid: Law, probe: bool, size_mm: f64)
     Design {
         geometry: Geometry::Plane,
         depth_mm: 1000.0,
+        out_of_plane: None,
         edge: Edge::Round { radius: 150.0 },
         regions,
         coils: coil(31.2),
@@ -108,6 +109,7 @@ pub fn pot_a(steel: Law) -> Design {
     Design {
         geometry: Geometry::Axisymmetric,
         depth_mm: 0.0,
+        out_of_plane: None,
         edge: Edge::Box { half: 90.0 },
         regions: vec![
             region("core", core.map(rectangle).to_vec(), steel, 0.5),
@@ -130,6 +132,7 @@ pub fn cylinder() -> Design {
     Design {
         geometry: Geometry::Axisymmetric,
         depth_mm: 0.0,
+        out_of_plane: None,
         edge: Edge::Box { half: 240.0 },
         regions: vec![near, magnet],
         coils: Vec::new(),
@@ -169,6 +172,7 @@ pub fn arrangement(text: &str, alnico: &Law, steel: &Law) -> Option<Design> {
     Some(Design {
         geometry: Geometry::Plane,
         depth_mm: 1000.0,
+        out_of_plane: None,
         edge: Edge::Round { radius: 120.0 },
         regions,
         coils: Vec::new(),

@@ -4,7 +4,7 @@ mod designs;
 
 use std::path::Path;
 
-use lut_gen::magnet::design::Design;
+use lut_gen::magnet::design::{Design, OutOfPlane};
 use lut_gen::magnet::study::{Flux, State, Wanted};
 
 pub use designs::{arrangement, c_core, cylinder, law, pot_a, ring_a, rows};
@@ -64,6 +64,7 @@ pub fn all(shared: Shared<'_>) -> Result<Vec<Compared>, Failure> {
     }
     list.push(magnetised(shared)?);
     list.extend(c_cores()?);
+    list.extend(finite_depth(shared)?);
     Ok(list)
 }
 
@@ -221,6 +222,37 @@ pub fn c_cores() -> Result<Vec<Compared>, Failure> {
             ),
             error: (found / reference - 1.0).abs(),
             allowed: 3e-3,
+            unit: "of it",
+            unknowns,
+        });
+    }
+    Ok(list)
+}
+
+/// The ring of finite depth, beside magnetostatics in three dimensions (`bench/versus-ngsolve/depth.py`): 6 to 48 mm.
+///
+/// # Errors
+/// As [`all`].
+pub fn finite_depth(shared: Shared<'_>) -> Result<Vec<Compared>, Failure> {
+    const DEEP: &str = include_str!("../../../bench/versus-ngsolve/depth.csv");
+    let deep = rows(DEEP);
+    let mut list = Vec::new();
+    for depth in [6.0, 12.0, 24.0, 48.0] {
+        // Gap 10, radii 14 and 20, with a probe, steel and fluid.
+        let own: Vec<&Vec<f64>> =
+            deep.iter().filter(|r| r[..6] == [depth, 10.0, 14.0, 20.0, 1.0, 0.0] && r[6] == 1.0).collect();
+        let mut design = ring_a(shared.table("1018_Steel.csv")?, true);
+        design.depth_mm = depth;
+        design.out_of_plane = Some(OutOfPlane { mean_radius_mm: 17.0, width_mm: 6.0, gap_mm: 10.0 });
+        let currents: Vec<f64> = own.iter().map(|row| row[7]).collect();
+        let (states, unknowns) = solved(&design, &[[0.0, 17.0]], &currents)?;
+        let off = |(state, row): (&State, &&Vec<f64>)| (state.points[0].size_t() / row[8] - 1.0).abs();
+        let error = states.iter().zip(&own).map(off).fold(0.0, f64::max);
+        list.push(Compared {
+            reference: format!("ring, {depth} mm deep, NGSolve in 3-D"),
+            what: format!("flux density at the centre, {} currents", own.len()),
+            error,
+            allowed: 0.035,
             unit: "of it",
             unknowns,
         });
