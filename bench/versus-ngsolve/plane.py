@@ -69,7 +69,7 @@ def ring(scale, corner):
 # Greatest sizes at scale 1, mm.
 SIZES = {"probe": 0.6, "fluid": 1.0, "core": 2.0, "inner": 2.0, "outer": 2.0, "air": 40.0}
 # Order, scale, size at the corners of pole and probe, mm.
-SETTINGS = [(2, 1.2, 0.15), (2, 0.6, 0.05), (2, 0.5, 0.02), (3, 3.0, 0.2), (3, 2.0, 0.1), (3, 1.0, 0.1), (3, 1.0, 0.03), (4, 2.0, 0.03)]
+SETTINGS = [(2, 1.2, 0.1), (2, 0.6, 0.02), (3, 3.0, 0.2), (3, 2.0, 0.1), (3, 1.5, 0.05), (3, 1.0, 0.05), (3, 1.0, 0.03), (4, 2.0, 0.03)]
 GRADING = 0.4
 
 

@@ -9,15 +9,14 @@ python=${PYTHON:-python3} core=${CORE:-1} repeat=${REPEAT:-3}
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-cargo test --release -q -p lut-gen --test magnet --no-run
+ours=$(cargo test --release -q -p lut-gen --test magnet --no-run --message-format json |
+    python3 -c 'import json, sys; print(*filter(None, (json.loads(line).get("executable") for line in sys.stdin)))')
 echo "Load $(cut -d' ' -f1 /proc/loadavg), $(awk -F': ' '/model name/ { print $2; exit }' /proc/cpuinfo), core $core."
 echo
 taskset -c "$core" "$python" "$here/plane.py" --repeat "$repeat"
-for inverse in umfpack; do
-    taskset -c "$core" "$python" "$here/plane.py" --repeat "$repeat" --inverse $inverse --setting 3 1 0.03 | tail -n 1 | sed "s/order 3/$inverse, order 3/"
-done
+taskset -c "$core" "$python" "$here/plane.py" --repeat "$repeat" --inverse umfpack --setting 3 1 0.03 | tail -n 1 | sed "s/order 3/umfpack, order 3/"
 for _ in $(seq "$repeat"); do
     TIMEFORMAT='CPU %U %S'
-    { time taskset -c "$core" cargo test --release -q -p lut-gen --test magnet the_ring_electromagnet -- --nocapture; } >>"$log" 2>&1
+    { time (cd lut-gen && taskset -c "$core" "$ours" --nocapture the_ring_electromagnet); } >>"$log" 2>&1
 done
 "$python" "$here/ours.py" "$log"
