@@ -263,7 +263,7 @@ pub fn finite_depth(shared: Shared<'_>) -> Result<Vec<Compared>, Failure> {
 /// The comparisons as the table of docs/verification.md.
 #[must_use]
 pub fn table(compared: &[Compared]) -> String {
-    let figure = |value: f64| if value < 0.01 { format!("{value:.1e}") } else { format!("{value:.2}") };
+    let figure = |value: f64| if value < 0.1 { format!("{value:.1e}") } else { format!("{value:.2}") };
     let row = |c: &Compared| {
         let verdict = if c.is_met() { "met" } else { "MISSED" };
         let (error, allowed) = (figure(c.error), figure(c.allowed));
