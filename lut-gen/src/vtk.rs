@@ -9,6 +9,8 @@ pub const LINE: u8 = 3;
 pub const TRIANGLE: u8 = 5;
 /// Corners, then the middles of its sides.
 pub const QUADRATIC_TRIANGLE: u8 = 22;
+/// Corners, then nodes on its sides, then those inside.
+pub const LAGRANGE_TRIANGLE: u8 = 69;
 /// Corners, then the middles of its sides.
 pub const QUADRATIC_QUAD: u8 = 23;
 

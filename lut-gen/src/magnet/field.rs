@@ -229,6 +229,10 @@ impl Field {
                 let energy = Potential { domain, regions, laws, pattern, scatter, square, load };
                 newton.minimise(&energy, pattern, factor, x)
             }
+            Parts::Third(domain) => {
+                let energy = Potential { domain, regions, laws, pattern, scatter, square, load };
+                newton.minimise(&energy, pattern, factor, x)
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! What a field is at a point and over a region.
 
-use crate::fem::triangle::NODES;
+use crate::fem::triangle::{NODES, Order};
 
 use super::field::{Field, Geometry, Solution};
 use super::point::{gradient, point};
@@ -10,7 +10,13 @@ impl Field {
     #[must_use]
     pub fn flux_density(&self, solution: &Solution, at: [f64; 2]) -> Option<[f64; 2]> {
         let (t, coordinates) = self.locator.find(&self.mesh, at)?;
-        let g = self.fitted(solution, t, at).or_else(|| self.averaged(solution, t, coordinates))?;
+        let g = match self.mesh.order {
+            // A cubic's slope is as good as a fit through its neighbours'.
+            Order::Third => {
+                Some(gradient(&point(&self.mesh, self.geometry, t, coordinates, 1.0)?, &self.own(solution, t)))
+            }
+            _ => self.fitted(solution, t, at).or_else(|| self.averaged(solution, t, coordinates)),
+        }?;
         Some(match self.geometry {
             Geometry::Plane => [g[1], -g[0]],
             Geometry::Axisymmetric => [-g[1], g[0]],
@@ -26,7 +32,7 @@ impl Field {
             let (mut sum, mut area) = ([0.0; 2], 0.0);
             for other in self.around[*node].iter().filter(|other| self.mesh.regions[**other] == self.mesh.regions[t]) {
                 let place = self.mesh.triangles[*other][..count].iter().position(|own| own == node)?;
-                let point = point(&self.mesh, self.geometry, *other, corner(place), 1.0)?;
+                let point = point(&self.mesh, self.geometry, *other, self.mesh.order.coordinates(place), 1.0)?;
                 let there = gradient(&point, &self.own(solution, *other));
                 sum = [sum[0] + point.area * there[0], sum[1] + point.area * there[1]];
                 area += point.area;
@@ -63,17 +69,5 @@ impl Field {
     pub fn area(&self, region: usize) -> f64 {
         let own = (0..self.mesh.triangles.len()).filter(|t| self.mesh.regions[*t] == region);
         own.flat_map(|t| self.points(t)).map(|point| point.area).sum()
-    }
-}
-
-/// Barycentric coordinates of a node of a triangle.
-pub(super) const fn corner(place: usize) -> [f64; 3] {
-    match place {
-        0 => [1.0, 0.0, 0.0],
-        1 => [0.0, 1.0, 0.0],
-        2 => [0.0, 0.0, 1.0],
-        3 => [0.5, 0.5, 0.0],
-        4 => [0.0, 0.5, 0.5],
-        _ => [0.5, 0.0, 0.5],
     }
 }

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use super::field::{Field, Geometry, Solution};
-use super::look::corner;
 use super::point::{gradient, point};
 use crate::fem::triangle::{NODES, Order};
 use crate::vtk;
@@ -18,7 +17,7 @@ pub struct Map {
     pub flux_t: Vec<[f64; 2]>,
     /// What is constant along a line of flux: the potential, T mm, or about an axis radius times potential, T mm^2.
     pub stream: Vec<f64>,
-    /// Points of every triangle: its corners, and of second order the middles of the sides 0-1, 1-2 and 2-0.
+    /// Points of every triangle, in the order of its nodes ([`NODES`]).
     pub triangles: Vec<[usize; NODES]>,
     /// Region of every triangle.
     pub regions: Vec<usize>,
@@ -56,7 +55,9 @@ impl Field {
                     areas.len() - 1
                 });
                 nodes[n] = at;
-                let Some(point) = point(&self.mesh, self.geometry, t, corner(n), 1.0) else { continue };
+                let Some(point) = point(&self.mesh, self.geometry, t, self.mesh.order.coordinates(n), 1.0) else {
+                    continue;
+                };
                 let [x, y] = gradient(&point, &own);
                 let b = if self.geometry == Geometry::Plane { [y, -x] } else { [-y, x] };
                 map.flux_t[at] = [map.flux_t[at][0] + point.area * b[0], map.flux_t[at][1] + point.area * b[1]];
@@ -78,15 +79,17 @@ impl Map {
         self.flux_t.iter().map(|b| b[0].hypot(b[1])).collect()
     }
 
-    /// Triangles of three corners: those of second order in four.
+    /// Triangles of three corners: those of second order in four, those of third in nine.
     pub fn corners(&self) -> impl Iterator<Item = (usize, [usize; 3])> + '_ {
-        self.triangles.iter().zip(&self.regions).flat_map(|([a, b, c, ab, bc, ca], region)| {
-            let parts: &[[usize; 3]] = match self.order {
-                Order::First => &[[*a, *b, *c]],
-                Order::Second => &[[*a, *ab, *ca], [*ab, *b, *bc], [*ca, *bc, *c], [*ab, *bc, *ca]],
-            };
-            parts.iter().map(|t| (*region, *t)).collect::<Vec<_>>()
-        })
+        let parts: &[[usize; 3]] = match self.order {
+            Order::First => &[[0, 1, 2]],
+            Order::Second => &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
+            Order::Third => {
+                &[[0, 3, 8], [3, 9, 8], [3, 4, 9], [4, 5, 9], [4, 1, 5], [8, 9, 7], [9, 6, 7], [9, 5, 6], [7, 6, 2]]
+            }
+        };
+        let all = self.triangles.iter().zip(&self.regions);
+        all.flat_map(move |(nodes, region)| parts.iter().map(move |part| (*region, part.map(|n| nodes[n]))))
     }
 
     /// As a `.vtu` document for ParaView: `flux_T`, `flux_size_T`, `stream_T_mm`, and of every cell its `region`.
@@ -96,7 +99,11 @@ impl Map {
         vtk::points(&mut body, self.points.iter().copied());
         let count = self.order.nodes();
         let cells: Vec<&[usize]> = self.triangles.iter().map(|t| &t[..count]).collect();
-        let kind = if self.order == Order::First { vtk::TRIANGLE } else { vtk::QUADRATIC_TRIANGLE };
+        let kind = match self.order {
+            Order::First => vtk::TRIANGLE,
+            Order::Second => vtk::QUADRATIC_TRIANGLE,
+            Order::Third => vtk::LAGRANGE_TRIANGLE,
+        };
         vtk::cells(&mut body, &cells, kind);
         body.push_str("<PointData Scalars=\"flux_size_T\" Vectors=\"flux_T\">\n");
         vtk::array(&mut body, "flux_T", 3, self.flux_t.iter().flat_map(|b| [b[0], b[1], 0.0]));

@@ -125,11 +125,12 @@ impl PointTangent<2> for Isotropic<'_> {
 /// Triangles of one order with their equations.
 type Triangles<const COUNT: usize> = Domain<f64, Turn, COUNT, 1>;
 
-/// Triangles of either order.
+/// Triangles of any order.
 #[derive(Debug)]
 pub(super) enum Parts {
     First(Triangles<3>),
     Second(Triangles<6>),
+    Third(Triangles<10>),
 }
 
 impl Parts {
@@ -138,6 +139,7 @@ impl Parts {
         Ok(match mesh.order {
             Order::First => Parts::First(Domain { elements: elements(mesh, geometry)?, equations }),
             Order::Second => Parts::Second(Domain { elements: elements(mesh, geometry)?, equations }),
+            Order::Third => Parts::Third(Domain { elements: elements(mesh, geometry)?, equations }),
         })
     }
 
@@ -152,6 +154,7 @@ impl Parts {
         match self {
             Parts::First(triangles) => of(&triangles.elements[t]),
             Parts::Second(triangles) => of(&triangles.elements[t]),
+            Parts::Third(triangles) => of(&triangles.elements[t]),
         }
     }
 }

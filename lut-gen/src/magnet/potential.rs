@@ -8,6 +8,7 @@ use crate::fem::krylov::dot;
 use crate::fem::mesh::Mesh;
 use crate::fem::newton::Energy;
 use crate::fem::sparse::{HELD, Pattern, Scatter, add_lower};
+use crate::fem::triangle::NODES;
 
 /// Matrix of the regions of constant permeability, as it was last assembled.
 #[derive(Debug, Default)]
@@ -39,6 +40,7 @@ impl Square {
         match parts {
             Parts::First(domain) => square(domain, &mesh.regions, &by_region, scatter, &mut self.values),
             Parts::Second(domain) => square(domain, &mesh.regions, &by_region, scatter, &mut self.values),
+            Parts::Third(domain) => square(domain, &mesh.regions, &by_region, scatter, &mut self.values),
         }
     }
 
@@ -110,8 +112,8 @@ impl<const COUNT: usize> Energy for Potential<'_, COUNT> {
 
 /// Adds what the currents and magnets of a triangle push its nodes with: `volume (push . slope + current shape)`.
 pub(super) fn add_load(
-    points: &[(f64, [[f64; 2]; 6])],
-    shapes: &[[f64; 6]],
+    points: &[(f64, [[f64; 2]; NODES])],
+    shapes: &[[f64; NODES]],
     push: [f64; 2],
     current: f64,
     equations: &[usize],
