@@ -87,17 +87,19 @@ mod tests {
     #[test]
     fn parts_change_the_flux_as_a_reluctance_says() {
         let ring = BUILT_IN.iter().find(|m| m.name == "ring-probe").unwrap();
-        let coarse = ring.text.replace("size_mm = 0.5", "size_mm = 1.5").replace("size_mm = 1\n", "size_mm = 2\n");
+        let coarse = ring.text.replace("size_mm = 0.5", "size_mm = 1.5").replace("size_mm = 1\n", "size_mm = 1.5\n");
         let found = simulate(Path::new("ring.toml"), &coarse, &[0.5, 1.0]).unwrap();
         let change = |part: &str| {
             let at = PARTS.iter().position(|own| *own == part).unwrap();
             found.changes_t[at].as_ref().unwrap()[0] / found.flux_t[0]
         };
-        // Half a millimetre more of ten: 5 % less, were there no fringing; a turn in a hundred more: 1 % more.
+        // Half a millimetre more of ten: 5 % less, were there no fringing; a turn in a hundred more: 1 %
+        // more, were the steel not bending.
         assert!((-0.06..-0.02).contains(&change("gap")), "{}", change("gap"));
-        assert!((change("turns") / (10.0 / 770.0) - 1.0).abs() < 0.05, "{}", change("turns"));
+        assert!((change("turns") / (10.0 / 770.0) - 1.0).abs() < 0.15, "{}", change("turns"));
         assert!((change("leakage") - 0.05).abs() < 1e-9, "{}", change("leakage"));
-        // More iron in the fluid carries more; the steel is far from saturation at 0.5 A.
-        assert!(change("fluid") > 0.005 && change("saturation").abs() < 0.01, "{}", change("fluid"));
+        // More iron in the fluid carries more, and so does better steel, a little.
+        assert!(change("fluid") > 0.005, "{}", change("fluid"));
+        assert!((0.0..0.05).contains(&change("saturation")), "{}", change("saturation"));
     }
 }
