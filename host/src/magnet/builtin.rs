@@ -1,5 +1,9 @@
 //! Magnets that come with the program: files to run and to begin one's own from.
 
+use std::path::{Path, PathBuf};
+
+use crate::experiment::{ExperimentError, text_of};
+
 /// A magnet that comes with the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuiltIn {
@@ -27,11 +31,27 @@ pub const BUILT_IN: [BuiltIn; 8] = built_in![
     "pot"
 ];
 
+/// The file of a magnet and its text: that at `file`, or else the one that comes with the program and is called `name`.
+/// `None` for neither.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn located(file: &Path, name: &str) -> Result<Option<(PathBuf, String)>, ExperimentError> {
+    if file.is_file() {
+        return Ok(Some((file.to_owned(), text_of(file)?)));
+    }
+    let known = BUILT_IN.iter().find(|magnet| magnet.name == name);
+    Ok(known.map(|magnet| (PathBuf::from(magnet.name), magnet.text.to_owned())))
+}
+
+/// What they are called.
+pub fn names() -> String {
+    BUILT_IN.map(|magnet| magnet.name).join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
-    use std::path::Path;
-
     use super::*;
 
     #[test]

@@ -10,9 +10,9 @@ pub mod uncertain;
 
 use lut_gen::magnet::curve::Built;
 use lut_gen::magnet::design::Design;
-use lut_gen::magnet::study::Wanted;
+use lut_gen::magnet::study::{Flux, State, Wanted};
 
-pub use builtin::{BUILT_IN, BuiltIn};
+pub use builtin::{BUILT_IN, BuiltIn, located, names};
 pub use file::{parse, read};
 
 /// A magnet, and what is to be read of its field.
@@ -85,6 +85,14 @@ impl Line {
 }
 
 impl Magnet {
+    /// The flux density of the control curve at a state, if the magnet says where it is read.
+    pub fn controlled(&self, state: &State) -> Option<Flux> {
+        Some(match self.control? {
+            Control::Point(i) => state.points[i],
+            Control::Probe(i) => state.probes[i],
+        })
+    }
+
     /// What is wanted of every field: its points, then those of its lines one after the other, and its probes.
     pub fn wanted(&self) -> Wanted {
         let points = self.points.iter().map(|p| p.value);

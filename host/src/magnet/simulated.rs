@@ -7,7 +7,7 @@ use lut_gen::magnet::study::{StudyError, Wanted};
 use rayon::prelude::*;
 
 use super::uncertain::{PARTS, Uncertain};
-use super::{Control, Magnet, parse};
+use super::{Magnet, parse};
 use crate::experiment::ExperimentError;
 
 /// Flux density at currents, and how it changes with each part, T.
@@ -67,14 +67,11 @@ pub fn simulate(file: &Path, text: &str, currents: &[f64]) -> Result<Simulated, 
 
 /// |B| of the control point or probe of the drawing at every current, T.
 fn flux(file: &Path, magnet: &Magnet, currents: &[f64], coarser: f64) -> Result<Vec<f64>, Unsimulated> {
-    let control = magnet.control.ok_or_else(|| Unsimulated::NoControl(file.display().to_string()))?;
-    let wanted = Wanted { coarser, is_single: true, ..magnet.wanted() };
+    let no_control = || Unsimulated::NoControl(file.display().to_string());
+    // What lies along lines is not asked for here.
+    let wanted = Wanted { coarser, is_single: true, ..Magnet { lines: Vec::new(), ..magnet.clone() }.wanted() };
     let study = magnet.design.study(&wanted, currents, &mut |_| {})?;
-    let read = study.states.iter().map(|state| match control {
-        Control::Point(i) => state.points[i].size_t(),
-        Control::Probe(i) => state.probes[i].size_t(),
-    });
-    Ok(read.collect())
+    study.states.iter().map(|state| magnet.controlled(state).map(|flux| flux.size_t()).ok_or_else(no_control)).collect()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! or colour. Every figure has a text that says what it shows.
 
 mod axis;
+mod bar;
 mod believed;
 pub mod cloud;
 pub mod compression;

@@ -182,6 +182,8 @@ pub enum DesignError {
     },
 }
 
+/// Parts of a region's smallest extent that a side is long where no size is told.
+const PARTS: f64 = 6.0;
 /// How much farther away than any region the boundary must be at least.
 const ROOM: f64 = 1.05;
 
@@ -201,6 +203,12 @@ impl Region {
     #[must_use]
     pub fn covers(&self, p: [f64; 2]) -> bool {
         self.shapes.iter().any(|s| s.contains(p)) && !self.without.iter().any(|s| s.contains(p))
+    }
+
+    /// Wanted length of a triangle's side in it, mm.
+    #[must_use]
+    pub fn side_mm(&self) -> f64 {
+        self.size_mm.unwrap_or(self.extent_mm() / PARTS)
     }
 
     /// Its smallest extent, mm.

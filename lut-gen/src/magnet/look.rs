@@ -2,7 +2,7 @@
 
 use crate::fem::triangle::{NODES, Order};
 
-use super::field::{Field, Geometry, Solution};
+use super::field::{Field, Solution};
 use super::point::{gradient, point};
 
 impl Field {
@@ -17,10 +17,7 @@ impl Field {
             }
             _ => self.fitted(solution, t, at).or_else(|| self.averaged(solution, t, coordinates)),
         }?;
-        Some(match self.geometry {
-            Geometry::Plane => [g[1], -g[0]],
-            Geometry::Axisymmetric => [-g[1], g[0]],
-        })
+        Some(self.geometry.flux(g))
     }
 
     /// g at a point of triangle `t`: at each of its nodes the mean of its region's triangles there.

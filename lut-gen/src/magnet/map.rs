@@ -41,7 +41,7 @@ impl Field {
         let mut known: HashMap<(usize, usize), usize> = HashMap::new();
         let mut areas: Vec<f64> = Vec::new();
         for (t, triangle) in self.mesh.triangles.iter().enumerate() {
-            let own = std::array::from_fn(|n| if n < count { solution.potential[triangle[n]] } else { 0.0 });
+            let own = self.own(solution, t);
             let mut nodes = [0; NODES];
             for n in 0..count {
                 let node = triangle[n];
@@ -58,8 +58,7 @@ impl Field {
                 let Some(point) = point(&self.mesh, self.geometry, t, self.mesh.order.coordinates(n), 1.0) else {
                     continue;
                 };
-                let [x, y] = gradient(&point, &own);
-                let b = if self.geometry == Geometry::Plane { [y, -x] } else { [-y, x] };
+                let b = self.geometry.flux(gradient(&point, &own));
                 map.flux_t[at] = [map.flux_t[at][0] + point.area * b[0], map.flux_t[at][1] + point.area * b[1]];
                 areas[at] += point.area;
             }

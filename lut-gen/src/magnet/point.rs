@@ -26,6 +26,14 @@ pub enum Geometry {
 }
 
 impl Geometry {
+    /// The flux density whose g this is, along x and y or r and z.
+    pub(super) const fn flux(self, [x, y]: [f64; 2]) -> [f64; 2] {
+        match self {
+            Geometry::Plane => [y, -x],
+            Geometry::Axisymmetric => [-y, x],
+        }
+    }
+
     /// The vector whose product with g is that of `v` with the flux density.
     pub(super) const fn turned(self, v: [f64; 2]) -> [f64; 2] {
         match self {

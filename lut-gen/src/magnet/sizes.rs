@@ -4,11 +4,9 @@ use crate::fem::drawing::{Curve, cut};
 use crate::fem::mesh::{Mesh, MeshError, mesh};
 use crate::fem::triangle::Order;
 
-use super::design::{Design, DesignError, Edge};
+use super::design::{Design, DesignError, Edge, Region};
 use super::field::Geometry;
 
-/// Parts of a region's smallest extent that a side is long where no size is told.
-const PARTS: f64 = 6.0;
 /// How sides grow with the distance from a region.
 const GROWTH: f64 = 0.25;
 /// How they grow from a corner, and how long they are there: the field has a singularity where a permeability jumps around
@@ -37,8 +35,7 @@ impl Design {
             curves.push(self.axis());
         }
         let corners = self.corners(&cut(&curves));
-        let sizes: Vec<f64> =
-            self.regions.iter().map(|r| coarser * r.size_mm.unwrap_or(r.extent_mm() / PARTS)).collect();
+        let sizes: Vec<f64> = self.regions.iter().map(|region| coarser * region.side_mm()).collect();
         let longest = coarser * LONGEST * self.edge.extent();
         let size = |p: [f64; 2]| {
             let mut least = longest;
@@ -144,11 +141,8 @@ impl Design {
             [a] => (2 * (a + 1)).abs_diff(around.len()) <= 2,
             _ => false,
         };
-        let size = |number: &usize| {
-            let region = &self.regions[*number - 1];
-            region.size_mm.unwrap_or(region.extent_mm() / PARTS)
-        };
-        let least = around.iter().filter(|number| **number > 0).map(size).fold(f64::INFINITY, f64::min);
+        let regions = around.iter().filter_map(|number| self.regions.get(number.checked_sub(1)?));
+        let least = regions.map(Region::side_mm).fold(f64::INFINITY, f64::min);
         (!smooth && least.is_finite()).then_some(least)
     }
 
@@ -177,7 +171,6 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
     use crate::magnet::bh::Law;
-    use crate::magnet::design::Region;
     use crate::magnet::shape::Shape;
 
     fn block(name: &str, from: [f64; 2], to: [f64; 2], law: Law) -> Region {

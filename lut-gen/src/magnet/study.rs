@@ -131,13 +131,11 @@ impl Design {
         let mut states = Vec::new();
         for (i, ampere) in currents.iter().enumerate() {
             let start = ahead(&solutions, &currents[..=i]);
-            let exact = self.solve(&mut fine, *ampere, start.as_deref())?;
-            let from_fine = self.raw(&fine, &exact, *ampere, wanted)?;
+            let (exact, from_fine) = self.solve(&mut fine, *ampere, start.as_deref(), wanted)?;
             let mut from_coarse = None;
             if let Some(coarse) = &mut coarse {
-                let rough = self.solve(coarse, *ampere, before.as_deref())?;
-                from_coarse = Some(self.raw(coarse, &rough, *ampere, wanted)?);
-                before = Some(rough.potential);
+                let (rough, read) = self.solve(coarse, *ampere, before.as_deref(), wanted)?;
+                (from_coarse, before) = (Some(read), Some(rough.potential));
             }
             states.push(merged(*ampere, &from_fine, from_coarse.as_ref(), exact.steps));
             solutions.push(exact);
@@ -165,12 +163,21 @@ impl Design {
         self.coils.iter().map(|coil| coil.share * ampere).collect()
     }
 
-    fn solve(&self, on: &mut Prepared, ampere: f64, start: Option<&[f64]>) -> Result<Solution, StudyError> {
+    /// The field at a current, and what is wanted of it.
+    fn solve(
+        &self,
+        on: &mut Prepared,
+        ampere: f64,
+        start: Option<&[f64]>,
+        wanted: &Wanted,
+    ) -> Result<(Solution, Raw), StudyError> {
         let matter = self.matter(&self.currents(ampere), &on.areas);
-        on.field.solve(&matter, start).map_err(|source| StudyError::Field { ampere, source })
+        let solution = on.field.solve(&matter, start).map_err(|source| StudyError::Field { ampere, source })?;
+        let raw = self.raw(on, &solution, &matter, wanted)?;
+        Ok((solution, raw))
     }
 
-    fn raw(&self, on: &Prepared, solution: &Solution, ampere: f64, wanted: &Wanted) -> Result<Raw, StudyError> {
+    fn raw(&self, on: &Prepared, solution: &Solution, matter: &[Matter], wanted: &Wanted) -> Result<Raw, StudyError> {
         let at = |p: &[f64; 2]| {
             let bulge = self.bulge(self.region_at(*p));
             let flux = on.field.flux_density(solution, *p).ok_or(StudyError::Outside { at: *p })?;
@@ -181,8 +188,7 @@ impl Design {
             let flux = on.field.mean_flux(solution, *region).ok_or_else(none)?;
             Ok::<_, StudyError>(flux.map(|b| self.bulge(*region) * b))
         };
-        let matter: Vec<Matter> = self.matter(&self.currents(ampere), &on.areas);
-        let energy = on.field.energy(solution, &matter);
+        let energy = on.field.energy(solution, matter);
         // T A mm^2 are 1e-6 J.
         let deep = 1e-6 * self.depth();
         Ok(Raw {

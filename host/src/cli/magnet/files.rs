@@ -47,10 +47,12 @@ pub(super) fn write(folder: &Path, all_maps: bool, magnet: &Magnet, study: &Stud
         save("current.svg", &svg)?;
     }
     save("readings.csv", &readings(magnet, study))?;
-    let first = if all_maps { 0 } else { study.states.len() - 1 };
-    for (i, (state, solution)) in study.states.iter().zip(&study.solutions).enumerate().skip(first) {
+    let last = study.states.len() - 1;
+    let before = if all_maps { last } else { 0 };
+    for (i, (state, solution)) in study.states.iter().zip(&study.solutions).take(before).enumerate() {
         save(&format!("map_{i:03}.vtu"), &study.field.map(solution).vtu(state.ampere))?;
     }
+    save(&format!("map_{last:03}.vtu"), &map.vtu(state.ampere))?;
     Ok(files)
 }
 

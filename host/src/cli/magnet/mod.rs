@@ -11,7 +11,7 @@ use lut_gen::fem::triangle::Order;
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use super::progress::Progress;
-use crate::magnet::{BUILT_IN, Magnet, parse};
+use crate::magnet::{BUILT_IN, Magnet, located, names, parse};
 
 /// Folder of files where none is asked for.
 const DEFAULT_FOLDER: &str = "out/magnet";
@@ -126,18 +126,9 @@ fn set(list: &[String]) -> miette::Result<BTreeMap<String, f64>> {
 
 /// The magnet of a file or of a name, with its text.
 fn magnet(asked: &str, set: &BTreeMap<String, f64>) -> miette::Result<(Magnet, String)> {
-    let file = Path::new(asked);
-    if !file.is_file()
-        && let Some(known) = BUILT_IN.iter().find(|m| m.name == asked)
-    {
-        return Ok((parse(Path::new(known.name), known.text, set)?, known.text.to_owned()));
-    }
-    if !file.is_file() {
-        let names = BUILT_IN.map(|m| m.name).join(", ");
-        return Err(miette!("no file {asked}, and no magnet of this name; known are {names}"));
-    }
-    let text = crate::experiment::text_of(file)?;
-    Ok((parse(file, &text, set)?, text))
+    let (file, text) = located(Path::new(asked), asked)?
+        .ok_or_else(|| miette!("no file {asked}, and no magnet of this name; known are {}", names()))?;
+    Ok((parse(&file, &text, set)?, text))
 }
 
 /// `0.25:4:0.25`, or `1,2.5`.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use lut_gen::magnet::curve::FluxCurve;
+use lut_gen::magnet::design::Coil;
 use lut_gen::magnet::field::Geometry;
 use lut_gen::magnet::study::{State, Study};
 use lut_gen::magnet::winding::Fit;
@@ -83,12 +84,22 @@ pub(super) fn depth_line(magnet: &Magnet) -> Option<String> {
     })
 }
 
+/// The smaller of a coil's two sides, mm^2: what its wire must fit into.
+fn smaller_window_mm2(magnet: &Magnet, study: &Study, coil: usize) -> f64 {
+    let windows = magnet.design.window_mm2(coil, &study.areas);
+    windows.into_iter().filter(|area| *area > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+/// The largest current of a coil, A.
+fn largest_a(coil: &Coil, study: &Study) -> f64 {
+    study.states.iter().map(|s| (coil.share * s.ampere).abs()).fold(0.0, f64::max)
+}
+
 pub(super) fn winding_lines(magnet: &Magnet, study: &Study) -> Vec<String> {
     let mut lines = Vec::new();
     for (i, coil) in magnet.design.coils.iter().enumerate() {
         let w = &coil.winding;
-        let windows = magnet.design.window_mm2(i, &study.areas);
-        let window = windows.into_iter().filter(|area| *area > 0.0).fold(f64::INFINITY, f64::min);
+        let window = smaller_window_mm2(magnet, study, i);
         let fit = match w.fits(window) {
             Fit::Layered => "fits in layers",
             Fit::Grooved => "fits only with every layer in the grooves of the one below",
@@ -104,7 +115,7 @@ pub(super) fn winding_lines(magnet: &Magnet, study: &Study) -> Vec<String> {
             number(100.0 * w.filled(window)),
             number(window),
         ));
-        let most = study.states.iter().map(|s| (coil.share * s.ampere).abs()).fold(0.0, f64::max);
+        let most = largest_a(coil, study);
         let seconds = w.seconds(most);
         let how_long = if seconds.is_finite() { format!("for {} s", number(seconds)) } else { "for ever".to_owned() };
         lines.push(format!(
@@ -148,14 +159,13 @@ pub(super) fn summary(magnet: &Magnet, study: &Study, files: &[PathBuf]) -> Valu
     });
     let coils = magnet.design.coils.iter().enumerate().map(|(i, coil)| {
         let w = &coil.winding;
-        let windows = magnet.design.window_mm2(i, &study.areas);
-        let window = windows.into_iter().filter(|area| *area > 0.0).fold(f64::INFINITY, f64::min);
+        let window = smaller_window_mm2(magnet, study, i);
         let fits = match w.fits(window) {
             Fit::Layered => "layered",
             Fit::Grooved => "grooved",
             Fit::No => "no",
         };
-        let most = study.states.iter().map(|s| (coil.share * s.ampere).abs()).fold(0.0, f64::max);
+        let most = largest_a(coil, study);
         let seconds = w.seconds(most);
         json!({"coil": coil.name, "turns": w.turns, "wire_m": w.length_m(), "resistance_20C_Ohm": w.ohm(20.0),
                "window_mm2": window, "filled": w.filled(window), "fits": fits, "lasting_A": w.lasting_a(),
@@ -170,7 +180,7 @@ pub(super) fn summary(magnet: &Magnet, study: &Study, files: &[PathBuf]) -> Valu
 
 /// f3: the control curve's flux density over current; `None` without a coil or where it is not told where it is read.
 fn curve(magnet: &Magnet, states: &[State]) -> Option<FluxCurve> {
-    let read: Option<Vec<_>> = states.iter().map(|s| Some((s.ampere, picture::controlled(magnet, s)?))).collect();
+    let read: Option<Vec<_>> = states.iter().map(|s| Some((s.ampere, magnet.controlled(s)?))).collect();
     let read = read.filter(|_| !magnet.design.coils.is_empty())?;
     let error = read.iter().map(|(_, flux)| flux.error_t).fold(0.0, f64::max);
     let mut points: Vec<(f64, f64)> = read.iter().map(|(ampere, flux)| (*ampere, flux.size_t())).collect();

@@ -173,75 +173,72 @@ static CREEP: Effect = Effect {
     is_possible: |table| table.has_time && table.readings.iter().any(|r| r.rest_s > 0.0),
 };
 
-/// What a part of a magnet differs by from its drawing, in what the magnet's file calls plausible. How the flux density
-/// changes is found by finite elements, to first order.
-const DIFFERS: &[Quantity] = &[Quantity::amount("times_plausible", (-6.0, 6.0), 1.0, &[0.5, -0.5])];
+/// A part of a magnet that differs from its drawing by so many times of what the magnet's file calls plausible. How the flux
+/// density changes is found by finite elements, to first order.
+const fn differs(
+    code: &'static str,
+    assumption: &'static str,
+    separated_by: &'static str,
+    adds: fn(&Reading, &[f64]) -> f64,
+    is_possible: fn(&Table) -> bool,
+) -> Effect {
+    const TIMES: &[Quantity] = &[Quantity::amount("times_plausible", (-6.0, 6.0), 1.0, &[0.5, -0.5])];
+    Effect { code, form: "magnet", assumption, separated_by, quantities: TIMES, adds, is_possible }
+}
 
 /// The gap between the poles.
-static GAP: Effect = Effect {
-    code: "gap",
-    form: "magnet",
-    assumption: "the gap is that of the drawing",
-    separated_by: "a feeler gauge, and readings at large currents: a gap hides the steel's saturation, a leak does not",
-    quantities: DIFFERS,
-    adds: |r, p| p[0] * r.built[0],
-    is_possible: |table| table.parts[0],
-};
+static GAP: Effect = differs(
+    "gap",
+    "the gap is that of the drawing",
+    "a feeler gauge, and readings at large currents: a gap hides the steel's saturation, a leak does not",
+    |r, p| p[0] * r.built[0],
+    |table| table.parts[0],
+);
 
 /// What leaves the plane.
-static LEAKAGE: Effect = Effect {
-    code: "leakage",
-    form: "magnet",
-    assumption: "no flux leaves the plane of the drawing",
-    separated_by: "readings beside the core, before and behind it: what leaks is there",
-    quantities: DIFFERS,
-    adds: |r, p| p[0] * r.built[1],
-    is_possible: |table| table.parts[1],
-};
+static LEAKAGE: Effect = differs(
+    "leakage",
+    "no flux leaves the plane of the drawing",
+    "readings beside the core, before and behind it: what leaks is there",
+    |r, p| p[0] * r.built[1],
+    |table| table.parts[1],
+);
 
 /// The number of turns.
-static TURNS: Effect = Effect {
-    code: "turns",
-    form: "magnet",
-    assumption: "the coil has the turns of the drawing",
-    separated_by: "the coil's inductance and resistance, and a second coil of ten turns",
-    quantities: DIFFERS,
-    adds: |r, p| p[0] * r.built[2],
-    is_possible: |table| table.parts[2],
-};
+static TURNS: Effect = differs(
+    "turns",
+    "the coil has the turns of the drawing",
+    "the coil's inductance and resistance, and a second coil of ten turns",
+    |r, p| p[0] * r.built[2],
+    |table| table.parts[2],
+);
 
 /// Where the sensor is.
-static PROBE: Effect = Effect {
-    code: "probe-position",
-    form: "magnet",
-    assumption: "the probe is where the drawing has it",
-    separated_by: "the same currents with the probe moved by a millimetre to either side",
-    quantities: DIFFERS,
-    adds: |r, p| p[0] * r.built[3],
-    is_possible: |table| table.parts[3],
-};
+static PROBE: Effect = differs(
+    "probe-position",
+    "the probe is where the drawing has it",
+    "the same currents with the probe moved by a millimetre to either side",
+    |r, p| p[0] * r.built[3],
+    |table| table.parts[3],
+);
 
 /// Where the core's steel saturates.
-static STEEL: Effect = Effect {
-    code: "saturation",
-    form: "magnet",
-    assumption: "the steel has the table of B over H that the drawing names",
-    separated_by: "readings at currents beyond the bend, and a ring of the same steel without a gap",
-    quantities: DIFFERS,
-    adds: |r, p| p[0] * r.built[4],
-    is_possible: |table| table.parts[4],
-};
+static STEEL: Effect = differs(
+    "saturation",
+    "the steel has the table of B over H that the drawing names",
+    "readings at currents beyond the bend, and a ring of the same steel without a gap",
+    |r, p| p[0] * r.built[4],
+    |table| table.parts[4],
+);
 
 /// How much iron the fluid has where the probe is.
-static FLUID: Effect = Effect {
-    code: "fluid",
-    form: "magnet",
-    assumption: "the fluid's iron is evenly spread and as much as its datasheet says",
-    separated_by: "the same currents stirred and after an hour of rest, and without fluid",
-    quantities: DIFFERS,
-    adds: |r, p| p[0] * r.built[5],
-    is_possible: |table| table.parts[5],
-};
+static FLUID: Effect = differs(
+    "fluid",
+    "the fluid's iron is evenly spread and as much as its datasheet says",
+    "the same currents stirred and after an hour of rest, and without fluid",
+    |r, p| p[0] * r.built[5],
+    |table| table.parts[5],
+);
 
 /// All effects.
 pub static CATALOGUE: [&Effect; 16] = [

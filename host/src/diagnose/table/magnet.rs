@@ -1,12 +1,12 @@
 //! A magnet beside a table: its flux density by finite elements, and what its parts would change.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::readings::Unusable;
 use crate::experiment::Run;
-use crate::magnet::BUILT_IN;
 use crate::magnet::simulated::{Simulated, simulate};
 use crate::magnet::uncertain::PARTS;
+use crate::magnet::{located, names};
 
 /// Currents that are solved at most; between them lines are straight.
 const MOST: usize = 33;
@@ -36,7 +36,11 @@ impl Beside {
             return Err(Unusable::OtherMagnet { file: other.file.clone(), magnet: name });
         }
         let wrong = |cause: String| Unusable::Magnet { magnet: name.clone(), cause };
-        let (file, text) = located(folder, &name).map_err(wrong)?;
+        let (file, text) =
+            located(&folder.join(&name), &name).map_err(|cause| wrong(cause.to_string()))?.ok_or_else(|| {
+                let folder = folder.display();
+                wrong(format!("no such file in {folder}, and no magnet of this name; known are {}", names()))
+            })?;
         let mut currents: Vec<f64> = runs
             .iter()
             .flat_map(|run| run.recording.column(super::readings::COLUMNS.0).unwrap_or(&[]).iter().map(|x| x.abs()))
@@ -73,18 +77,4 @@ impl Beside {
             changes: std::array::from_fn(|part| self.simulated.changes_t[part].as_deref().map_or(0.0, of)),
         }
     }
-}
-
-/// The magnet's file and its text: beside the experiment, or one that comes with the program.
-fn located(folder: &Path, name: &str) -> Result<(PathBuf, String), String> {
-    let file = folder.join(name);
-    if file.is_file() {
-        let text = std::fs::read_to_string(&file).map_err(|cause| cause.to_string())?;
-        return Ok((file, text));
-    }
-    let known = BUILT_IN.iter().find(|magnet| magnet.name == name);
-    known.map(|magnet| (PathBuf::from(magnet.name), magnet.text.to_owned())).ok_or_else(|| {
-        let names = BUILT_IN.map(|magnet| magnet.name).join(", ");
-        format!("no such file in {}, and no magnet of this name; known are {names}", folder.display())
-    })
 }

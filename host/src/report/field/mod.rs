@@ -7,6 +7,7 @@ use std::fmt::Write;
 
 use lut_gen::solid::field::{Field, PointState};
 
+use super::bar::{self, share};
 use super::escaped;
 use super::figure::Axis;
 use super::figure::open;
@@ -102,10 +103,6 @@ pub fn caption(field: &Field) -> String {
         number(field.largest_mises_mpa()),
         number(highest)
     )
-}
-
-fn share(band: usize, bands: usize) -> f64 {
-    band as f64 / (bands - 1).max(1) as f64
 }
 
 /// Round lower limits of the bands, in the unit of the picture: 0, then rising by 1.3 to 1.7 each. Stress
@@ -266,24 +263,7 @@ fn ground(svg: &mut String, field: &Field, frame: &Frame) {
 }
 
 fn colour_bar(svg: &mut String, levels: &[f64], unit: &str, frame: &Frame) {
-    let (x, width) = (WIDTH - MARGIN.2 + 34.0, 18.0);
     let tall = (frame.base_px - MARGIN.1 - 30.0).min(25.0 * levels.len() as f64);
-    let (step, bottom) = (tall / levels.len() as f64, frame.base_px);
-    for (band, level) in levels.iter().enumerate() {
-        let y = bottom - step * (band + 1) as f64;
-        let colour = ramp(share(band, levels.len()));
-        let _ = write!(
-            svg,
-            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width}\" height=\"{step:.1}\" fill=\"{colour}\" stroke=\"#333\" stroke-width=\"0.5\"/><text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-            x + width + 7.0,
-            y + step + 4.0,
-            number(*level)
-        );
-    }
-    let _ = write!(
-        svg,
-        "<text x=\"{x:.1}\" y=\"{:.1}\">Mises stress</text><text x=\"{x:.1}\" y=\"{:.1}\">({unit})</text>",
-        bottom - tall - 24.0,
-        bottom - tall - 9.0
-    );
+    let corner = (WIDTH - MARGIN.2 + 34.0, frame.base_px);
+    bar::draw(svg, corner, tall / levels.len() as f64, levels, &["Mises stress", &format!("({unit})")]);
 }

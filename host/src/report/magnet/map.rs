@@ -7,6 +7,7 @@ use lut_gen::magnet::design::Design;
 use lut_gen::magnet::field::Geometry;
 use lut_gen::magnet::map::Map;
 
+use crate::report::bar::{self, share};
 use crate::report::field::ramp;
 use crate::report::figure::open;
 use crate::report::number;
@@ -116,10 +117,6 @@ fn levels(map: &Map, sizes: &[f64], frame: &Frame) -> Vec<f64> {
     let decade = 10_f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().map(|m| m * decade).find(|s| *s >= rough).unwrap_or(rough);
     (0..BANDS).map(|i| step * i as f64).take_while(|level| *level < most).collect()
-}
-
-fn share(band: usize, bands: usize) -> f64 {
-    band as f64 / (bands - 1).max(1) as f64
 }
 
 /// Every region by itself, for |B| jumps between them.
@@ -254,17 +251,6 @@ fn scales(svg: &mut String, design: &Design, frame: &Frame) {
 
 fn colour_bar(svg: &mut String, levels: &[f64], frame: &Frame) {
     let (width, height) = frame.size();
-    let (x, bottom) = (MARGIN.0 + width + 26.0, MARGIN.1 + height);
     let step = ((height - 30.0) / levels.len() as f64).min(25.0);
-    for (band, level) in levels.iter().enumerate() {
-        let y = bottom - step * (band + 1) as f64;
-        let colour = ramp(share(band, levels.len()));
-        let _ = write!(
-            svg,
-            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"18\" height=\"{step:.1}\" fill=\"{colour}\" stroke=\"#333\" stroke-width=\"0.5\"/>"
-        );
-        let _ = write!(svg, "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>", x + 25.0, y + step + 4.0, number(*level));
-    }
-    let y = bottom - step * levels.len() as f64 - 9.0;
-    let _ = write!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\">|B| (T)</text>");
+    bar::draw(svg, (MARGIN.0 + width + 26.0, MARGIN.1 + height), step, levels, &["|B| (T)"]);
 }

@@ -5,7 +5,7 @@ mod map;
 use lut_gen::magnet::study::{Flux, State};
 
 use super::figure::{Axis, Figure, Series, Stroke};
-use crate::magnet::{Control, Magnet};
+use crate::magnet::Magnet;
 
 pub use map::map;
 
@@ -48,12 +48,4 @@ pub fn names(magnet: &Magnet) -> Vec<(&str, Look<'_>)> {
         (probe.name.as_str(), look)
     });
     points.chain(probes).collect()
-}
-
-/// The flux density of the control curve at a state, if the magnet says where it is read.
-pub fn controlled(magnet: &Magnet, state: &State) -> Option<Flux> {
-    Some(match magnet.control? {
-        Control::Point(i) => state.points[i],
-        Control::Probe(i) => state.probes[i],
-    })
 }
