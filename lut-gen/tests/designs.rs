@@ -76,6 +76,45 @@ fn a_magnet_of_twice_the_size_with_twice_the_ampere_turns_has_the_same_field() {
     assert!((same[0].linkage_wb[0].value / (2.0 * one[0].linkage_wb[0].value) - 1.0).abs() < 1e-6);
 }
 
+/// A boundary at 80 mm in closed form, and one that triangles reach because something without effect lies before it.
+#[test]
+fn the_field_beyond_the_mesh_is_that_of_triangles() {
+    let closed = c_core(1.0, 3.0, steel());
+    let mut meshed = closed.clone();
+    let air = Shape::Ring { centre: [0.0; 2], radii: [20.0, 76.0], degrees: [0.0, 360.0] };
+    meshed.regions.insert(0, Region { size_mm: Some(3.0), ..region("air", air, Law::Linear(1.0)) });
+    assert!(closed.around().is_some() && meshed.around().is_none());
+    let inside = [[0.0, 12.0], [0.0, -12.0], [17.0, 3.0]];
+    let beyond = [[30.0, 10.0], [-5.0, 60.0]];
+    let wanted = Wanted { points: inside.into_iter().chain(beyond).collect(), ..Wanted::default() };
+    let of = |design: &Design| design.study(&wanted, &[0.3, 2.0], &mut |_| {}).unwrap().states;
+    for (a, b) in of(&closed).iter().zip(&of(&meshed)) {
+        for (i, (a, b)) in a.points.iter().zip(&b.points).enumerate() {
+            let off = (a.b_t[0] - b.b_t[0]).hypot(a.b_t[1] - b.b_t[1]);
+            assert!(off < 1e-3 * b.size_t(), "point {i}: {:?} {:?}", a.b_t, b.b_t);
+        }
+        assert!((a.energy_j.value / b.energy_j.value - 1.0).abs() < 3e-4);
+        assert!((a.linkage_wb[0].value / b.linkage_wb[0].value - 1.0).abs() < 3e-4);
+    }
+}
+
+/// What a boundary changes falls with the square of its distance: an open one is one that is very far away.
+#[test]
+fn an_open_boundary_is_one_far_away() {
+    let at = |edge: Edge| solved(&Design { edge, ..c_core(1.0, 3.0, steel()) }, [0.0, 12.0], &[2.0])[0].clone();
+    let open = at(Edge::Open);
+    let off = |radius: f64| (at(Edge::Round { radius }).linkage_wb[0].value / open.linkage_wb[0].value - 1.0).abs();
+    let (near, far) = (off(60.0), off(120.0));
+    assert!(near > 1e-5 && (3.0..6.0).contains(&(near / far)), "{near:.2e} {far:.2e}");
+    // (60 / 10,000)^2 of what it is at 60 mm
+    assert!(off(1e4) < 1e-4 * near);
+    let mut half = c_core(1.0, 3.0, steel());
+    half.regions.pop();
+    half.edge = Edge::Open;
+    let text = half.study(&Wanted::default(), &[1.0], &mut |_| {}).err().unwrap().to_string();
+    assert!(text.contains("500 ampere turns more") && text.contains("boundary"), "{text}");
+}
+
 /// The linkage over current has the co-energy as its integral: Simpson's rule over five currents.
 #[test]
 fn energy_and_linkage_belong_together() {

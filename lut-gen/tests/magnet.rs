@@ -119,7 +119,7 @@ fn the_ring_of_third_order_is_that_of_another_solver() {
 fn ring_beside_the_reference(sizes: Sizes) {
     let (Some(text), Some(steel)) = (shared("reference/display/ring_A.csv"), steel()) else { return };
     let begun = std::time::Instant::now();
-    let mut field = Field::new(ring(sizes), Geometry::Plane, |p| p[0].hypot(p[1]) > 149.999).unwrap();
+    let mut field = Field::new(ring(sizes), Geometry::Plane, None, |p| p[0].hypot(p[1]) > 149.999).unwrap();
     println!("{} unknowns, meshed and analysed in {:.2} s", field.unknowns(), begun.elapsed().as_secs_f64());
     let (inner, outer) = (field.area(INNER), field.area(OUTER));
     assert!((inner - 140.6735).abs() < 1e-3 && (outer - 180.0621).abs() < 1e-3, "{inner} {outer}");
@@ -191,7 +191,7 @@ fn wire(scale: f64, fine: f64, order: Order) -> Mesh {
 }
 
 fn around_wire(scale: f64, current: f64, mesh: Mesh) -> (Field, f64) {
-    let mut field = Field::new(mesh, Geometry::Plane, move |p| p[0].hypot(p[1]) > scale * 14.999).unwrap();
+    let mut field = Field::new(mesh, Geometry::Plane, None, move |p| p[0].hypot(p[1]) > scale * 14.999).unwrap();
     let table = Table::new(&[(0.0, 0.0), (0.8, 400.0), (1.4, 3_000.0), (2.0, 60_000.0)], Between::Straight).unwrap();
     let matter = [
         (Law::linear(1.0).unwrap(), current / (PI * (2.0 * scale).powi(2))),

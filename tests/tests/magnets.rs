@@ -2,7 +2,7 @@
 //! `cargo run --release -p tests --example verification` makes them again.
 #![allow(clippy::unwrap_used)]
 
-use tests::magnets::{Compared, Shared, c_cores, finite_depth, magnetised, permanent, pot, ring};
+use tests::magnets::{CYLINDER_ENDS, Compared, Shared, c_cores, finite_depth, magnetised, permanent, pot, ring};
 use tests::shared_or_skipped;
 
 fn met(list: &[Compared]) {
@@ -43,7 +43,7 @@ fn permanent_magnets_are_those_of_another_solver() {
 
 #[test]
 fn a_magnetised_cylinder_is_the_closed_form() {
-    with("linear_cylinder.csv", |shared| vec![magnetised(shared).unwrap()]);
+    with("linear_cylinder.csv", |shared| CYLINDER_ENDS.map(|edge| magnetised(shared, edge).unwrap()).to_vec());
 }
 
 #[test]

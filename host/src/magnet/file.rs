@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use lut_gen::magnet::curve::Built;
-use lut_gen::magnet::design::{Design, Edge, OutOfPlane, Region};
+use lut_gen::magnet::design::{Design, Region};
 use lut_gen::magnet::field::Geometry;
 use lut_gen::magnet::shape::Shape;
 
 use super::expression::Parameters;
 use super::uncertain;
-use super::{Control, Line, Magnet, Named, material, part};
+use super::{Control, Line, Magnet, Named, boundary, material, part};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{ExperimentError, Problem, text_of};
 
@@ -81,8 +81,8 @@ pub fn parse(file: &Path, text: &str, set: &BTreeMap<String, f64>) -> Result<Mag
         part::coil(name, section, geometry, depth_mm, mean_radius_mm(&regions, i), &parameters)
     });
     let coils = coils.collect::<Result<_, _>>()?;
-    let out_of_plane = out_of_plane(&root, geometry, &parameters)?;
-    let design = Design { geometry, depth_mm, out_of_plane, edge: edge(&root, &parameters)?, regions, coils };
+    let out_of_plane = boundary::out_of_plane(&root, geometry, &parameters)?;
+    let design = Design { geometry, depth_mm, out_of_plane, edge: boundary::edge(&root, &parameters)?, regions, coils };
     design.check().map_err(|error| {
         let text = error.to_string();
         let at = sections.iter().zip(&design.regions).find(|(_, r)| text.contains(&format!("\"{}\"", r.name)));
@@ -139,43 +139,6 @@ fn mean_radius_mm(regions: &[Region], coil: usize) -> Option<f64> {
         }
     }
     (area > 0.0).then(|| sum / area)
-}
-
-fn edge(root: &Section<'_>, parameters: &Parameters) -> Result<Edge, ExperimentError> {
-    let expected = "a table such as boundary = { radius_mm = 150 }";
-    let section =
-        root.section("boundary", "[boundary]".to_owned())?.ok_or_else(|| root.missing("boundary", expected))?;
-    section.only(&["radius_mm", "half_mm"])?;
-    let radius =
-        parameters.number(&section, "radius_mm", 1e-3..=1e6, "the radius of the circle where the field ends, mm")?;
-    let half =
-        parameters.number(&section, "half_mm", 1e-3..=1e6, "half the width of the box where the field ends, mm")?;
-    match (radius, half) {
-        (Some(radius), None) => Ok(Edge::Round { radius }),
-        (None, Some(half)) => Ok(Edge::Box { half }),
-        _ => Err(section.missing("radius_mm", "either radius_mm of a circle or half_mm of a box")),
-    }
-}
-
-fn out_of_plane(
-    root: &Section<'_>,
-    geometry: Geometry,
-    parameters: &Parameters,
-) -> Result<Option<OutOfPlane>, ExperimentError> {
-    let Some(section) = root.section("out_of_plane", "[out_of_plane]".to_owned())? else { return Ok(None) };
-    section.only(&["mean_radius_mm", "width_mm", "gap_mm"])?;
-    if geometry == Geometry::Axisymmetric {
-        let text = "[out_of_plane] belongs to a plane drawing; about an axis nothing leaves the plane".to_owned();
-        return Err(section.document.error(section.span.clone(), Problem::Contradiction(text)));
-    }
-    let length = |key: &str, expected: &str| {
-        parameters.number(&section, key, 1e-3..=1e5, expected)?.ok_or_else(|| section.missing(key, expected))
-    };
-    Ok(Some(OutOfPlane {
-        mean_radius_mm: length("mean_radius_mm", "the mean radius of the core, mm")?,
-        width_mm: length("width_mm", "the width of the core in the plane, mm")?,
-        gap_mm: length("gap_mm", "the gap between the poles, mm")?,
-    }))
 }
 
 fn name_of(section: &Section<'_>) -> Result<String, ExperimentError> {
@@ -294,7 +257,8 @@ mod tests {
             ("material = \"steel\"", "material = \"cheese\"", "`material` is \"cheese\"; expected one of"),
             ("turns = \"turns\"", "turns = 0", "`turns` is 0; expected a number of 1 to 1e6"),
             ("control = \"probe\"", "control = \"nose\"", "expected the name of a point or probe: "),
-            ("radius_mm = 150", "radius_mm = 15", "the boundary must be at least"),
+            ("\"open\"", "{ radius_mm = 15 }", "the boundary must be at least"),
+            ("\"open\"", "\"opne\"", "`boundary` is \"opne\"; expected \"open\", or a table"),
             ("sense = \"in\"", "sense = \"left\"", "expected one of \"out\", \"in\""),
             ("\"gap / 2\"", "\"gab / 2\"", "a formula of `gab`, which is no parameter (known: "),
             ("by = 0.5", "by = 0", "expected what a built one may differ by"),

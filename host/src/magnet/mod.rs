@@ -1,10 +1,12 @@
 //! Magnets as files: the drawing of `magnet.toml`, with the points, lines and probes that are read of its field.
 
+mod boundary;
 mod builtin;
 pub mod expression;
 mod file;
 mod material;
 mod part;
+pub mod search;
 pub mod simulated;
 pub mod uncertain;
 

@@ -37,8 +37,8 @@ pub struct Found {
 
 /// Part of the fall that the slope promises which a step must bring (Armijo's rule).
 const ARMIJO: f64 = 1e-4;
-/// What rounding leaves of an energy, as a part of it.
-const ROUNDING: f64 = 1e-13;
+/// What rounding may leave of an energy, as a part of it: sums over many elements of either sign.
+const ROUNDING: f64 = 1e-10;
 /// Shortest part of a correction that is tried.
 const SHORTEST: f64 = 1e-4;
 
@@ -127,13 +127,22 @@ impl Walk {
         let mut part = 1.0;
         while part > SHORTEST {
             self.look(energy, part);
-            if self.next.energy <= self.at.energy - ARMIJO * part * fall + ROUNDING * self.at.energy.abs() {
+            if self.is_lower(part, fall) {
                 self.go();
                 return true;
             }
             part *= 0.5;
         }
         false
+    }
+
+    /// True when a part of the correction brings what it promises: by the energy, or where rounding hides that, by the slope
+    /// along the way (Hager and Zhang 2005, doi:10.1137/030601880, eq. 2.3).
+    fn is_lower(&self, part: f64, fall: f64) -> bool {
+        let risen = self.next.energy - self.at.energy;
+        let turned = -dot(&self.change, &self.next.slope);
+        let hidden = risen <= ROUNDING * self.at.energy.abs() && turned <= (1.0 - 2.0 * ARMIJO) * fall;
+        risen <= -ARMIJO * part * fall || hidden
     }
 
     /// A correction by the last factor and the steps since; false where the slope does not fall.

@@ -67,7 +67,7 @@ const TWELVE: [RulePoint; 12] = {
 };
 
 /// Corners of the three sides.
-const SIDES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
+pub const SIDES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 
 impl Order {
     /// Nodes of a triangle.

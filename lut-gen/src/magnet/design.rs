@@ -1,6 +1,7 @@
 //! A magnet as a drawing: regions with their materials, coils, and where the field ends.
 
 use super::bh::Law;
+pub use super::edge::Edge;
 use super::field::{Geometry, Matter};
 use super::shape::{Shape, ShapeError};
 use super::winding::Winding;
@@ -33,21 +34,6 @@ pub struct Coil {
     pub winding: Winding,
     /// Its current over the one that is asked for.
     pub share: f64,
-}
-
-/// Where the drawing ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Edge {
-    /// No flux leaves a circle about the origin; about an axis, a sphere.
-    Round {
-        /// Its radius, mm.
-        radius: f64,
-    },
-    /// No flux leaves a box of twice this width and height; about an axis, a cylinder.
-    Box {
-        /// Half its width, or its radius, mm.
-        half: f64,
-    },
 }
 
 /// What a plane drawing of a ring with a gap lacks: flux that leaves the plane before and behind the core.
@@ -148,15 +134,15 @@ pub enum DesignError {
     },
     /// A wanted size is not usable.
     #[error(
-        "region \"{region}\" wants triangles of {size_mm} mm: expected more than 0, at most its extent of {extent_mm:.3} mm"
+        "region \"{region}\" wants triangles of {size_mm} mm: expected more than 0, at most {most_mm:.3} mm, four times its extent"
     )]
     Size {
         /// Name of the region.
         region: String,
         /// The size, mm.
         size_mm: f64,
-        /// Its smallest extent, mm.
-        extent_mm: f64,
+        /// The largest that is usable, mm.
+        most_mm: f64,
     },
     /// A coil has no region.
     #[error("coil \"{coil}\" has no region that carries its current out of the plane")]
@@ -174,6 +160,15 @@ pub enum DesignError {
         /// Why.
         source: crate::fem::mesh::MeshError,
     },
+    /// Currents whose field has no end.
+    #[error(
+        "the coils carry {ampere_turns} ampere turns more out of the plane than into it at 1 A: their field falls so \
+         slowly that it has no open boundary; give boundary = {{ radius_mm = .. }}, or the coils' other sides"
+    )]
+    Net {
+        /// Ampere turns that do not come back, at 1 A.
+        ampere_turns: f64,
+    },
     /// The boundary is no number.
     #[error("the boundary is at {value} mm: expected more than 0")]
     Edge {
@@ -184,19 +179,10 @@ pub enum DesignError {
 
 /// Parts of a region's smallest extent that a side is long where no size is told.
 const PARTS: f64 = 6.0;
+/// Longest side of a triangle over the smallest extent of its region: a thin winding may have long triangles.
+const SLENDER: f64 = 4.0;
 /// How much farther away than any region the boundary must be at least.
 const ROOM: f64 = 1.05;
-
-impl Edge {
-    /// Its radius or half width, mm.
-    #[must_use]
-    pub const fn extent(self) -> f64 {
-        match self {
-            Edge::Round { radius } => radius,
-            Edge::Box { half } => half,
-        }
-    }
-}
 
 impl Region {
     /// True when a point belongs to it, whatever lies above.
@@ -243,7 +229,7 @@ impl Design {
     /// [`DesignError`] of the first that cannot be solved.
     pub fn check(&self) -> Result<(), DesignError> {
         let far = self.edge.extent();
-        if !(far > 0.0 && far.is_finite()) {
+        if far.is_nan() || far <= 0.0 || self.regions.is_empty() {
             return Err(DesignError::Edge { value: far });
         }
         for region in &self.regions {
@@ -254,7 +240,21 @@ impl Design {
                 return Err(DesignError::Unwound { coil: coil.name.clone() });
             }
         }
+        let ampere_turns = self.net();
+        if self.edge == Edge::Open && self.geometry == Geometry::Plane && ampere_turns != 0.0 {
+            return Err(DesignError::Net { ampere_turns });
+        }
         Ok(())
+    }
+
+    /// Ampere turns that do not come back into the plane, at 1 A.
+    fn net(&self) -> f64 {
+        let has = |coil: usize, positive: bool| {
+            let own = |r: &Region| r.coil.is_some_and(|(own, sense)| own == coil && (sense > 0.0) == positive);
+            f64::from(u8::from(self.regions.iter().any(own)))
+        };
+        let net = |(i, coil): (usize, &Coil)| coil.share * coil.winding.turns * (has(i, true) - has(i, false));
+        self.coils.iter().enumerate().map(net).sum()
     }
 
     fn check_region(&self, region: &Region, far: f64) -> Result<(), DesignError> {
@@ -270,8 +270,8 @@ impl Design {
             if reach_mm * ROOM > far {
                 return Err(DesignError::Outside { region: name(), reach_mm, least_mm: reach_mm * ROOM });
             }
-            if self.geometry == Geometry::Axisymmetric && shape.least_x() < -1e-9 {
-                return Err(DesignError::LeftOfAxis { region: name(), radius_mm: shape.least_x() });
+            if self.geometry == Geometry::Axisymmetric && shape.bounds()[0][0] < -1e-9 {
+                return Err(DesignError::LeftOfAxis { region: name(), radius_mm: shape.bounds()[0][0] });
             }
         }
         if let Some((coil, _)) = region.coil.filter(|(coil, _)| *coil >= self.coils.len()) {
@@ -279,8 +279,8 @@ impl Design {
         }
         if let Some(size_mm) = region.size_mm {
             let extent_mm = region.extent_mm();
-            if !(size_mm > 0.0 && size_mm <= extent_mm) {
-                return Err(DesignError::Size { region: name(), size_mm, extent_mm });
+            if !(size_mm > 0.0 && size_mm <= SLENDER * extent_mm) {
+                return Err(DesignError::Size { region: name(), size_mm, most_mm: SLENDER * extent_mm });
             }
         }
         Ok(())

@@ -29,6 +29,11 @@ impl Field {
                 energy.co += volume * (law.h * b - law.energy);
             }
         }
+        if let (Some(outside), Some(air)) = (&self.outside, matter.first()) {
+            let beyond = outside.energy(air.law.at(0.0).slope, &solution.potential);
+            energy.stored += beyond;
+            energy.co += beyond;
+        }
         energy
     }
 

@@ -14,6 +14,8 @@ use crate::fem::sparse::{Factor, HELD, Pattern, Scatter, Stored, elimination_ord
 use crate::fem::triangle::NODES;
 
 use super::bh::Law;
+pub use super::outside::Around;
+use super::outside::Outside;
 pub use super::point::Geometry;
 use super::point::{Isotropic, Parts, Point};
 use super::potential::{Potential, Square, add_load};
@@ -80,6 +82,7 @@ pub struct Field {
     scatter: Scatter,
     factor: Factor,
     square: Square,
+    pub(super) outside: Option<Outside>,
 }
 
 /// A field that was found.
@@ -112,26 +115,34 @@ const STEPS: usize = 60;
 const CHORD: f64 = 0.4;
 
 impl Field {
-    /// Prepares the equations. `held` tells the nodes with a potential of zero.
+    /// Prepares the equations. `held` tells the nodes with a potential of zero; `around` is what lies beyond the mesh if it
+    /// is a circle.
     ///
     /// # Errors
     /// [`FieldError`].
-    pub fn new(mesh: Mesh, geometry: Geometry, held: impl Fn([f64; 2]) -> bool) -> Result<Self, FieldError> {
+    pub fn new(
+        mesh: Mesh,
+        geometry: Geometry,
+        around: Option<Around>,
+        held: impl Fn([f64; 2]) -> bool,
+    ) -> Result<Self, FieldError> {
+        let outside = around.map(|around| Outside::new(&mesh, geometry, around));
         let count = mesh.order.nodes();
-        let mut around = vec![Vec::new(); mesh.nodes.len()];
+        let mut triangles = vec![Vec::new(); mesh.nodes.len()];
         for (t, triangle) in mesh.triangles.iter().enumerate() {
-            triangle[..count].iter().for_each(|n| around[*n].push(t));
+            triangle[..count].iter().for_each(|n| triangles[*n].push(t));
         }
         // nodes without a triangle have no equation either
-        let nodes = || mesh.nodes.iter().zip(&around).map(|(at, around)| (held(*at), !around.is_empty()));
-        if nodes().all(|(held, used)| !(held && used)) {
+        let nodes = || mesh.nodes.iter().zip(&triangles).map(|(at, triangles)| (held(*at), !triangles.is_empty()));
+        if outside.is_none() && nodes().all(|(held, used)| !(held && used)) {
             return Err(FieldError::Free);
         }
         let mut equations = Equations::<1>::number(nodes().map(|(held, used)| [held || !used]));
         let unknowns = equations.unknowns();
         let memory = || FieldError::Memory { unknowns };
         let groups = |equations: &Equations<1>| -> Vec<Vec<usize>> {
-            mesh.triangles.iter().map(|t| equations.group(&t[..count])).collect()
+            let own = mesh.triangles.iter().map(|t| equations.group(&t[..count]));
+            own.chain(outside.iter().map(|outside| outside.group(equations))).collect()
         };
         let before = groups(&equations);
         let (unordered, _) = Pattern::new(unknowns, before.iter().map(Vec::as_slice), Stored::Lower);
@@ -148,7 +159,8 @@ impl Field {
             square: Square::default(),
             mesh,
             geometry,
-            around,
+            around: triangles,
+            outside,
             equations,
             pattern,
             scatter,
@@ -199,7 +211,8 @@ impl Field {
                 x[*equation] = *value;
             }
         }
-        self.square.renew(&self.parts, &self.mesh, matter.iter().map(|m| &m.law), &self.pattern, &self.scatter);
+        let laws = matter.iter().map(|m| &m.law);
+        self.square.renew(&self.parts, &self.mesh, laws, &self.pattern, &self.scatter, self.outside.as_ref());
         let found = self.minimise(matter, &load, CLOSE * sources, &mut x);
         let residual = found.left / sources;
         if !found.closed {

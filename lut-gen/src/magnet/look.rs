@@ -6,10 +6,12 @@ use super::field::{Field, Solution};
 use super::point::{gradient, point};
 
 impl Field {
-    /// Flux density at a point, (x, y) or (r, z), T; `None` outside of the mesh. Recovered from the triangles around it.
+    /// Flux density at a point, (x, y) or (r, z), T; `None` where there is no field. Recovered from the triangles around it.
     #[must_use]
     pub fn flux_density(&self, solution: &Solution, at: [f64; 2]) -> Option<[f64; 2]> {
-        let (t, coordinates) = self.locator.find(&self.mesh, at)?;
+        let Some((t, coordinates)) = self.locator.find(&self.mesh, at) else {
+            return self.outside.as_ref()?.flux_density(&solution.potential, at);
+        };
         let g = match self.mesh.order {
             // A cubic's slope is as good as a fit through its neighbours'.
             Order::Third => {

@@ -5,12 +5,14 @@
 pub mod bh;
 pub mod curve;
 pub mod design;
+pub mod edge;
 mod energy;
 pub mod field;
 pub mod fluid;
 mod look;
 pub mod map;
 pub mod material;
+mod outside;
 mod point;
 mod potential;
 mod recover;

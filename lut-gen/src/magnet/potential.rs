@@ -1,6 +1,7 @@
 //! The energy of a field over the potential of its free nodes: a square of the linear regions, and the rest.
 
 use super::bh::Law;
+use super::outside::Outside;
 use super::point::{Isotropic, Parts, Turn};
 use crate::fem::domain::{Domain, Stiff};
 use crate::fem::equations::spread;
@@ -20,7 +21,7 @@ pub(super) struct Square {
 }
 
 impl Square {
-    /// Assembles it anew where a linear law is another.
+    /// Assembles it anew where a linear law is another; the first region is the air, also that of the outside.
     pub fn renew<'a>(
         &mut self,
         parts: &Parts,
@@ -28,6 +29,7 @@ impl Square {
         laws: impl Iterator<Item = &'a Law>,
         pattern: &Pattern,
         scatter: &Scatter,
+        outside: Option<&Outside>,
     ) {
         let linear = |law: &Law| matches!(law, Law::Linear(_)).then(|| law.clone());
         let laws: Vec<Option<Law>> = laws.map(linear).collect();
@@ -41,6 +43,10 @@ impl Square {
             Parts::First(domain) => square(domain, &mesh.regions, &by_region, scatter, &mut self.values),
             Parts::Second(domain) => square(domain, &mesh.regions, &by_region, scatter, &mut self.values),
             Parts::Third(domain) => square(domain, &mesh.regions, &by_region, scatter, &mut self.values),
+        }
+        // the circle's group is the last
+        if let (Some(outside), Some(Some(air)), Some(places)) = (outside, self.laws.first(), scatter.last()) {
+            outside.add(air.at(0.0).slope, places, &mut self.values);
         }
     }
 

@@ -172,14 +172,19 @@ impl Shape {
         }
     }
 
-    /// The smallest x (or radius) that it reaches, mm.
+    /// Lower left and upper right corner of the box around it, mm; of an open ring that around the closed one.
     #[must_use]
-    pub fn least_x(&self) -> f64 {
+    pub fn bounds(&self) -> [[f64; 2]; 2] {
+        let around = |c: &[f64; 2], radius: f64| [c.map(|x| x - radius), c.map(|x| x + radius)];
         match self {
-            Shape::Rectangle(a, _) => a[0],
-            Shape::Disc(c, radius) => c[0] - radius,
-            Shape::Ring { centre, radii, .. } => centre[0] - radii[1],
-            Shape::Polygon(corners) => corners.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min),
+            Shape::Rectangle(a, b) => [*a, *b],
+            Shape::Disc(c, radius) => around(c, *radius),
+            Shape::Ring { centre, radii, .. } => around(centre, radii[1]),
+            Shape::Polygon(corners) => {
+                corners.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], p| {
+                    [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
+                })
+            }
         }
     }
 }
@@ -239,7 +244,7 @@ mod tests {
                 let side = |sign: f64| [m[0] + sign * 1e-4 * nx / size, m[1] + sign * 1e-4 * ny / size];
                 assert_ne!(shape.contains(side(1.0)), shape.contains(side(-1.0)), "{shape:?} {curve:?}");
                 assert!(shape.distance(m) < 1e-9 && shape.reach() >= m[0].hypot(m[1]) - 1e-9);
-                assert!(shape.least_x() <= m[0] + 1e-9);
+                assert!(shape.bounds()[0][0] <= m[0] + 1e-9);
             }
         }
     }

@@ -4,15 +4,25 @@ use crate::fem::drawing::{Curve, cut};
 use crate::fem::mesh::{Mesh, MeshError, mesh};
 use crate::fem::triangle::Order;
 
-use super::design::{Design, DesignError, Edge, Region};
+use super::design::{Design, DesignError, Region};
 use super::field::Geometry;
 
-/// How sides grow with the distance from a region.
-const GROWTH: f64 = 0.25;
-/// How they grow from a corner, and how long they are there: the field has a singularity where a permeability jumps around
-/// a corner, which a tenth of the size pins down.
-const CORNER: (f64, f64) = (0.3, 0.1);
-/// Longest side as a part of the boundary's radius.
+/// How sides follow the regions' sizes.
+struct Grading {
+    /// How they grow with the distance from a region.
+    growth: f64,
+    /// How they grow from a corner, where the field has a singularity if a permeability jumps around it.
+    from_corner: f64,
+    /// Their size there over that of the region, around a corner of steel and around one of weaker materials.
+    at_corner: [f64; 2],
+}
+
+/// Least seconds at equal error of the ring electromagnet's curve; a triangle of third order bears sides that grow faster.
+const LINEAR_AND_QUADRATIC: Grading = Grading { growth: 0.25, from_corner: 0.3, at_corner: [0.1, 0.1] };
+const CUBIC: Grading = Grading { growth: 0.5, from_corner: 0.6, at_corner: [0.05, 0.1] };
+/// Ratio of permeabilities around a corner up to which its materials are weak: the singularity of a fluid beside air is mild.
+const WEAK: f64 = 30.0;
+/// Longest side as a part of the mesh's radius.
 const LONGEST: f64 = 0.12;
 /// Directions in which the regions around a corner are looked at.
 const LOOKS: usize = 72;
@@ -34,20 +44,21 @@ impl Design {
             curves.retain(|c| !matches!(c, Curve::Line(a, b) if a[0].abs() + b[0].abs() < 1e-12));
             curves.push(self.axis());
         }
-        let corners = self.corners(&cut(&curves));
+        let grading = if order == Order::Third { CUBIC } else { LINEAR_AND_QUADRATIC };
+        let corners = self.corners(&cut(&curves), &grading);
         let sizes: Vec<f64> = self.regions.iter().map(|region| coarser * region.side_mm()).collect();
-        let longest = coarser * LONGEST * self.edge.extent();
+        let longest = coarser * LONGEST * self.meshed_mm();
         let size = |p: [f64; 2]| {
             let mut least = longest;
             for (region, own) in self.regions.iter().zip(&sizes) {
                 if *own < least {
                     let away = region.shapes.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min);
-                    least = least.min(own + GROWTH * away);
+                    least = least.min(own + grading.growth * away);
                 }
             }
             for (corner, own) in &corners {
                 let away = (p[0] - corner[0]).hypot(p[1] - corner[1]);
-                least = least.min(CORNER.1 * coarser * own + CORNER.0 * away);
+                least = least.min(coarser * own + grading.from_corner * away);
             }
             least
         };
@@ -67,59 +78,20 @@ impl Design {
         DesignError::Mesh { region: self.name(number).to_owned(), size_mm, source }
     }
 
-    /// True when a point is on the boundary or the axis, where the potential is held.
-    #[must_use]
-    pub fn is_held(&self, p: [f64; 2]) -> bool {
-        let far = self.edge.extent();
-        let near = 1e-6 * far;
-        if self.geometry == Geometry::Axisymmetric && p[0] < 1e-9 {
-            return true;
-        }
-        match self.edge {
-            Edge::Round { radius } => p[0].hypot(p[1]) > radius - near,
-            Edge::Box { half } => p[0].abs().max(p[1].abs()) > half - near,
-        }
-    }
-
-    fn is_inside(&self, p: [f64; 2]) -> bool {
-        (self.geometry == Geometry::Plane || p[0] > 0.0)
-            && match self.edge {
-                Edge::Round { radius } => p[0].hypot(p[1]) < radius,
-                Edge::Box { .. } => true,
-            }
-    }
-
-    /// The boundary's curves, without the axis.
-    fn frame(&self) -> Vec<Curve> {
-        use std::f64::consts::FRAC_PI_2;
-        match (self.edge, self.geometry) {
-            (Edge::Round { radius }, Geometry::Plane) => vec![Curve::circle([0.0, 0.0], radius)],
-            (Edge::Round { radius }, Geometry::Axisymmetric) => {
-                vec![Curve::Arc { centre: [0.0, 0.0], radius, from: -FRAC_PI_2, to: FRAC_PI_2 }]
-            }
-            (Edge::Box { half }, Geometry::Plane) => Curve::rectangle([-half, -half], [half, half]).to_vec(),
-            (Edge::Box { half }, Geometry::Axisymmetric) => Curve::rectangle([0.0, -half], [half, half])[..3].to_vec(),
-        }
-    }
-
-    fn axis(&self) -> Curve {
-        let far = self.edge.extent();
-        Curve::Line([0.0, far], [0.0, -far])
-    }
-
-    /// Corners around which a permeability jumps, with the size of the smallest region there.
-    fn corners(&self, parts: &[Curve]) -> Vec<([f64; 2], f64)> {
+    /// Corners around which a permeability jumps, with the size of a side there.
+    fn corners(&self, parts: &[Curve], grading: &Grading) -> Vec<([f64; 2], f64)> {
         let mut ends: Vec<[f64; 2]> = Vec::new();
         for end in parts.iter().flat_map(|part| [part.at(0.0), part.at(1.0)]) {
             if ends.iter().all(|own| (own[0] - end[0]).hypot(own[1] - end[1]) > 1e-6) {
                 ends.push(end);
             }
         }
-        ends.into_iter().filter_map(|end| Some((end, self.at_corner(end)?))).collect()
+        ends.into_iter().filter_map(|end| Some((end, self.at_corner(end, grading)?))).collect()
     }
 
-    /// The size of the smallest region at a corner; `None` where the border between strong and weak materials is smooth.
-    fn at_corner(&self, p: [f64; 2]) -> Option<f64> {
+    /// The size of a side at a corner, by the smallest region there; `None` where the border between strong and weak
+    /// materials is smooth.
+    fn at_corner(&self, p: [f64; 2], grading: &Grading) -> Option<f64> {
         let around: Vec<usize> = (0..LOOKS)
             .map(|i| std::f64::consts::TAU * (i as f64 + 0.5) / LOOKS as f64)
             .map(|angle| [p[0] + 1e-4 * angle.cos(), p[1] + 1e-4 * angle.sin()])
@@ -143,7 +115,11 @@ impl Design {
         };
         let regions = around.iter().filter_map(|number| self.regions.get(number.checked_sub(1)?));
         let least = regions.map(Region::side_mm).fold(f64::INFINITY, f64::min);
-        (!smooth && least.is_finite()).then_some(least)
+        let reluctivity = |number: &usize| self.law(*number).at(0.0).slope;
+        let range = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
+        let (low, high) = around.iter().map(reluctivity).fold((f64::INFINITY, 0.0), range);
+        let part = grading.at_corner[usize::from(high < WEAK * low)];
+        (!smooth && least.is_finite()).then_some(part * least)
     }
 
     fn is_magnet(&self, number: usize) -> bool {
@@ -171,6 +147,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
     use crate::magnet::bh::Law;
+    use crate::magnet::edge::Edge;
     use crate::magnet::shape::Shape;
 
     fn block(name: &str, from: [f64; 2], to: [f64; 2], law: Law) -> Region {
@@ -203,7 +180,8 @@ mod tests {
         };
         let mut curves = design.frame();
         curves.extend(design.regions.iter().flat_map(|r| r.shapes[0].outline()));
-        let mut corners: Vec<[f64; 2]> = design.corners(&cut(&unlike(curves))).iter().map(|(p, _)| *p).collect();
+        let mut corners: Vec<[f64; 2]> =
+            design.corners(&cut(&unlike(curves)), &CUBIC).iter().map(|(p, _)| *p).collect();
         corners.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         assert_eq!(corners, [[-6.0, 0.0], [-6.0, 6.0], [6.0, 0.0], [6.0, 6.0]]);
         let mesh = design.mesh(Order::Second, 1.0).unwrap_or_else(|e| panic!("{e}"));

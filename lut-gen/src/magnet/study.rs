@@ -146,7 +146,7 @@ impl Design {
 
     fn prepared(&self, order: Order, coarser: f64) -> Result<Prepared, StudyError> {
         let mesh = self.mesh(order, coarser)?;
-        let field = Field::new(mesh, self.geometry, |p| self.is_held(p))
+        let field = Field::new(mesh, self.geometry, self.around(), |p| self.is_held(p))
             .map_err(|source| StudyError::Field { ampere: 0.0, source })?;
         let areas: Vec<f64> = (0..=self.regions.len()).map(|region| field.area(region)).collect();
         for (region, area) in self.regions.iter().zip(&areas[1..]) {

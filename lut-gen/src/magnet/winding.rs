@@ -11,6 +11,9 @@ const KG_MM3: f64 = 8.89e-6;
 /// Heat capacity of copper, J/(kg K).
 const J_KG_K: f64 = 385.0;
 
+/// Part of a window that wires fill which lie in layers above each other: circles in squares.
+pub const LAYERED: f64 = PI / 4.0;
+
 /// Diameter of a bare wire of an American gauge, mm (ASTM B258: gauge 36 is 0.127 mm, gauge 0000 92 times of its ratio).
 #[must_use]
 pub fn awg_mm(gauge: f64) -> f64 {
@@ -83,7 +86,7 @@ impl Winding {
     #[must_use]
     pub fn fits(&self, window_mm2: f64) -> Fit {
         let filled = self.filled(window_mm2);
-        if filled <= PI / 4.0 {
+        if filled <= LAYERED {
             Fit::Layered
         } else if filled <= PI / (2.0 * 3_f64.sqrt()) {
             Fit::Grooved

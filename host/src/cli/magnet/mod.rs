@@ -1,12 +1,13 @@
 //! `palpate magnet`.
 
 mod files;
+mod optimise;
 mod told;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use lut_gen::fem::triangle::Order;
 use miette::{IntoDiagnostic, WrapErr, miette};
 
@@ -21,10 +22,13 @@ const MOST_CURRENTS: usize = 400;
 
 /// A magnet's field over its current.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Arguments {
+    #[command(subcommand)]
+    task: Option<Task>,
     /// A magnet.toml, or the name of a magnet that comes with the program (`palpate magnet list`)
-    #[arg(value_name = "FILE")]
-    magnet: String,
+    #[arg(value_name = "FILE", required = true)]
+    magnet: Option<String>,
     /// Currents, A: FROM:TO:STEP, or a list with commas; magnets without a coil need none
     #[arg(long, value_name = "A", default_value = "0.25:2.5:0.25")]
     current: String,
@@ -51,6 +55,12 @@ pub struct Arguments {
     json: bool,
 }
 
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Search the strongest magnets for their size, within limits of current, heat and volume
+    Optimise(optimise::Arguments),
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum OrderArgument {
     First,
@@ -63,11 +73,15 @@ enum OrderArgument {
 /// # Errors
 /// A file with a mistake, a drawing that cannot be solved, a file that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    if arguments.magnet == "list" {
+    if let Some(Task::Optimise(arguments)) = &arguments.task {
+        return optimise::run(arguments);
+    }
+    let asked = arguments.magnet.as_deref().unwrap_or("list");
+    if asked == "list" {
         list();
         return Ok(());
     }
-    let (magnet, text) = magnet(&arguments.magnet, &set(&arguments.set)?)?;
+    let (magnet, text) = magnet(asked, &set(&arguments.set)?)?;
     if let Some(copy) = &arguments.copy {
         if copy.exists() {
             return Err(miette!("{} is there already; expected the name of a new file", copy.display()));

@@ -6,6 +6,7 @@ use lut_gen::magnet::study::{Flux, State};
 
 use super::figure::{Axis, Figure, Series, Stroke};
 use crate::magnet::Magnet;
+use crate::magnet::search::Candidate;
 
 pub use map::map;
 
@@ -30,6 +31,25 @@ pub fn over_current(magnet: &Magnet, states: &[State]) -> Figure {
         let points = states.iter().map(|state| (state.ampere, flux(state).size_t()));
         let stroke = Stroke::LINES[i % Stroke::LINES.len()];
         figure = figure.with(Series::new(name, points.collect(), stroke, i));
+    }
+    figure
+}
+
+/// Flux density over volume of the magnets of a front, a mark a file, with what is wanted.
+pub fn front(names: &[&str], front: &[Candidate], wanted: Option<f64>) -> Figure {
+    let title = "The strongest magnets for their size, computed";
+    let mut figure = Figure::new(title, Axis::new("box around the magnet (cm^3)"), Axis::new("|B| in the gap (T)"));
+    let place = |candidate: &Candidate| (candidate.volume_cm3, candidate.flux.size_t());
+    figure = figure.with(Series::new("", front.iter().map(place).collect(), Stroke::Faint, 5));
+    for (i, name) in names.iter().enumerate() {
+        let own: Vec<(f64, f64)> = front.iter().filter(|candidate| candidate.file == i).map(place).collect();
+        if !own.is_empty() {
+            figure = figure.with(Series::new(name, own, if i == 0 { Stroke::Dots } else { Stroke::Marks }, i));
+        }
+    }
+    if let (Some(wanted), Some(first), Some(last)) = (wanted, front.first(), front.last()) {
+        let line = vec![(first.volume_cm3, wanted), (last.volume_cm3, wanted)];
+        figure = figure.with(Series::new("wanted", line, Stroke::Dashed, 1));
     }
     figure
 }
