@@ -1,5 +1,7 @@
 //! `[material.NAME]`: by a name, a permeability, a table, the iron of a fluid, or a magnet's datasheet.
 
+use std::path::{Path, PathBuf};
+
 use lut_gen::magnet::bh::{Between, Law, LawError, Table};
 use lut_gen::magnet::material::{Magnet, NAMES, named};
 
@@ -104,8 +106,24 @@ fn coercive(section: &Section<'_>) -> Result<Option<f64>, ExperimentError> {
 /// A table beside the file: two columns, B in T and H in A/m; lines that begin with # or a letter are skipped.
 fn table(section: &Section<'_>, between: Between) -> Result<Table, ExperimentError> {
     let expected = "the name of a CSV file with B in T and H in A/m";
-    let name = section.text("table_csv", expected)?.unwrap_or_default();
-    let folder = section.document.file.parent().unwrap_or_else(|| std::path::Path::new("."));
+    let (file, points) = pairs(section, "table_csv", expected, [("B", "a number of T"), ("H", "a number of A/m")])?;
+    Table::new(&points, between)
+        .map_err(|error| ExperimentError::of_file(&file, Problem::Contradiction(error.to_string())))
+}
+
+/// The CSV file that a key names, beside the section's file, with its first two columns.
+pub(super) type Pairs = (PathBuf, Vec<(f64, f64)>);
+
+/// Reads two columns of the file that a key names; each has a name and what is expected of it. Lines that begin with # or a
+/// letter are skipped.
+pub(super) fn pairs(
+    section: &Section<'_>,
+    key: &str,
+    expected: &str,
+    columns: [(&str, &str); 2],
+) -> Result<Pairs, ExperimentError> {
+    let name = section.text(key, expected)?.ok_or_else(|| section.missing(key, expected))?;
+    let folder = section.document.file.parent().unwrap_or_else(|| Path::new("."));
     let file = folder.join(name);
     let text = crate::experiment::text_of(&file)?;
     let mut points = Vec::new();
@@ -118,7 +136,7 @@ fn table(section: &Section<'_>, between: Between) -> Result<Table, ExperimentErr
         let number = |field: usize| {
             let found = fields.get(field).copied().unwrap_or("nothing");
             found.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| {
-                let (key, expected) = if field == 0 { ("B", "a number of T") } else { ("H", "a number of A/m") };
+                let (key, expected) = columns[field];
                 let problem =
                     Problem::BadValue { key: key.to_owned(), found: found.to_owned(), expected: expected.to_owned() };
                 ExperimentError::of_row(&file, i + 1, Some((field + 1, key)), problem)
@@ -126,6 +144,5 @@ fn table(section: &Section<'_>, between: Between) -> Result<Table, ExperimentErr
         };
         points.push((number(0)?, number(1)?));
     }
-    Table::new(&points, between)
-        .map_err(|error| ExperimentError::of_file(&file, Problem::Contradiction(error.to_string())))
+    Ok((file, points))
 }

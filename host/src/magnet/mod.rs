@@ -4,6 +4,7 @@ mod boundary;
 mod builtin;
 pub mod expression;
 mod file;
+pub mod fluid;
 mod material;
 mod part;
 pub mod search;

@@ -65,6 +65,12 @@ impl Fluid {
         Ok(Fluid { law, yields: Yields::Points(super::curve::Rising::new(h, tau)?) })
     }
 
+    /// The same yield stress over field strength with another magnetic law.
+    #[must_use]
+    pub fn with_law(self, law: Law) -> Self {
+        Fluid { law, ..self }
+    }
+
     /// Its magnetic law.
     #[must_use]
     pub fn law(&self) -> &Law {

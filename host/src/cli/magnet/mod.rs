@@ -1,6 +1,7 @@
 //! `palpate magnet`.
 
 mod files;
+mod fluid;
 mod optimise;
 mod told;
 
@@ -59,6 +60,8 @@ pub struct Arguments {
 enum Task {
     /// Search the strongest magnets for their size, within limits of current, heat and volume
     Optimise(optimise::Arguments),
+    /// Show a fluid's flux density and yield stress over field strength
+    Fluid(fluid::Arguments),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -73,8 +76,10 @@ enum OrderArgument {
 /// # Errors
 /// A file with a mistake, a drawing that cannot be solved, a file that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    if let Some(Task::Optimise(arguments)) = &arguments.task {
-        return optimise::run(arguments);
+    match &arguments.task {
+        Some(Task::Optimise(arguments)) => return optimise::run(arguments),
+        Some(Task::Fluid(arguments)) => return fluid::run(arguments),
+        None => {}
     }
     let asked = arguments.magnet.as_deref().unwrap_or("list");
     if asked == "list" {

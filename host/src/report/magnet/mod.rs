@@ -54,6 +54,17 @@ pub fn front(names: &[&str], front: &[Candidate], wanted: Option<f64>) -> Figure
     figure
 }
 
+/// Flux density and yield stress of a fluid over field strength (Fig. 53), from rows of all three.
+pub fn fluid(title: &str, rows: &[[f64; 3]]) -> [Figure; 2] {
+    let figure =
+        |what: &str, axis: &str, column: usize| {
+            let points = rows.iter().map(|row| (row[0], row[column])).collect();
+            Figure::new(&format!("{title}: {what}"), Axis::new("field strength (kA/m)"), Axis::new(axis))
+                .with(Series::new("", points, Stroke::Solid, 0))
+        };
+    [figure("flux density", "flux density (T)", 1), figure("yield stress", "yield stress (kPa)", 2)]
+}
+
 /// Where a reading is found in a state.
 type Look<'a> = Box<dyn Fn(&State) -> Flux + 'a>;
 
