@@ -11,6 +11,7 @@ use crate::diagnose::{self, Diagnosis, Evidence, Finding, Models};
 use crate::experiment::{self, Experiment, Test};
 use crate::extended::ExtendedModel;
 use crate::extended::display::DisplayModel;
+use crate::extended::magnet::MagnetModel;
 use crate::report::{self, number};
 use crate::results::{Folder, FolderError, Place, Provenance, curves, parameters};
 
@@ -50,6 +51,7 @@ struct Written {
     /// One a material, none where nothing is to be kept of it.
     models: Vec<Option<String>>,
     display_model: Option<String>,
+    table_model: Option<String>,
 }
 
 /// Reads, diagnoses, tells, and then keeps what was found.
@@ -79,6 +81,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             .iter()
             .flatten()
             .chain(&written.display_model)
+            .chain(&written.table_model)
             .for_each(|file| outln!("model            {file}"));
     }
     if let Some(folder) = folder? {
@@ -160,7 +163,11 @@ impl Found {
             answer["model"] = json!(written.display_model);
             answer
         });
-        let table = self.table.as_ref().map(|table| diagnose::table::answer::json(table, report));
+        let table = self.table.as_ref().map(|table| {
+            let mut answer = diagnose::table::answer::json(table, report);
+            answer["model"] = json!(written.table_model);
+            answer
+        });
         let alone = materials.is_empty() && self.indented.is_none();
         let mut answer = match (display, table.as_ref()) {
             (Some(display), _) if alone => display,
@@ -210,6 +217,13 @@ impl Call<'_> {
             let usual = if alone { "model.toml" } else { "display-model.toml" };
             let named = named.filter(|_| alone).map(Path::to_owned);
             written.display_model = save(named, folder, Path::new(usual), &model.to_toml())?;
+        }
+        if let Some(model) = self.found.table.as_ref().and_then(|found| MagnetModel::of(self.experiment, found)) {
+            let alone = alone && self.found.display.is_none();
+            let usual = if alone { "model.toml" } else { "magnet-model.toml" };
+            let named = self.arguments.model.as_deref().filter(|_| alone).map(Path::to_owned);
+            let model = model.fitted(self.experiment).into_diagnostic()?;
+            written.table_model = save(named, folder, Path::new(usual), &model.to_toml())?;
         }
         Ok(())
     }

@@ -11,6 +11,7 @@ use crate::experiment::{self, Experiment};
 use crate::extended::ExtendedModel;
 use crate::extended::display::{DisplayModel, Gain};
 use crate::extended::gain::{self, Options};
+use crate::extended::magnet::MagnetModel;
 use crate::report::{self, number};
 
 use super::progress::Progress;
@@ -43,6 +44,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let text = experiment::text_of(&arguments.model)?;
     if DisplayModel::is_one(&text) {
         return of_display(arguments, &experiment, &DisplayModel::parse(&arguments.model, &text)?);
+    }
+    if MagnetModel::is_one(&text) {
+        return of_magnet(arguments, &experiment, &MagnetModel::parse(&arguments.model, &text)?);
     }
     let model = ExtendedModel::read(&arguments.model)?;
     let mut options = Options::default();
@@ -98,6 +102,23 @@ fn of_display(arguments: &Arguments, experiment: &Experiment, model: &DisplayMod
             number(one.model),
         );
     }
+    Ok(())
+}
+
+/// What a magnet's model gains: its predictions beside those of the magnet as drawn, whose zero is fitted to these readings.
+fn of_magnet(arguments: &Arguments, experiment: &Experiment, model: &MagnetModel) -> miette::Result<()> {
+    let found = model.gain(experiment).map_err(|cause| miette!("{cause}"))?;
+    if arguments.json {
+        outln!("{}", serde_json::json!({ "magnet": found.json(), "report": null }));
+        return Ok(());
+    }
+    outln!(
+        "{:24} {} T rms as drawn with a zero fitted to these readings, {} T by the model as it is ({} readings)",
+        model.magnet,
+        number(found.fitted_base_t),
+        number(found.model_t),
+        found.readings
+    );
     Ok(())
 }
 

@@ -10,7 +10,7 @@
 //! | table of many materials ([`own`]) | an entry of the library for each |
 //! | gain ([`gain`]) | the table, and recordings freed from what only their own rig did to them ([`rig`]) |
 //!
-//! A display has a file of its own ([`display`]).
+//! A display has a file of its own ([`display`]), and so has a magnet ([`magnet`]).
 
 pub mod board;
 pub mod display;
@@ -19,6 +19,7 @@ mod fitting;
 pub mod gain;
 mod identified;
 pub mod identify;
+pub mod magnet;
 pub mod own;
 pub mod rig;
 #[cfg(test)]

@@ -15,7 +15,7 @@ fn key(name: &str) -> String {
 }
 
 /// A basic string. It stays on one line, so that every value has a line of its own in messages.
-fn text(words: &str) -> String {
+pub(super) fn text(words: &str) -> String {
     let mut out = String::from("\"");
     for c in words.chars() {
         match c {

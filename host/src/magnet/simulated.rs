@@ -43,15 +43,16 @@ const COARSE: f64 = 2.0;
 pub fn simulate(file: &Path, text: &str, currents: &[f64]) -> Result<Simulated, Unsimulated> {
     let magnet = parse(file, text, &BTreeMap::new())?;
     let drawn = flux(file, &magnet, currents, 1.0)?;
-    let flux_t: Vec<f64> = drawn.iter().map(|b| magnet.built.flux * b + magnet.built.remanence_t).collect();
+    let flux_t = built(&magnet, &drawn);
     let changed = |own: &Uncertain| -> Result<Vec<f64>, Unsimulated> {
         let nominal = magnet.parameters.0.get(&own.parameter).copied().unwrap_or(0.0);
         let moved = |by: f64| -> Result<Vec<f64>, Unsimulated> {
             let there = parse(file, text, &[(own.parameter.clone(), nominal + by)].into())?;
             // What does not change the drawing needs no field of its own.
-            let same = there.design == magnet.design && there.points == magnet.points;
-            let read = if same { drawn.clone() } else { flux(file, &there, currents, COARSE)? };
-            Ok(read.iter().map(|b| there.built.flux * b + there.built.remanence_t).collect())
+            let same = there.design == magnet.design
+                && there.points == magnet.points
+                && there.built.ampere_turns == magnet.built.ampere_turns;
+            Ok(built(&there, &if same { drawn.clone() } else { flux(file, &there, currents, COARSE)? }))
         };
         // A half to either side: what is drawn is seldom the end of what can be built.
         let (more, less) = (moved(0.5 * own.by)?, moved(-0.5 * own.by)?);
@@ -65,12 +66,26 @@ pub fn simulate(file: &Path, text: &str, currents: &[f64]) -> Result<Simulated, 
     Ok(Simulated { flux_t, changes_t })
 }
 
-/// |B| of the control point or probe of the drawing at every current, T.
+/// Flux density that a built magnet has at its control point or probe at every current (A, rising), T.
+///
+/// # Errors
+/// [`Unsimulated`].
+pub fn flux_at(file: &Path, magnet: &Magnet, currents: &[f64]) -> Result<Vec<f64>, Unsimulated> {
+    Ok(built(magnet, &flux(file, magnet, currents, 1.0)?))
+}
+
+/// What the built magnet has where its drawing has this.
+fn built(magnet: &Magnet, drawn: &[f64]) -> Vec<f64> {
+    drawn.iter().map(|b| magnet.built.flux * b + magnet.built.remanence_t).collect()
+}
+
+/// |B| of the control point or probe of the drawing with the built ampere turns at every current, T.
 fn flux(file: &Path, magnet: &Magnet, currents: &[f64], coarser: f64) -> Result<Vec<f64>, Unsimulated> {
     let no_control = || Unsimulated::NoControl(file.display().to_string());
     // What lies along lines is not asked for here.
     let wanted = Wanted { coarser, is_single: true, ..Magnet { lines: Vec::new(), ..magnet.clone() }.wanted() };
-    let study = magnet.design.study(&wanted, currents, &mut |_| {})?;
+    let driven: Vec<f64> = currents.iter().map(|ampere| magnet.built.ampere_turns * ampere).collect();
+    let study = magnet.design.study(&wanted, &driven, &mut |_| {})?;
     study.states.iter().map(|state| magnet.controlled(state).map(|flux| flux.size_t()).ok_or_else(no_control)).collect()
 }
 
