@@ -42,6 +42,7 @@ pub mod chain;
 pub mod effect;
 pub mod fem;
 pub mod magnet;
+pub mod pad;
 pub mod scalar;
 pub mod solid;
 pub mod sweep;

@@ -1,0 +1,140 @@
+//! The finger's cross-section.
+
+use super::Body;
+use crate::fem::block::BlockMesh;
+use crate::fem::grading::graded;
+use crate::pad::error::{PadError, demand};
+use crate::pad::law::material::Material;
+use crate::pad::law::ogden::{BULK_OF_0475, Ogden};
+
+/// Cross-section of a fingertip: an ellipse of skin over tissue around an elliptic bone, below the nail.
+///
+/// ```text
+///        y                 Its centre is (0, 0), its lowest point (0, -height). Of the right half the part below the
+///        |____________     ray at `nail_deg` is meshed; the ray belongs to the nail, the inner ellipse to the bone.
+///   bone | )   tissue )    Both are rigid and move together.
+///        |/  _______ / skin
+///        +--         x
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finger {
+    /// Half width (mm).
+    pub half_width_mm: f64,
+    /// From the centre to the lowest point (mm).
+    pub height_mm: f64,
+    /// Thickness of the skin (mm).
+    pub skin_mm: f64,
+    /// Half width of the bone (mm).
+    pub bone_half_width_mm: f64,
+    /// Half height of the bone (mm).
+    pub bone_half_height_mm: f64,
+    /// Centre of the bone above that of the finger (mm).
+    pub bone_above_mm: f64,
+    /// Where the nail begins, degrees above the horizontal, 0 to 80.
+    pub nail_deg: f64,
+    /// Skin.
+    pub skin: Material,
+    /// Tissue.
+    pub tissue: Material,
+    /// Length of the elements in the pad (mm).
+    pub edge_mm: f64,
+}
+
+/// Part of the half height up to which elements are as small as asked, as an angle from the lowest point (degrees): the
+/// pad touches up to 45 degrees when pressed by a quarter of its height.
+const PAD_DEG: f64 = 45.0;
+/// Length of elements beyond the pad over their distance from it, and of those towards the bone.
+const GROWTH: f64 = 0.4;
+
+impl Finger {
+    /// A round finger of radius 8 mm with 0.8 mm of skin around a bone of radius 3 mm, neo-Hookean with Poisson's ratio 0.475:
+    /// skin 0.08 MPa, tissue 0.012 MPa (orders of Wu et al. 2006, doi:10.1016/j.medengphy.2005.02.007).
+    ///
+    /// # Errors
+    /// [`PadError`].
+    pub fn round() -> Result<Self, PadError> {
+        let neo = |mu: f64| Ogden::neo_hooke(mu, BULK_OF_0475 * mu).map(Material::Ogden);
+        Ok(Self {
+            half_width_mm: 8.0,
+            height_mm: 8.0,
+            skin_mm: 0.8,
+            bone_half_width_mm: 3.0,
+            bone_half_height_mm: 3.0,
+            bone_above_mm: 0.0,
+            nail_deg: 0.0,
+            skin: neo(0.08)?,
+            tissue: neo(0.012)?,
+            edge_mm: 0.2,
+        })
+    }
+
+    fn checked(&self) -> Result<(), PadError> {
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        for (name, value) in [
+            ("the finger's half width (mm)", self.half_width_mm),
+            ("the finger's height (mm)", self.height_mm),
+            ("the skin's thickness (mm)", self.skin_mm),
+            ("the bone's half width (mm)", self.bone_half_width_mm),
+            ("the bone's half height (mm)", self.bone_half_height_mm),
+            ("the finger's element length (mm)", self.edge_mm),
+        ] {
+            demand(positive(value), name, value, "more than 0")?;
+        }
+        let fine = self.height_mm.min(self.half_width_mm) / self.edge_mm;
+        demand(fine <= 400.0, "the finger's size over its element length", fine, "at most 400")?;
+        let nail = self.nail_deg;
+        demand((0.0..=80.0).contains(&nail), "the nail's angle (degrees)", nail, "0 to 80")?;
+        let beside = self.half_width_mm - self.skin_mm - self.bone_half_width_mm;
+        demand(beside > 0.0, "the tissue beside the bone (mm)", beside, "more than 0")?;
+        let below = self.height_mm - self.skin_mm - self.bone_half_height_mm + self.bone_above_mm;
+        demand(below > 0.0, "the tissue below the bone (mm)", below, "more than 0")?;
+        let above = self.height_mm - self.skin_mm - self.bone_half_height_mm - self.bone_above_mm;
+        demand(nail == 0.0 || above > 0.0, "the tissue above the bone (mm)", above, "more than 0")
+    }
+
+    /// The point at an angle from the lowest point (radians) and a part of the way inward: 0 on the outside, 1 between skin
+    /// and tissue, 2 on the bone.
+    fn at(&self, angle: f64, inward: f64) -> [f64; 2] {
+        let ellipse = |a: f64, b: f64, y: f64| [a * angle.sin(), y - b * angle.cos()];
+        let outer = ellipse(self.half_width_mm, self.height_mm, 0.0);
+        let middle = ellipse(self.half_width_mm - self.skin_mm, self.height_mm - self.skin_mm, 0.0);
+        let bone = ellipse(self.bone_half_width_mm, self.bone_half_height_mm, self.bone_above_mm);
+        let (from, to, part) = if inward <= 1.0 { (outer, middle, inward) } else { (middle, bone, inward - 1.0) };
+        [0, 1].map(|i| from[i] + part * (to[i] - from[i]))
+    }
+
+    /// Meshes it: elements of the asked length in the pad, longer ones beside it and towards the bone.
+    ///
+    /// # Errors
+    /// [`PadError::Value`] for a measure that makes no finger.
+    pub fn body(&self) -> Result<Body, PadError> {
+        self.checked()?;
+        let radius = 0.5 * (self.half_width_mm + self.height_mm);
+        let end = std::f64::consts::FRAC_PI_2 + self.nail_deg.to_radians();
+        let pad = PAD_DEG.to_radians();
+        let angles = graded(end, 1.0, |a| self.edge_mm / radius + GROWTH * (a - pad).max(0.0));
+        let skin = graded(self.skin_mm, 1.0, |_| self.edge_mm.max(self.skin_mm / 3.0).min(self.skin_mm / 2.0));
+        let thickness = self.height_mm - self.skin_mm - self.bone_half_height_mm + self.bone_above_mm;
+        let tissue = graded(thickness, 1.0, |s| 1.5 * self.edge_mm + 0.5 * GROWTH * s);
+        let inward: Vec<f64> = skin
+            .iter()
+            .map(|s| s / self.skin_mm)
+            .chain(tissue[1..].iter().map(|s| 1.0 + s / thickness))
+            .collect();
+        let mesh = BlockMesh::from_lines(&angles, &inward);
+        let surface = mesh.elements.iter().filter(|e| mesh.nodes[e[0]][1] == 0.0).map(|e| [e[0], e[4], e[1]]).collect();
+        let held = mesh.nodes.iter().map(|[a, s]| match () {
+            () if *s >= 2.0 || *a >= end => [true; 2],
+            () => [*a <= 0.0, false],
+        });
+        let is_tissue = |e: &[usize; 8]| usize::from(mesh.nodes[e[7]][1] > 1.0);
+        Ok(Body {
+            held: held.collect(),
+            of: mesh.elements.iter().map(is_tissue).collect(),
+            materials: vec![self.skin.clone(), self.tissue.clone()],
+            nodes: mesh.nodes.iter().map(|[a, s]| self.at(*a, *s)).collect(),
+            surface,
+            elements: mesh.elements,
+        })
+    }
+}

@@ -1,0 +1,346 @@
+//! The equations of the bodies: energy, force and stiffness over the free displacements.
+
+use super::body::Body;
+use super::body::section::{Quad, Rule, Section, Slope};
+use super::contact::energy::{DOFS, Own, Penalty, Push};
+use super::contact::opposite::{Edge, faces};
+use super::contact::rigid::Rigid;
+use super::contact::segment::Across;
+use super::error::PadError;
+use super::law::material::{Material, Matter};
+use crate::fem::domain::{Domain, Stiff};
+use crate::fem::element::Element;
+use crate::fem::equations::{Equations, spread};
+use crate::fem::newton::Energy;
+use crate::fem::operator::PointLaw;
+use crate::fem::sparse::{Factor, HELD, Pattern, Scatter, Stored, add_lower, elimination_order};
+
+/// Degrees of freedom of an element.
+const QUAD: usize = 16;
+
+/// What lies across from the own edges.
+#[derive(Debug, Clone)]
+pub enum Counter {
+    /// A rigid body.
+    Rigid(Rigid),
+    /// Edges of the other body, from the axis outward.
+    Edges(Vec<[usize; 3]>),
+}
+
+/// Bodies, contact, and the factor of their equations.
+pub struct Model {
+    /// Positions of all nodes before anything moves (mm).
+    pub nodes: Vec<[f64; 2]>,
+    /// Which nodes belong to the body that moves down.
+    pub moving: Vec<bool>,
+    /// Elements with their equations.
+    pub domain: Domain<f64, Slope, 8, 2>,
+    /// Material of every element.
+    pub of: Vec<usize>,
+    /// The materials.
+    pub materials: Vec<Material>,
+    /// Edges that penetrations are measured on, from the axis outward.
+    pub own: Vec<[usize; 3]>,
+    /// What lies across.
+    pub counter: Counter,
+    /// How penetration is resisted.
+    pub penalty: Penalty,
+    /// Pattern, places in it and factor, of the elements and the edges that may meet.
+    pub(super) matrix: Option<Matrix>,
+}
+
+pub(super) struct Matrix {
+    pub pattern: Pattern,
+    pub factor: Factor,
+    elements: Scatter,
+    /// Of every own edge the other edges that it may meet, with the places of both.
+    meetings: Vec<Vec<(usize, Vec<u32>)>>,
+}
+
+/// One moment of a press.
+#[derive(Debug, Clone, Copy)]
+pub struct Moment<'a> {
+    /// How far the upper body has come down (mm).
+    pub travel_mm: f64,
+    /// Yield stress of plastic bodies (MPa).
+    pub yield_mpa: f64,
+    /// What the points remember of the moment before.
+    pub old: &'a [f64],
+}
+
+impl Model {
+    /// Of bodies, each with whether it moves; their own and counter edges are told by the caller.
+    ///
+    /// # Errors
+    /// [`PadError::Value`] when an element turns over.
+    pub fn new(
+        bodies: &[(&Body, bool)],
+        rule: Rule,
+        penalty: Penalty,
+        edges: impl FnOnce(&[usize]) -> (Vec<[usize; 3]>, Counter),
+    ) -> Result<Self, PadError> {
+        let section = penalty.section;
+        let (mut nodes, mut moving, mut held) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut elements, mut of, mut materials, mut first): (Vec<Quad>, _, _, _) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for (body, moves) in bodies {
+            let start = nodes.len();
+            first.push(start);
+            nodes.extend_from_slice(&body.nodes);
+            held.extend_from_slice(&body.held);
+            moving.resize(nodes.len(), *moves);
+            of.extend(body.of.iter().map(|m| m + materials.len()));
+            materials.extend(body.materials.iter().cloned());
+            for e in &body.elements {
+                let places = e.map(|n| body.nodes[n]);
+                let turned = || PadError::Value {
+                    parameter: "the area of an element (mm2)",
+                    value: 0.0,
+                    expected: "more than 0 at every point: change the element length or the measures",
+                };
+                elements.push(section.element(rule, e.map(|n| n + start), &places).ok_or_else(turned)?);
+            }
+        }
+        let (own, counter) = edges(&first);
+        let equations = Equations::number(held.into_iter());
+        let domain = Domain { elements, equations };
+        Ok(Self { nodes, moving, domain, of, materials, own, counter, penalty, matrix: None })
+    }
+
+    /// Number of equations.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.domain.equations.unknowns()
+    }
+
+    /// Numbers that all points remember.
+    #[must_use]
+    pub fn states(&self) -> usize {
+        let each = |(e, m): (&Element<_, _, 8>, &usize)| e.points.len() * self.matter(*m, 0.0).states();
+        self.domain.elements.iter().zip(&self.of).map(each).sum()
+    }
+
+    /// A material at a moment.
+    #[must_use]
+    pub fn matter(&self, material: usize, yield_mpa: f64) -> Matter<'_> {
+        Matter { material: &self.materials[material], yield_mpa }
+    }
+
+    /// Displacements of the nodes in the frame of their body, of the values of the equations.
+    #[must_use]
+    pub fn displacements(&self, x: &[f64]) -> Vec<f64> {
+        self.domain.equations.list().iter().map(|d| if *d == HELD { 0.0 } else { x[*d] }).collect()
+    }
+
+    /// The values of the equations at displacements of the nodes.
+    #[must_use]
+    pub fn values(&self, u: &[f64]) -> Vec<f64> {
+        let mut x = vec![0.0; self.unknowns()];
+        for (d, u) in self.domain.equations.list().iter().zip(u).filter(|(d, _)| **d != HELD) {
+            x[*d] = *u;
+        }
+        x
+    }
+
+    /// Where a node is (mm).
+    #[must_use]
+    pub fn position(&self, node: usize, x: &[f64], travel_mm: f64) -> [f64; 2] {
+        let list = self.domain.equations.list();
+        let u = |i: usize| if list[2 * node + i] == HELD { 0.0 } else { x[list[2 * node + i]] };
+        let down = if self.moving[node] { travel_mm } else { 0.0 };
+        [self.nodes[node][0] + u(0), self.nodes[node][1] + u(1) - down]
+    }
+
+    /// Where an edge is (mm).
+    #[must_use]
+    pub fn edge(&self, nodes: &[usize; 3], x: &[f64], travel_mm: f64) -> Edge {
+        nodes.map(|n| self.position(n, x, travel_mm))
+    }
+
+    /// What lies across now.
+    #[must_use]
+    pub fn across(&self, x: &[f64], travel_mm: f64) -> Across<'_> {
+        match &self.counter {
+            Counter::Rigid(rigid) => {
+                let down = if self.penalty.above < 0.0 { travel_mm } else { 0.0 };
+                Across::Rigid(rigid, rigid.tip_mm - down)
+            }
+            Counter::Edges(edges) => Across::edges(edges.iter().map(|e| self.edge(e, x, travel_mm))),
+        }
+    }
+
+    /// Visits every own edge that faces the other side, with its number, where it was and where it is.
+    pub fn facing(&self, x: &[f64], travel_mm: f64, mut visit: impl FnMut(usize, Own)) {
+        for (number, nodes) in self.own.iter().enumerate() {
+            let now = self.edge(nodes, x, travel_mm);
+            if !faces(&now) {
+                break;
+            }
+            visit(number, Own { reference: &nodes.map(|n| self.nodes[n]), now: &now });
+        }
+    }
+
+    /// Equations of two edges that meet; those of a rigid body are none.
+    fn pair(&self, own: usize, other: usize) -> [usize; DOFS] {
+        let list = self.domain.equations.list();
+        let mut dofs = [HELD; DOFS];
+        let mut put = |from: usize, nodes: &[usize; 3]| {
+            for (a, n) in nodes.iter().enumerate() {
+                dofs[from + 2 * a..from + 2 * a + 2].copy_from_slice(&list[2 * n..2 * n + 2]);
+            }
+        };
+        put(0, &self.own[own]);
+        if let Counter::Edges(edges) = &self.counter {
+            put(6, &edges[other]);
+        }
+        dofs
+    }
+
+    /// Sum of the contact's pushes along y on the own edges (N, in the plane N/mm), positive when they press.
+    #[must_use]
+    pub fn force(&self, x: &[f64], travel_mm: f64) -> f64 {
+        let across = self.across(x, travel_mm);
+        let mut force = 0.0;
+        self.facing(x, travel_mm, |_, own| {
+            self.penalty.push(own, &across, false, |_, push| {
+                force -= self.penalty.above * (push.force[1] + push.force[3] + push.force[5]);
+            });
+        });
+        force
+    }
+
+    /// Makes pattern and factor anew for edges that are or come within `reach_mm` of each other along x, unless the
+    /// present ones know all that are within half of it. Equations get other numbers: displacements stay, values do not.
+    pub(super) fn prepare(&mut self, u: &[f64], travel_mm: f64, reach_mm: f64) -> Result<(), PadError> {
+        let near = |model: &Self, reach: f64| -> Vec<Vec<usize>> {
+            let x = model.values(u);
+            let Counter::Edges(edges) = &model.counter else { return vec![vec![0]; model.own.len()] };
+            let range = |nodes: &[usize; 3]| {
+                let edge = model.edge(nodes, &x, travel_mm);
+                (edge.iter().map(|p| p[0]).fold(f64::MAX, f64::min), edge.iter().map(|p| p[0]).fold(f64::MIN, f64::max))
+            };
+            let others: Vec<(f64, f64)> = edges.iter().map(range).collect();
+            let of = |own: &[usize; 3]| {
+                let (low, high) = range(own);
+                let meets = |(_, o): &(usize, &(f64, f64))| o.1 >= low - reach && o.0 <= high + reach;
+                others.iter().enumerate().filter(meets).map(|(number, _)| number).collect()
+            };
+            model.own.iter().map(of).collect()
+        };
+        if let Some(matrix) = &self.matrix {
+            let knows = |(own, wanted): (usize, &Vec<usize>)| {
+                wanted.iter().all(|w| matrix.meetings[own].iter().any(|(other, _)| other == w))
+            };
+            if near(self, 0.5 * reach_mm).iter().enumerate().all(knows) {
+                return Ok(());
+            }
+        }
+        let meetings = near(self, reach_mm);
+        let unknowns = self.unknowns();
+        let memory = || PadError::Memory { unknowns };
+        let groups = |model: &Self| -> Vec<Vec<usize>> {
+            let pairs = meetings.iter().enumerate().flat_map(|(own, others)| others.iter().map(move |o| (own, *o)));
+            let mut groups = model.domain.groups();
+            groups.extend(pairs.map(|(own, other)| model.pair(own, other).to_vec()));
+            groups
+        };
+        let before = groups(self);
+        let (unordered, _) = Pattern::new(unknowns, before.iter().map(Vec::as_slice), Stored::Lower);
+        let place = elimination_order(&unordered).ok_or_else(memory)?;
+        self.domain.equations.renumber(&place);
+        let ordered = groups(self);
+        let (pattern, mut scatter) = Pattern::new(unknowns, ordered.iter().map(Vec::as_slice), Stored::Lower);
+        let factor = Factor::new(&pattern).ok_or_else(memory)?;
+        let mut pairs = scatter.split_off(self.domain.elements.len()).into_iter();
+        let meetings =
+            meetings.iter().map(|others| others.iter().copied().zip(pairs.by_ref()).collect()).collect();
+        self.matrix = Some(Matrix { pattern, factor, elements: scatter, meetings });
+        Ok(())
+    }
+}
+
+/// The energy at one moment.
+pub(super) struct Potential<'a> {
+    pub model: &'a Model,
+    pub matrix: &'a Places<'a>,
+    pub moment: Moment<'a>,
+}
+
+/// Where values go, apart from the factor that they are factorised into.
+pub(super) struct Places<'a> {
+    elements: &'a Scatter,
+    meetings: &'a [Vec<(usize, Vec<u32>)>],
+}
+
+impl Matrix {
+    /// The places, the pattern, and the factor.
+    pub fn split(&mut self) -> (Places<'_>, &Pattern, &mut Factor) {
+        (Places { elements: &self.elements, meetings: &self.meetings }, &self.pattern, &mut self.factor)
+    }
+}
+
+impl Potential<'_> {
+    /// Adds the contact; `None` where edges meet that the pattern does not know.
+    fn contact(&self, x: &[f64], slope: &mut [f64], mut values: Option<&mut [f64]>) -> Option<f64> {
+        let (model, travel) = (self.model, self.moment.travel_mm);
+        let across = model.across(x, travel);
+        let (mut energy, mut known) = (0.0, true);
+        model.facing(x, travel, |number, own| {
+            energy += model.penalty.push(own, &across, values.is_some(), |other, push: &Push| {
+                spread(&model.pair(number, other), &push.force, slope);
+                let Some(values) = values.as_deref_mut() else { return };
+                match self.matrix.meetings[number].iter().find(|(o, _)| *o == other) {
+                    Some((_, places)) => add_lower(values, places, &push.stiffness),
+                    None => known = false,
+                }
+            });
+        });
+        known.then_some(energy)
+    }
+
+    fn matters(&self) -> Vec<Matter<'_>> {
+        (0..self.model.materials.len()).map(|m| self.model.matter(m, self.moment.yield_mpa)).collect()
+    }
+
+    /// What the points will remember; `None` where a strain is impossible.
+    pub fn remember(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let mut new = vec![0.0; self.moment.old.len()];
+        let matters = self.matters();
+        let law = |e: usize| Some(&matters[self.model.of[e]]);
+        self.model.domain.forces(law, self.moment.old, Some(&mut new), x, |_: &[usize; QUAD], _| ())?;
+        Some(new)
+    }
+}
+
+impl Energy for Potential<'_> {
+    fn slope(&self, x: &[f64], slope: &mut [f64]) -> Option<f64> {
+        slope.fill(0.0);
+        let matters = self.matters();
+        let law = |e: usize| Some(&matters[self.model.of[e]]);
+        let add = |dofs: &[usize; QUAD], force: &[f64; QUAD]| spread(dofs, force, slope);
+        let energy = self.model.domain.forces(law, self.moment.old, None, x, add)?;
+        Some(energy + self.contact(x, slope, None)?)
+    }
+
+    fn curvature(&self, x: &[f64], slope: &mut [f64], values: &mut [f64]) -> Option<f64> {
+        slope.fill(0.0);
+        values.fill(0.0);
+        let matters = self.matters();
+        let law = |e: usize| Some(&matters[self.model.of[e]]);
+        let add = |e: usize, (dofs, force, k): Stiff<QUAD>| {
+            spread(dofs, force, slope);
+            add_lower(values, &self.matrix.elements[e], k);
+        };
+        let energy = self.model.domain.stiffness(law, self.moment.old, x, true, add)?;
+        Some(energy + self.contact(x, slope, Some(values))?)
+    }
+}
+
+/// Depth of a section is asked where areas are summed.
+impl Model {
+    /// Plane or ring.
+    #[must_use]
+    pub fn section(&self) -> Section {
+        self.penalty.section
+    }
+}

@@ -1,0 +1,153 @@
+//! What is known at one depth.
+
+use super::body::section::Section;
+use super::contact::energy::Touch;
+use super::contact::segment::gap;
+use super::law::gradient::{IDENTITY, cauchy, mises};
+use super::law::plastic::PLASTIC_STRAIN;
+use super::model::{Counter, Model, Moment};
+use crate::fem::operator::PointLaw;
+
+/// An equilibrium.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// How far the upper body has come down since the first touch (mm).
+    pub travel_mm: f64,
+    /// Force (N; in the plane N per mm of length, of both halves).
+    pub force_n: f64,
+    /// Radius of the contact, in the plane its half width (mm).
+    pub half_width_mm: f64,
+    /// Area of the curved contact (mm2); in the plane its width along the curve (mm2 per mm).
+    pub area_mm2: f64,
+    /// Height of the contact's edge above its lowest point (mm): the cap that the upper body dips in with.
+    pub cap_mm: f64,
+    /// How far the lower body is pressed in on the axis (mm).
+    pub depression_mm: f64,
+    /// Places that touch, from the axis outward, with their pressure.
+    pub pressure: Vec<Touch>,
+    /// Positions of the nodes (mm), the upper body's first.
+    pub nodes: Vec<[f64; 2]>,
+    /// Von Mises' stress at the nodes (MPa), the mean of the elements around it of the same material.
+    pub mises_mpa: Vec<f64>,
+    /// Largest equivalent plastic strain of a point.
+    pub plastic_strain: f64,
+    /// Factorisations since the last depth.
+    pub steps: usize,
+}
+
+impl State {
+    /// Of the values of the equations at a moment; `next` is what the points remember after it.
+    pub(super) fn of(model: &Model, x: &[f64], moment: &Moment, next: &[f64], steps: usize) -> Self {
+        let travel = moment.travel_mm;
+        let nodes: Vec<[f64; 2]> = (0..model.nodes.len()).map(|n| model.position(n, x, travel)).collect();
+        let mut state = Self {
+            travel_mm: travel,
+            force_n: model.force(x, travel),
+            half_width_mm: 0.0,
+            area_mm2: 0.0,
+            cap_mm: 0.0,
+            depression_mm: 0.0,
+            pressure: Vec::new(),
+            mises_mpa: mises_at_nodes(model, x, moment),
+            nodes,
+            plastic_strain: plastic_strain(model, next),
+            steps,
+        };
+        state.touch(model, x, travel);
+        state.depression_mm = depression(model, &state.nodes, travel);
+        state
+    }
+
+    fn touch(&mut self, model: &Model, x: &[f64], travel: f64) {
+        let (across, above) = (model.across(x, travel), model.penalty.above);
+        let (mut lowest, mut edge) = (f64::MAX, f64::MIN);
+        model.facing(x, travel, |_, own| {
+            model.penalty.touches(own, &across, |part, touches| {
+                for t in touches {
+                    let depth = if model.section() == Section::Ring { std::f64::consts::TAU * t.at[0] } else { 2.0 };
+                    self.area_mm2 += t.length_mm * depth;
+                    lowest = lowest.min(t.at[1]);
+                }
+                self.pressure.extend_from_slice(touches);
+                let end = crate::fem::shape::line3(part.to).0;
+                let at = [0, 1].map(|i| (0..3).map(|a| end[a] * own.now[a][i]).sum::<f64>());
+                if at[0] > self.half_width_mm && gap(own.now, &across, part.other, above, part.to).is_some() {
+                    self.half_width_mm = at[0];
+                    edge = at[1];
+                }
+            });
+        });
+        if edge > f64::MIN {
+            self.cap_mm = (edge - lowest).max(0.0);
+        }
+    }
+}
+
+/// How far the lower body's first surface node went down.
+fn depression(model: &Model, nodes: &[[f64; 2]], travel: f64) -> f64 {
+    let node = match &model.counter {
+        Counter::Edges(edges) if model.penalty.above > 0.0 => edges.first().map(|e| e[0]),
+        Counter::Edges(_) => model.own.first().map(|e| e[0]),
+        Counter::Rigid(_) if model.penalty.above < 0.0 => model.own.first().map(|e| e[0]),
+        Counter::Rigid(_) => None,
+    };
+    let _ = travel;
+    node.map_or(0.0, |n| model.nodes[n][1] - nodes[n][1])
+}
+
+fn plastic_strain(model: &Model, next: &[f64]) -> f64 {
+    let mut largest: f64 = 0.0;
+    let mut at = 0;
+    for (element, material) in model.domain.elements.iter().zip(&model.of) {
+        let each = model.matter(*material, 0.0).states();
+        for _ in 0..element.points.len() {
+            if each > PLASTIC_STRAIN {
+                largest = largest.max(next[at + PLASTIC_STRAIN]);
+            }
+            at += each;
+        }
+    }
+    largest
+}
+
+/// From 2 x 2 or 3 x 3 points by the bilinear of the outer four to the corners, the mean of two corners to the middles,
+/// and the mean over the elements of one material around a node; where materials meet the larger counts.
+fn mises_at_nodes(model: &Model, x: &[f64], moment: &Moment) -> Vec<f64> {
+    let count = model.materials.len();
+    let mut sums = vec![(0.0, 0_u32); count * model.nodes.len()];
+    let mut at = 0;
+    for (element, &material) in model.domain.elements.iter().zip(&model.of) {
+        let matter = model.matter(material, moment.yield_mpa);
+        let each = matter.states();
+        let (_, u) = model.domain.equations.gather::<f64, 16>(&element.nodes, x);
+        let stress = |(i, f): (usize, [f64; 5])| {
+            let old = &moment.old[at + i * each..at + (i + 1) * each];
+            matter.flux(&f, old, None).map_or([0.0; 4], |(_, p)| cauchy(&f, &p))
+        };
+        let points: Vec<[f64; 4]> = element.strains(IDENTITY, &u).enumerate().map(stress).collect();
+        at += each * points.len();
+        for (a, node) in element.nodes.iter().enumerate() {
+            let sum = &mut sums[count * node + material];
+            sum.0 += mises(&extrapolated(&points, a));
+            sum.1 += 1;
+        }
+    }
+    let of = |sums: &[(f64, u32)]| {
+        sums.iter().filter(|s| s.1 > 0).map(|s| s.0 / f64::from(s.1)).fold(0.0, f64::max)
+    };
+    sums.chunks(count).map(of).collect()
+}
+
+/// The stress of an element's points at its node `a`.
+fn extrapolated(points: &[[f64; 4]], a: usize) -> [f64; 4] {
+    // points run along the second coordinate first; the outer four of a rule of side `n`
+    let n = if points.len() == 4 { 2 } else { 3 };
+    let outer = [0, (n - 1) * n, n * n - 1, n - 1].map(|i| points[i]);
+    let reach = if n == 2 { 3_f64.sqrt() } else { (5.0_f64 / 3.0).sqrt() };
+    const CORNER: [[f64; 2]; 8] =
+        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]];
+    let [s, t] = CORNER[a].map(|c| c * reach);
+    std::array::from_fn(|c| {
+        (0..4).map(|k| 0.25 * (1.0 + CORNER[k][0] * s) * (1.0 + CORNER[k][1] * t) * outer[k][c]).sum()
+    })
+}
