@@ -40,7 +40,7 @@ fn finger_on_plate(section: Section, name: &str) {
     let Some(rows) = reference(name) else { return };
     let travels: Vec<f64> = rows.iter().map(|r| r[0]).collect();
     for penalty in [Some(100.0), None] {
-        for edge in [0.4, 0.2, 0.1] {
+        for edge in [0.2, 0.1] {
             for (row, state) in rows.iter().zip(on_plate(section, edge, penalty, &travels)) {
                 println!(
                     "d {:.1}: F {:.6} ({:+.3} %), a {:.4} ({:+.4}), p {:.5} {:.5}",

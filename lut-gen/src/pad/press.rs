@@ -45,7 +45,7 @@ pub struct Press<'a> {
 
 /// Default penalty: shear moduli of the stiffest material per millimetre. Pressures reach about half a shear modulus of skin, so that
 /// penetration stays below 1e-4 mm.
-pub const STIFFNESS: f64 = 1e4;
+pub const STIFFNESS: f64 = 2.5e3;
 
 /// Residual that ends a solve, over the stiffest shear modulus times an area of 1 mm2: 1e-6 of the force at the first
 /// tenths of a millimetre, a hundred times the rounding of the penalty.

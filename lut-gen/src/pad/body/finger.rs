@@ -44,7 +44,7 @@ pub struct Finger {
 /// pad touches up to 45 degrees when pressed by a quarter of its height.
 const PAD_DEG: f64 = 45.0;
 /// Length of elements beyond the pad over their distance from it, and of those towards the bone.
-const GROWTH: f64 = 0.4;
+const GROWTH: f64 = 0.2;
 
 impl Finger {
     /// A round finger of radius 8 mm with 0.8 mm of skin around a bone of radius 3 mm, neo-Hookean with Poisson's ratio 0.475:

@@ -44,7 +44,7 @@ pub struct Part {
     pub to: f64,
 }
 
-/// Places at which a part is looked at for a change of sign: between two of them the gap is nearly a parabola.
+/// Places at which a part is looked at for a change of sign, besides those where the gap turns: it is nearly a parabola.
 const LOOKS: usize = 5;
 /// Parts shorter than this are left out; their share of an integral is as small.
 const SHORTEST: f64 = 1e-12;
@@ -82,17 +82,19 @@ fn penetrating(
     [from, to]: [f64; 2],
     visit: &mut impl FnMut(Part),
 ) {
-    let place = |i: usize| from + (to - from) * i as f64 / (LOOKS - 1) as f64;
     // beside a rigid body nothing is touched
-    let look = |at: f64| gap(at).unwrap_or(f64::MAX);
-    let looked: [f64; LOOKS] = std::array::from_fn(|i| look(place(i)));
-    let mut start = (looked[0] < 0.0).then_some(from);
-    for i in 1..LOOKS {
-        let (before, now) = (looked[i - 1], looked[i]);
-        if (before < 0.0) == (now < 0.0) {
+    let look = |at: f64| [at, gap(at).unwrap_or(f64::MAX)];
+    let mut looked: Vec<[f64; 2]> =
+        (0..LOOKS).map(|i| look(from + (to - from) * i as f64 / (LOOKS - 1) as f64)).collect();
+    let turns: Vec<f64> = looked.windows(3).filter_map(|w| turn([w[0], w[1], w[2]])).collect();
+    looked.extend(turns.into_iter().map(look));
+    looked.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut start = (looked[0][1] < 0.0).then_some(from);
+    for pair in looked.windows(2) {
+        if (pair[0][1] < 0.0) == (pair[1][1] < 0.0) {
             continue;
         }
-        let edge = crossing(&look, [place(i - 1), before], [place(i), now]);
+        let edge = crossing(&|at| look(at)[1], pair[0], pair[1]);
         match start.take() {
             Some(from) => visit(Part { other, from, to: edge }),
             None => start = Some(edge),
@@ -101,6 +103,12 @@ fn penetrating(
     if let Some(from) = start {
         visit(Part { other, from, to });
     }
+}
+
+/// Where the parabola through three equally distant places turns, if it does between them.
+fn turn([a, b, c]: [[f64; 2]; 3]) -> Option<f64> {
+    let (slope, bend) = (0.5 * (c[1] - a[1]), a[1] - 2.0 * b[1] + c[1]);
+    (slope.abs() < bend.abs() && bend.is_finite()).then(|| b[0] - slope / bend * (b[0] - a[0]))
 }
 
 /// Where a function changes its sign between two places with their values: regula falsi with Illinois' halving.
