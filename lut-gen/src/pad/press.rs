@@ -5,6 +5,7 @@ use super::body::section::{Rule, Section};
 use super::contact::energy::Penalty;
 use super::contact::rigid::Rigid;
 use super::error::{PadError, demand};
+use super::law::material::Material;
 use super::law::plastic::LOG_VOLUME;
 use super::model::{Counter, Model, Moment, Potential};
 use super::state::State;
@@ -33,7 +34,7 @@ pub struct Press<'a> {
     pub lower: Side,
     /// Penetration is measured on the upper side where both are soft.
     pub from_above: bool,
-    /// Pressure per penetration on the reference surface (MPa/mm); `None` for one that lets [`PENETRATION`] in.
+    /// Pressure per penetration on the reference surface (MPa/mm); `None` for [`STIFFNESS`] shear moduli.
     pub penalty_mpa_per_mm: Option<f64>,
     /// Points of the elements.
     pub rule: Rule,
@@ -43,8 +44,8 @@ pub struct Press<'a> {
     pub step_mm: f64,
 }
 
-/// Default penalty: shear moduli of the stiffest material per millimetre. Pressures reach about half a shear modulus of skin, so that
-/// penetration stays below 1e-4 mm.
+/// Default penalty over the shear modulus of the softer body's stiffest part (1/mm): pressures reach about its half, so
+/// that penetration stays below 2e-4 mm.
 pub const STIFFNESS: f64 = 2.5e3;
 
 /// Residual that ends a solve, over the stiffest shear modulus times an area of 1 mm2: 1e-6 of the force at the first
@@ -84,17 +85,19 @@ impl<'a> Press<'a> {
     /// # Errors
     /// [`PadError::Value`].
     pub fn model(&self) -> Result<Model, PadError> {
-        let soft = |side: &'_ Side| -> f64 {
-            match side {
-                Side::Soft(body) => body.materials.iter().map(|m| m.shear_mpa()).fold(0.0, f64::max),
-                Side::Rigid(_) => 0.0,
+        // of every soft body the stiffest and the softest part
+        let extremes = |side: &Side| match side {
+            Side::Soft(body) => {
+                let shears = || body.materials.iter().map(Material::shear_mpa);
+                (shears().fold(0.0, f64::max), shears().fold(f64::INFINITY, f64::min))
             }
+            Side::Rigid(_) => (f64::INFINITY, f64::INFINITY),
         };
-        let stiffest = soft(&self.upper).max(soft(&self.lower));
-        demand(stiffest > 0.0, "the number of soft bodies", 0.0, "1 or 2")?;
-        let penalty = self.penalty_mpa_per_mm.unwrap_or(STIFFNESS * stiffest);
+        let (upper, lower) = (extremes(&self.upper), extremes(&self.lower));
+        let softest = upper.1.min(lower.1);
+        let penalty = self.penalty_mpa_per_mm.unwrap_or(STIFFNESS * upper.0.min(lower.0));
         demand(penalty > 0.0 && penalty.is_finite(), "the penalty (MPa/mm)", penalty, "more than 0")?;
-        let of = |above: f64| Penalty::new(penalty, self.section, above);
+        let of = |above: f64| Penalty::new(penalty, self.section, above, softest);
         let shifted = |edges: &[[usize; 3]], by: usize| edges.iter().map(|e| e.map(|n| n + by)).collect::<Vec<_>>();
         match (&self.upper, &self.lower) {
             (Side::Soft(body), Side::Rigid(rigid)) => {

@@ -38,11 +38,11 @@ pub struct Finger {
     pub tissue: Material,
     /// Length of the elements in the pad (mm).
     pub edge_mm: f64,
+    /// How far round from the lowest point elements are that short (degrees): a finger pressed by a quarter of its height
+    /// touches up to 45.
+    pub pad_deg: f64,
 }
 
-/// Part of the half height up to which elements are as small as asked, as an angle from the lowest point (degrees): the
-/// pad touches up to 45 degrees when pressed by a quarter of its height.
-const PAD_DEG: f64 = 45.0;
 /// Length of elements beyond the pad over their distance from it, and of those towards the bone.
 const GROWTH: f64 = 0.2;
 
@@ -64,7 +64,8 @@ impl Finger {
             nail_deg: 0.0,
             skin: neo(0.08)?,
             tissue: neo(0.012)?,
-            edge_mm: 0.2,
+            edge_mm: 0.15,
+            pad_deg: 45.0,
         })
     }
 
@@ -81,7 +82,8 @@ impl Finger {
             demand(positive(value), name, value, "more than 0")?;
         }
         let fine = self.height_mm.min(self.half_width_mm) / self.edge_mm;
-        demand(fine <= 400.0, "the finger's size over its element length", fine, "at most 400")?;
+        demand(fine <= 4000.0, "the finger's size over its element length", fine, "at most 4000")?;
+        demand((0.0..=90.0).contains(&self.pad_deg), "the pad's angle (degrees)", self.pad_deg, "0 to 90")?;
         let nail = self.nail_deg;
         demand((0.0..=80.0).contains(&nail), "the nail's angle (degrees)", nail, "0 to 80")?;
         let beside = self.half_width_mm - self.skin_mm - self.bone_half_width_mm;
@@ -111,7 +113,7 @@ impl Finger {
         self.checked()?;
         let radius = 0.5 * (self.half_width_mm + self.height_mm);
         let end = std::f64::consts::FRAC_PI_2 + self.nail_deg.to_radians();
-        let pad = PAD_DEG.to_radians();
+        let pad = self.pad_deg.to_radians();
         let angles = graded(end, 1.0, |a| self.edge_mm / radius + GROWTH * (a - pad).max(0.0));
         let skin = graded(self.skin_mm, 1.0, |_| self.edge_mm.max(self.skin_mm / 3.0).min(self.skin_mm / 2.0));
         let thickness = self.height_mm - self.skin_mm - self.bone_half_height_mm + self.bone_above_mm;

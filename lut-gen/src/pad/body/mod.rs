@@ -28,3 +28,18 @@ pub struct Body {
     /// Edges that may touch, from the axis outward: first, middle and last node.
     pub surface: Vec<[usize; 3]>,
 }
+
+impl Body {
+    /// The same body upside down: mirrored at y = 0.
+    #[must_use]
+    pub fn upside_down(mut self) -> Self {
+        for node in &mut self.nodes {
+            node[1] = -node[1];
+        }
+        for e in &mut self.elements {
+            // the other way round, so that areas stay positive
+            *e = [e[0], e[3], e[2], e[1], e[7], e[6], e[5], e[4]];
+        }
+        self
+    }
+}

@@ -72,8 +72,7 @@ impl Section {
             for &(b, wb) in &line {
                 let (n, d) = quad8(a, b);
                 let here = place(x, &n, &d);
-                // also refuses what is no number
-                if !(here.det > 0.0) {
+                if here.det.is_nan() || here.det <= 0.0 {
                     return None;
                 }
                 let hoop = if self == Self::Ring { 1.0 / here.at[0] } else { 0.0 };

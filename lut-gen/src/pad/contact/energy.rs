@@ -26,6 +26,9 @@ pub struct Penalty {
     pub section: Section,
     /// 1 where the own edges lie above, -1 where they lie below.
     pub above: f64,
+    /// Pressure (MPa) up to which the stiffness knows that the normal turns. A start that penetrates deeply has pressures
+    /// which no body would bear, and their turning would make the stiffness indefinite.
+    pub believed_mpa: f64,
     rule: Vec<(f64, f64)>,
 }
 
@@ -61,10 +64,10 @@ pub struct Push {
 }
 
 impl Penalty {
-    /// A penalty (MPa/mm).
+    /// A penalty (MPa/mm), with the pressure (MPa) up to which its turning is believed.
     #[must_use]
-    pub fn new(mpa_per_mm: f64, section: Section, above: f64) -> Self {
-        Self { mpa_per_mm, section, above, rule: gauss(POINTS) }
+    pub fn new(mpa_per_mm: f64, section: Section, above: f64, believed_mpa: f64) -> Self {
+        Self { mpa_per_mm, section, above, believed_mpa, rule: gauss(POINTS) }
     }
 
     /// Energy of an own edge; `add` gets the number of every edge that it touches, with the push of a part of it.
@@ -75,7 +78,8 @@ impl Penalty {
             for &(point, weight) in &self.rule {
                 let Some(place) = self.place(own, across, part, point, weight) else { continue };
                 energy += 0.5 * self.mpa_per_mm * place.area * place.gap * place.gap;
-                place.add(self.mpa_per_mm * place.area, self.above, stiff, &mut push);
+                let believed = (-self.believed_mpa / self.mpa_per_mm).max(place.gap);
+                place.add(self.mpa_per_mm * place.area, self.above, stiff.then_some(believed), &mut push);
             }
             add(part.other, &push);
         });
@@ -131,7 +135,7 @@ struct Place {
 impl Place {
     /// Adds `e A (g dg)` and, with the second derivative `-(e x D + D x e + Y'' D x D)` of the height's difference, `e A (dg x dg + g d2g)`:
     /// `D` is how x differs, `e` how the other side turns.
-    fn add(&self, weight: f64, above: f64, stiff: bool, push: &mut Push) {
+    fn add(&self, weight: f64, above: f64, believed: Option<f64>, push: &mut Push) {
         let slope = self.other.slope;
         let (mut v, mut across, mut turn) = ([0.0; DOFS], [0.0; DOFS], [0.0; DOFS]);
         for a in 0..3 {
@@ -145,7 +149,8 @@ impl Place {
         }
         let f = weight * self.gap * above;
         push.force.iter_mut().zip(&v).for_each(|(force, v)| *force += f * v);
-        if stiff {
+        if let Some(gap) = believed {
+            let f = weight * gap * above;
             let bend = self.other.bend;
             for i in 0..DOFS {
                 for j in 0..=i {

@@ -71,12 +71,10 @@ impl Foam {
             let volume = (-t.alpha * b * ln_j).exp_m1();
             let volumetric = if b == 0.0 { -t.alpha * ln_j } else { volume / b };
             u.energy += c / t.alpha * (power[0] + power[1] + power[2] + volumetric);
-            for k in 0..3 {
-                u.kirchhoff[k] += c * (power[k] - volume);
-                u.slope[k][k] += 2.0 * t.mu_mpa * (power[k] + 1.0);
-                for m in 0..3 {
-                    u.slope[k][m] += 2.0 * t.mu_mpa * b * (volume + 1.0);
-                }
+            for (k, power) in power.into_iter().enumerate() {
+                u.kirchhoff[k] += c * (power - volume);
+                u.slope[k][k] += 2.0 * t.mu_mpa * (power + 1.0);
+                u.slope[k].iter_mut().for_each(|s| *s += 2.0 * t.mu_mpa * b * (volume + 1.0));
             }
         }
         u
