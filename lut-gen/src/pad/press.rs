@@ -48,9 +48,13 @@ pub struct Press<'a> {
 /// that penetration stays below 2e-4 mm.
 pub const STIFFNESS: f64 = 2.5e3;
 
-/// Residual that ends a solve, over the stiffest shear modulus times an area of 1 mm2: 1e-6 of the force at the first
-/// tenths of a millimetre, a hundred times the rounding of the penalty.
-const CLOSE: f64 = 1e-7;
+/// Residual that ends a solve, over the force: a part of it at every node far below what meshes leave. Never less than
+/// [`ROUNDING`] stiffest shear moduli over 1 mm2, and looser, [`LOOSE`] of them, until the force is known.
+const CLOSE: f64 = 1e-6;
+const ROUNDING: f64 = 1e-12;
+const LOOSE: f64 = 1e-6;
+/// Solves of a moment until its residual suits its force; the force is right to 1e-3 after the first.
+const TIGHTENED: usize = 3;
 /// Factorisations before a step is halved.
 const STEPS: usize = 25;
 /// Fall of the residual for which a correction by the last factor is made.
@@ -141,7 +145,8 @@ impl<'a> Press<'a> {
             memory: vec![0.0; model.states()],
             travel_mm: 0.0,
             steps: 0,
-            newton: Newton { close: CLOSE * stiffest, steps: STEPS, chord: CHORD },
+            stiffest_mpa: stiffest,
+            wanted_n: LOOSE * stiffest,
             model,
             yields: self.yields,
         };
@@ -152,7 +157,9 @@ impl<'a> Press<'a> {
 /// Where a press has come to.
 struct Path<'a> {
     model: Model,
-    newton: Newton,
+    stiffest_mpa: f64,
+    /// Residual that would have ended the last solve.
+    wanted_n: f64,
     yields: Programme<'a>,
     /// Displacements at this travel, and those at one before.
     u: Vec<f64>,
@@ -181,7 +188,7 @@ impl Path<'_> {
                 Err(found) => {
                     step = 0.5 * step.min(next - self.travel_mm);
                     if step < SHORTEST * longest_mm {
-                        let (reached_mm, left, wanted) = (self.travel_mm, found.left, self.newton.close);
+                        let (reached_mm, left, wanted) = (self.travel_mm, found.left, self.wanted_n);
                         return Err(PadError::Stuck { reached_mm, left, wanted });
                     }
                 }
@@ -232,8 +239,18 @@ impl Path<'_> {
             let (places, pattern, factor) = matrix.split();
             let moment = Moment { travel_mm, yield_mpa: (self.yields)(travel_mm), old: &old };
             let potential = Potential { model: &self.model, matrix: &places, moment };
-            last = self.newton.minimise(&potential, pattern, factor, &mut x);
-            self.steps += last.steps;
+            let mut close = LOOSE * self.stiffest_mpa;
+            for _ in 0..TIGHTENED {
+                let newton = Newton { close, steps: STEPS, chord: CHORD };
+                last = newton.minimise(&potential, pattern, factor, &mut x);
+                self.steps += last.steps;
+                let force = self.model.force(&x, travel_mm).abs();
+                close = (CLOSE * force).max(ROUNDING * self.stiffest_mpa);
+                self.wanted_n = close;
+                if !last.closed || last.left <= close {
+                    break;
+                }
+            }
             let Some(new) = potential.remember(&x).filter(|_| last.closed) else { break };
             let changed = self.renew_volume(&mut old, &new);
             result = Some(new);
