@@ -34,7 +34,8 @@ pub struct Press<'a> {
     pub lower: Side,
     /// Penetration is measured on the upper side where both are soft.
     pub from_above: bool,
-    /// Pressure per penetration on the reference surface (MPa/mm); `None` for [`STIFFNESS`] shear moduli.
+    /// Pressure per penetration on the reference surface (MPa/mm); `None` for [`AGAINST_RIGID`] or [`BETWEEN_SOFT`]
+    /// shear moduli.
     pub penalty_mpa_per_mm: Option<f64>,
     /// Points of the elements.
     pub rule: Rule,
@@ -44,9 +45,13 @@ pub struct Press<'a> {
     pub step_mm: f64,
 }
 
-/// Default penalty over the shear modulus of the softer body's stiffest part (1/mm): pressures reach about its half, so
-/// that penetration stays below 2e-4 mm.
-pub const STIFFNESS: f64 = 2.5e3;
+/// Default penalty over the shear modulus of the softer body's stiffest part (1/mm), against a rigid body: pressures reach
+/// about half the modulus, so that penetration stays below 2e-4 mm.
+pub const AGAINST_RIGID: f64 = 2500.0;
+/// The same between two soft bodies, whose curved edges cannot lie on each other point by point: a penalty much above ten
+/// moduli over the length of their elements lets the pressure swing from point to point near the contact's edge. Foam
+/// then bears its pressure with a penetration of 1e-3 mm.
+pub const BETWEEN_SOFT: f64 = 500.0;
 
 /// Residual that ends a solve, over the force: a part of it at every node far below what meshes leave. Never less than
 /// [`ROUNDING`] stiffest shear moduli over 1 mm2, and looser, [`LOOSE`] of them, until the force is known.
@@ -99,7 +104,9 @@ impl<'a> Press<'a> {
         };
         let (upper, lower) = (extremes(&self.upper), extremes(&self.lower));
         let softest = upper.1.min(lower.1);
-        let penalty = self.penalty_mpa_per_mm.unwrap_or(STIFFNESS * upper.0.min(lower.0));
+        let rigid = matches!(self.upper, Side::Rigid(_)) || matches!(self.lower, Side::Rigid(_));
+        let stiffness = if rigid { AGAINST_RIGID } else { BETWEEN_SOFT };
+        let penalty = self.penalty_mpa_per_mm.unwrap_or(stiffness * upper.0.min(lower.0));
         demand(penalty > 0.0 && penalty.is_finite(), "the penalty (MPa/mm)", penalty, "more than 0")?;
         let of = |above: f64| Penalty::new(penalty, self.section, above, softest);
         let shifted = |edges: &[[usize; 3]], by: usize| edges.iter().map(|e| e.map(|n| n + by)).collect::<Vec<_>>();
