@@ -274,3 +274,33 @@ fn ball_into_a_plastic_cylinder() {
         println!("{:.1} mm: force {:+.3} %, {:.3}", row[0], 100.0 * (state.force_n / row[1] - 1.0), state.plastic_strain);
     }
 }
+
+fn yielding(top_mm: f64, edge_mm: f64) -> Body {
+    let block = Block {
+        height_mm: 25.4,
+        radius_mm: 25.0,
+        top_mm,
+        bonded: false,
+        material: Material::Plastic(Plastic::new(0.1, 0.3).unwrap()),
+        edge_mm,
+        fine_mm: 7.0,
+    };
+    block.body().unwrap()
+}
+
+#[test]
+fn finger_on_a_yielding_block() {
+    let travels: Vec<f64> = (1..=10).map(|i| 0.4 * f64::from(i)).collect();
+    for (edge, block) in [(0.3, 0.4), (0.2, 0.3)] {
+        let finger = Finger { edge_mm: edge, ..Finger::round().unwrap() };
+        let mut press =
+            Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Soft(yielding(-finger.height_mm, block)));
+        press.yields = &|u| 0.001 + 0.0004 * u + 0.0001 * u * u;
+        for state in timed(&press, &travels) {
+            println!(
+                "{:.1} mm: F {:.5}, a {:.4}, cap {:.4}, area {:.3}, in {:.4}, ep {:.3}, steps {}",
+                state.travel_mm, state.force_n, state.half_width_mm, state.cap_mm, state.area_mm2, state.depression_mm, state.plastic_strain, state.steps
+            );
+        }
+    }
+}
