@@ -94,8 +94,7 @@ fn finger_on_foam() {
     let Some(rows) = reference("finger_F1_on_ICF.csv") else { return };
     let travels: Vec<f64> = rows.iter().map(|r| r[0]).collect();
     let finger = Finger { edge_mm: 0.2, ..Finger::round().unwrap() };
-    let press =
-        Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Soft(foam(-finger.height_mm, 0.3)));
+    let press = Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Soft(foam(-finger.height_mm, 0.3)));
     for (row, state) in rows.iter().zip(timed(&press, &travels)) {
         println!(
             "{:.1} mm: force {:+.3} %, a {:+.3} mm, cap {:+.3} mm, area {:+.1} %, pressed in {:+.4} mm",
@@ -147,22 +146,28 @@ fn hertz(section: Section) {
     let (f, pi) = (state.force_n, std::f64::consts::PI);
     let (p0, a) = match section {
         Section::Plane => ((f * star / (pi * RADIUS)).sqrt(), (4.0 * f * RADIUS / (pi * star)).sqrt()),
-        Section::Ring => ((6.0 * f * star * star / (pi.powi(3) * RADIUS * RADIUS)).cbrt(), (0.75 * f * RADIUS / star).cbrt()),
+        Section::Ring => {
+            ((6.0 * f * star * star / (pi.powi(3) * RADIUS * RADIUS)).cbrt(), (0.75 * f * RADIUS / star).cbrt())
+        }
     };
     // p^2 = p0^2 (1 - x^2 / a^2), fitted where its slope is moderate
     let fitted = state.pressure.iter().filter(|t| t.at[0] < 0.8 * a).map(|t| {
         let weight = if section == Section::Ring { t.length_mm * t.at[0] } else { t.length_mm };
         (weight, t.at[0].powi(2), t.pressure_mpa.powi(2))
     });
-    let [w, x, y, xx, xy] = fitted.fold([0.0; 5], |m, (w, x, y)| {
-        [m[0] + w, m[1] + w * x, m[2] + w * y, m[3] + w * x * x, m[4] + w * x * y]
-    });
+    let [w, x, y, xx, xy] = fitted
+        .fold([0.0; 5], |m, (w, x, y)| [m[0] + w, m[1] + w * x, m[2] + w * y, m[3] + w * x * x, m[4] + w * x * y]);
     let slope = (w * xy - x * y) / (w * xx - x * x);
     let square = (y - slope * x) / w;
     let (p, half) = (square.sqrt(), (-square / slope).sqrt());
     // measured: -0.1 and -0.2 %, and less of the half width; strains of 1 % change a modulus by as much
     assert!((p / p0 - 1.0).abs() < 5e-3 && (half / a - 1.0).abs() < 5e-3, "{section:?}: {p} {p0} {half} {a}");
-    println!("{section:?}: F {f:.4e}, p0 {:+.3} %, a {half:.4} {:+.3} %, edge at {:.4}", 100.0 * (p / p0 - 1.0), 100.0 * (half / a - 1.0), state.half_width_mm);
+    println!(
+        "{section:?}: F {f:.4e}, p0 {:+.3} %, a {half:.4} {:+.3} %, edge at {:.4}",
+        100.0 * (p / p0 - 1.0),
+        100.0 * (half / a - 1.0),
+        state.half_width_mm
+    );
 }
 
 #[test]
@@ -241,7 +246,9 @@ fn homogeneous(name: &str, cubic: [f64; 4]) {
     let mut worst: f64 = 0.0;
     for (row, state) in rows.iter().zip(&states) {
         worst = worst.max((state.force_n / row[3] - 1.0).abs());
-        if row[0] > 12.5 { println!("{} {} {}", row[0], state.force_n / row[3] - 1.0, state.plastic_strain - row[5]); }
+        if row[0] > 12.5 {
+            println!("{} {} {}", row[0], state.force_n / row[3] - 1.0, state.plastic_strain - row[5]);
+        }
     }
     println!("{name}: worst {worst:e}");
     assert!(worst < 1e-4);
@@ -271,7 +278,12 @@ fn ball_into_a_plastic_cylinder() {
     press.step_mm = 0.1;
     let travels: Vec<f64> = rows.iter().map(|r| r[0]).collect();
     for (row, state) in rows.iter().zip(timed(&press, &travels)) {
-        println!("{:.1} mm: force {:+.3} %, {:.3}", row[0], 100.0 * (state.force_n / row[1] - 1.0), state.plastic_strain);
+        println!(
+            "{:.1} mm: force {:+.3} %, {:.3}",
+            row[0],
+            100.0 * (state.force_n / row[1] - 1.0),
+            state.plastic_strain
+        );
     }
 }
 
@@ -293,13 +305,23 @@ fn finger_on_a_yielding_block() {
     let travels: Vec<f64> = (1..=10).map(|i| 0.4 * f64::from(i)).collect();
     for (edge, block) in [(0.3, 0.4), (0.2, 0.3)] {
         let finger = Finger { edge_mm: edge, ..Finger::round().unwrap() };
-        let mut press =
-            Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Soft(yielding(-finger.height_mm, block)));
+        let mut press = Press::new(
+            Section::Ring,
+            Side::Soft(finger.body().unwrap()),
+            Side::Soft(yielding(-finger.height_mm, block)),
+        );
         press.yields = &|u| 0.001 + 0.0004 * u + 0.0001 * u * u;
         for state in timed(&press, &travels) {
             println!(
                 "{:.1} mm: F {:.5}, a {:.4}, cap {:.4}, area {:.3}, in {:.4}, ep {:.3}, steps {}",
-                state.travel_mm, state.force_n, state.half_width_mm, state.cap_mm, state.area_mm2, state.depression_mm, state.plastic_strain, state.steps
+                state.travel_mm,
+                state.force_n,
+                state.half_width_mm,
+                state.cap_mm,
+                state.area_mm2,
+                state.depression_mm,
+                state.plastic_strain,
+                state.steps
             );
         }
     }

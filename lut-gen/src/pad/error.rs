@@ -32,11 +32,6 @@ pub enum PadError {
 }
 
 /// Refuses a value unless `good`.
-pub(super) fn demand(
-    good: bool,
-    parameter: &'static str,
-    value: f64,
-    expected: &'static str,
-) -> Result<(), PadError> {
+pub(super) fn demand(good: bool, parameter: &'static str, value: f64, expected: &'static str) -> Result<(), PadError> {
     if good { Ok(()) } else { Err(PadError::Value { parameter, value, expected }) }
 }

@@ -252,8 +252,7 @@ impl Model {
         let (pattern, mut scatter) = Pattern::new(unknowns, ordered.iter().map(Vec::as_slice), Stored::Lower);
         let factor = Factor::new(&pattern).ok_or_else(memory)?;
         let mut pairs = scatter.split_off(self.domain.elements.len()).into_iter();
-        let meetings =
-            meetings.iter().map(|others| others.iter().copied().zip(pairs.by_ref()).collect()).collect();
+        let meetings = meetings.iter().map(|others| others.iter().copied().zip(pairs.by_ref()).collect()).collect();
         self.matrix = Some(Matrix { pattern, factor, elements: scatter, meetings });
         Ok(())
     }

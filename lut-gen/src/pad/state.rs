@@ -132,9 +132,7 @@ fn mises_at_nodes(model: &Model, x: &[f64], moment: &Moment) -> Vec<f64> {
             sum.1 += 1;
         }
     }
-    let of = |sums: &[(f64, u32)]| {
-        sums.iter().filter(|s| s.1 > 0).map(|s| s.0 / f64::from(s.1)).fold(0.0, f64::max)
-    };
+    let of = |sums: &[(f64, u32)]| sums.iter().filter(|s| s.1 > 0).map(|s| s.0 / f64::from(s.1)).fold(0.0, f64::max);
     sums.chunks(count).map(of).collect()
 }
 

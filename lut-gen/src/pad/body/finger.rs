@@ -118,11 +118,8 @@ impl Finger {
         let skin = graded(self.skin_mm, 1.0, |_| self.edge_mm.max(self.skin_mm / 3.0).min(self.skin_mm / 2.0));
         let thickness = self.height_mm - self.skin_mm - self.bone_half_height_mm + self.bone_above_mm;
         let tissue = graded(thickness, 1.0, |s| 1.5 * self.edge_mm + 0.5 * GROWTH * s);
-        let inward: Vec<f64> = skin
-            .iter()
-            .map(|s| s / self.skin_mm)
-            .chain(tissue[1..].iter().map(|s| 1.0 + s / thickness))
-            .collect();
+        let inward: Vec<f64> =
+            skin.iter().map(|s| s / self.skin_mm).chain(tissue[1..].iter().map(|s| 1.0 + s / thickness)).collect();
         let mesh = BlockMesh::from_lines(&angles, &inward);
         let surface = mesh.elements.iter().filter(|e| mesh.nodes[e[0]][1] == 0.0).map(|e| [e[0], e[4], e[1]]).collect();
         let held = mesh.nodes.iter().map(|[a, s]| match () {
@@ -138,5 +135,62 @@ impl Finger {
             surface,
             elements: mesh.elements,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::section::{Rule, Section};
+    use super::*;
+    use std::f64::consts::PI;
+
+    fn volume(body: &Body, section: Section, material: usize) -> f64 {
+        let of = |(e, m): (&[usize; 8], &usize)| {
+            let element = section.element(Rule::Full, *e, &e.map(|n| body.nodes[n])).unwrap();
+            if *m == material { element.volumes().sum::<f64>() } else { 0.0 }
+        };
+        body.elements.iter().zip(&body.of).map(of).sum()
+    }
+
+    /// Half discs and half balls. Quadratic sides leave 1e-6 of a circle of 0.15 mm sides.
+    #[test]
+    fn layers_have_their_volumes() {
+        let body = Finger::round().unwrap().body().unwrap();
+        let half_disc = |r: f64| 0.5 * PI * r * r;
+        let half_ball = |r: f64| 2.0 / 3.0 * PI * r * r * r;
+        for (material, outer, inner) in [(0, 8.0, 7.2), (1, 7.2, 3.0)] {
+            for (section, of) in [(Section::Plane, &half_disc as &dyn Fn(f64) -> f64), (Section::Ring, &half_ball)] {
+                let part = volume(&body, section, material) / (of(outer) - of(inner)) - 1.0;
+                assert!(part.abs() < 1e-5, "{section:?} {material}: {part:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_outside_runs_outward_from_the_lowest_point() {
+        let finger = Finger { nail_deg: 40.0, half_width_mm: 9.0, ..Finger::round().unwrap() };
+        let body = finger.body().unwrap();
+        assert_eq!(body.nodes[body.surface[0][0]], [0.0, -8.0]);
+        for e in &body.surface {
+            for n in e {
+                let [x, y] = body.nodes[*n];
+                assert!(((x / 9.0).powi(2) + (y / 8.0).powi(2) - 1.0).abs() < 1e-12);
+            }
+        }
+        assert!(body.surface.windows(2).all(|w| w[0][2] == w[1][0]));
+        let held = |n: usize| body.held[n] == [true; 2];
+        assert!(held(body.surface.last().unwrap()[2]) && !held(body.surface[0][0]));
+    }
+
+    #[test]
+    fn measures_that_make_no_finger_are_named() {
+        let finger = Finger { bone_half_width_mm: 7.5, ..Finger::round().unwrap() };
+        let text = finger.body().unwrap_err().to_string();
+        assert!(text.starts_with("the tissue beside the bone (mm) is -0.2999"), "{text}");
+        let finger = Finger { skin_mm: f64::NAN, ..Finger::round().unwrap() };
+        assert_eq!(finger.body().unwrap_err().to_string(), "the skin's thickness (mm) is NaN: expected more than 0");
+        let finger = Finger { nail_deg: 85.0, ..Finger::round().unwrap() };
+        assert!(finger.body().is_err());
     }
 }

@@ -96,12 +96,7 @@ impl Penalty {
                 let length = weight * 0.5 * (part.to - part.from) * along[0].hypot(along[1]);
                 let force = -self.mpa_per_mm * place.area * place.gap * 1_f64.hypot(place.other.slope);
                 let area = length * self.section.depth_mm(place.at[0]);
-                Some(Touch {
-                    at: place.at,
-                    slope: place.other.slope,
-                    pressure_mpa: force / area,
-                    length_mm: length,
-                })
+                Some(Touch { at: place.at, slope: place.other.slope, pressure_mpa: force / area, length_mm: length })
             };
             let touches: Vec<Touch> = self.rule.iter().filter_map(touch).collect();
             visit(part, &touches);
@@ -158,6 +153,88 @@ impl Place {
                     push.stiffness[i][j] += weight * v[i] * v[j] - f * second;
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rigid::{Rigid, Shape};
+    use super::*;
+
+    const REFERENCE: Edge = [[0.5, 0.0], [1.0, 0.02], [1.5, 0.1]];
+    /// Nodes of two edges across, the middle one of both; the own one lies over parts of both.
+    const OTHERS: [[f64; 2]; 5] = [[0.0, 0.05], [0.5, 0.06], [1.1, 0.02], [1.6, 0.07], [2.2, 0.3]];
+    const N: usize = 16;
+
+    /// Energy, force and, when it is asked for, stiffness over the own nodes and those across.
+    fn of(penalty: &Penalty, q: &[f64], stiff: bool, rigid: Option<&Rigid>) -> (f64, [f64; N], [[f64; N]; N]) {
+        let edge = |from: usize| [0, 1, 2].map(|a| [q[from + 2 * a], q[from + 2 * a + 1]]);
+        let now = edge(0);
+        let edges = || Across::edges([edge(6), edge(10)].into_iter());
+        let across = rigid.map_or_else(edges, |r| Across::Rigid(r, r.tip_mm));
+        let (mut force, mut k) = ([0.0; N], [[0.0; N]; N]);
+        let energy = penalty.push(Own { reference: &REFERENCE, now: &now }, &across, stiff, |other, push| {
+            let at = |i: usize| if i < 6 { i } else { i + 4 * other };
+            for i in (0..DOFS).filter(|i| at(*i) < N) {
+                force[at(i)] += push.force[i];
+                for j in 0..=i {
+                    k[at(i)][at(j)] += push.stiffness[i][j];
+                    if i != j {
+                        k[at(j)][at(i)] += push.stiffness[i][j];
+                    }
+                }
+            }
+        });
+        (energy, force, k)
+    }
+
+    fn start() -> Vec<f64> {
+        REFERENCE.iter().chain(&OTHERS).flatten().copied().collect()
+    }
+
+    /// Force and stiffness by central differences of 1e-6. The points move with the parts' ends, so that the energy of the
+    /// rule is the force's integral to the rule's own error only: 1e-6 of it here.
+    #[test]
+    fn force_and_stiffness_are_difference_quotients() {
+        let ball = |tip_mm: f64| Rigid { shape: Shape::Ball { radius_mm: 3.0 }, tip_mm };
+        let (below, over) = (ball(0.1), ball(-0.1));
+        for (above, rigid) in [(1.0, None), (-1.0, None), (1.0, Some(&below)), (-1.0, Some(&over))] {
+            for section in [Section::Plane, Section::Ring] {
+                let penalty = Penalty::new(10.0, section, above, f64::INFINITY);
+                let q = start();
+                let (energy, force, k) = of(&penalty, &q, true, rigid);
+                assert!(energy > 0.0, "{above} {rigid:?}");
+                let scale = k.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+                let size = force.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+                for i in 0..if rigid.is_some() { 6 } else { N } {
+                    let moved = |h: f64| {
+                        let mut q = q.clone();
+                        q[i] += h;
+                        of(&penalty, &q, false, rigid)
+                    };
+                    let (plus, minus) = (moved(1e-6), moved(-1e-6));
+                    let slope = (plus.0 - minus.0) / 2e-6;
+                    assert!((slope - force[i]).abs() < 1e-4 * size, "{above} {i}: {slope} {}", force[i]);
+                    for j in 0..N {
+                        let slope = (plus.1[j] - minus.1[j]) / 2e-6;
+                        // where the other side has a corner its normal jumps, which no stiffness of its sides knows
+                        let corner = rigid.is_none();
+                        let allowed = if corner { 0.1 } else { 1e-3 };
+                        assert!((slope - k[j][i]).abs() < allowed * scale, "{above} {i} {j}: {slope} {}", k[j][i]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What one side gets the other gives.
+    #[test]
+    fn forces_balance() {
+        let (_, force, _) = of(&Penalty::new(10.0, Section::Plane, 1.0, 1.0), &start(), false, None);
+        for i in 0..2 {
+            let sum: f64 = force.iter().skip(i).step_by(2).sum();
+            assert!(sum.abs() < 1e-14, "{i}: {sum}");
         }
     }
 }

@@ -76,12 +76,7 @@ pub fn touching(own: &Edge, across: &Across, above: f64, mut visit: impl FnMut(P
     }
 }
 
-fn penetrating(
-    gap: &dyn Fn(f64) -> Option<f64>,
-    other: usize,
-    [from, to]: [f64; 2],
-    visit: &mut impl FnMut(Part),
-) {
+fn penetrating(gap: &dyn Fn(f64) -> Option<f64>, other: usize, [from, to]: [f64; 2], visit: &mut impl FnMut(Part)) {
     // beside a rigid body nothing is touched
     let look = |at: f64| [at, gap(at).unwrap_or(f64::MAX)];
     let mut looked: Vec<[f64; 2]> =
@@ -133,4 +128,50 @@ fn crossing(f: &dyn Fn(f64) -> f64, mut a: [f64; 2], mut b: [f64; 2]) -> f64 {
         }
     }
     b[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rigid::Shape;
+    use super::*;
+
+    fn parts(own: &Edge, across: &Across) -> Vec<(usize, f64, f64)> {
+        let mut parts = Vec::new();
+        touching(own, across, 1.0, |p| parts.push((p.other, p.from, p.to)));
+        parts
+    }
+
+    const PLATE: Rigid = Rigid { shape: Shape::Plate, tip_mm: 0.0 };
+
+    /// An edge whose height is `x^2 - 0.09` lies below the plate from -0.3 to 0.3, one that is `0.0001 - x^2` beyond 0.01.
+    #[test]
+    fn the_edge_of_the_contact_is_found_inside_the_element() {
+        let below = |height: f64, bend: f64| [[-1.0, height + bend], [0.0, height], [1.0, height + bend]];
+        let one = parts(&below(-0.09, 1.0), &Across::Rigid(&PLATE, 0.0));
+        assert!(one.len() == 1 && (one[0].1 + 0.3).abs() < 1e-9 && (one[0].2 - 0.3).abs() < 1e-9, "{one:?}");
+        // too narrow to be seen at the looks alone
+        let bump = parts(&below(1e-4, -1.0), &Across::Rigid(&PLATE, 0.0));
+        assert!(bump.len() == 2 && (bump[0].2 + 0.01).abs() < 1e-9 && (bump[1].1 - 0.01).abs() < 1e-9, "{bump:?}");
+        assert!(parts(&below(0.1, 1.0), &Across::Rigid(&PLATE, 0.0)).is_empty());
+    }
+
+    #[test]
+    fn parts_end_at_the_corners_of_the_other_side() {
+        let own = [[0.0, -0.1], [1.0, -0.1], [2.0, -0.1]];
+        let flat = |from: f64, to: f64| [[from, 0.0], [0.5 * (from + to), 0.0], [to, 0.0]];
+        let across = Across::edges([flat(-1.0, 0.5), flat(0.5, 1.75), flat(1.75, 3.0)].into_iter());
+        let parts = parts(&own, &across);
+        let ends: Vec<(usize, f64, f64)> = vec![(0, -1.0, -0.5), (1, -0.5, 0.75), (2, 0.75, 1.0)];
+        assert!(parts.len() == 3, "{parts:?}");
+        for (a, b) in parts.iter().zip(&ends) {
+            assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-12 && (a.2 - b.2).abs() < 1e-12, "{parts:?}");
+        }
+    }
+
+    #[test]
+    fn edges_that_turn_away_do_not_touch() {
+        let away = [[1.0, 0.0], [0.5, 0.0], [0.0, 0.0]];
+        let Across::Edges(edges) = Across::edges([away].into_iter()) else { return };
+        assert!(edges.is_empty());
+    }
 }

@@ -93,8 +93,7 @@ impl Stretched {
             std::array::from_fn(|m| (u.slope[k][m] - if k == m { u.kirchhoff[k] } else { 0.0 }) / (l[k] * l[m]))
         });
         let (sum, difference) = (l[0] + l[1], l[0] - l[1]);
-        let x =
-            if difference > EQUAL * sum { (p[0] - p[1]) / difference } else { 0.5 * (h[0][0] + h[1][1]) - h[0][1] };
+        let x = if difference > EQUAL * sum { (p[0] - p[1]) / difference } else { 0.5 * (h[0][0] + h[1][1]) - h[0][1] };
         let y = (p[0] + p[1]) / sum;
         let ([c, _, s, _], [cs, ss, ..]) = (self.turn, self.mirror);
         let (by_turn, by_mirror) = ([-s, -c, c, -s], [-ss, cs, cs, ss]);
@@ -121,12 +120,7 @@ impl Stretched {
 #[must_use]
 pub fn cauchy(f: &Gradient, p: &Gradient) -> [f64; 4] {
     let j = (f[0] * f[3] - f[1] * f[2]) * f[4];
-    [
-        (p[0] * f[0] + p[1] * f[1]) / j,
-        (p[2] * f[2] + p[3] * f[3]) / j,
-        (p[0] * f[2] + p[1] * f[3]) / j,
-        p[4] * f[4] / j,
-    ]
+    [(p[0] * f[0] + p[1] * f[1]) / j, (p[2] * f[2] + p[3] * f[3]) / j, (p[0] * f[2] + p[1] * f[3]) / j, p[4] * f[4] / j]
 }
 
 /// Von Mises' equivalent of a stress `[xx, yy, xy, zz]`.
