@@ -6,8 +6,9 @@ use std::path::PathBuf;
 use lut_gen::pad::body::Body;
 use lut_gen::pad::body::block::Block;
 use lut_gen::pad::body::finger::Finger;
-use lut_gen::pad::body::section::Section;
+use lut_gen::pad::body::section::{Rule, Section};
 use lut_gen::pad::contact::rigid::{Rigid, Shape};
+use lut_gen::pad::error::PadError;
 use lut_gen::pad::law::foam::Foam;
 use lut_gen::pad::law::material::Material;
 use lut_gen::pad::law::ogden::{BULK_OF_0475, Ogden};
@@ -89,6 +90,10 @@ fn timed(press: &Press, travels: &[f64]) -> Vec<State> {
     states
 }
 
+/// Force: 1 % beyond the first half millimetre, where the reference's own meshes differ by 0.4 %; but 2 % at 1.2 mm, where
+/// the reference lies 0.8 % below the cubic through its neighbours (ours 0.2 %) and ours do not move with mesh, penalty or
+/// side (0.0853 to 0.0854 N). Radius: the 0.3 mm of the reference, whose edge is read at nodes, up to 3.6 mm; at 4 mm our
+/// edge is 0.39 mm further out at a pressure of half that in the middle.
 #[test]
 fn finger_on_foam() {
     let Some(rows) = reference("finger_F1_on_ICF.csv") else { return };
@@ -96,15 +101,18 @@ fn finger_on_foam() {
     let finger = Finger { edge_mm: 0.2, ..Finger::round().unwrap() };
     let press = Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Soft(foam(-finger.height_mm, 0.3)));
     for (row, state) in rows.iter().zip(timed(&press, &travels)) {
+        let (force, a) = (state.force_n / row[1] - 1.0, state.half_width_mm - row[2]);
         println!(
-            "{:.1} mm: force {:+.3} %, a {:+.3} mm, cap {:+.3} mm, area {:+.1} %, pressed in {:+.4} mm",
+            "{:.1} mm: force {:+.3} %, a {a:+.3} mm, cap {:+.3} mm, area {:+.1} %, pressed in {:+.4} mm",
             row[0],
-            100.0 * (state.force_n / row[1] - 1.0),
-            state.half_width_mm - row[2],
+            100.0 * force,
             state.cap_mm - row[3],
             100.0 * (state.area_mm2 / row[4] - 1.0),
             state.depression_mm - row[5],
         );
+        let within = if (row[0] - 1.2).abs() < 0.1 { 2e-2 } else { 1e-2 };
+        assert!(row[0] < 0.5 || force.abs() < within, "{row:?}: {}", state.force_n);
+        assert!(row[0] > 3.7 || a.abs() < 0.3, "{row:?}: {}", state.half_width_mm);
     }
 }
 
@@ -205,22 +213,36 @@ fn table_5() -> [Material; 2] {
     })
 }
 
+/// Indicative, against one coarse mesh: within 3 % from 0.6 mm on, and its contact's edge within its elements of 0.4 mm.
 #[test]
 fn four_ogden_terms_on_a_plate() {
     let Some(rows) = reference("finger_F3_axi_ogden_table5.csv") else { return };
+    let rows: Vec<_> = rows.into_iter().skip(3).step_by(4).collect();
     let [skin, tissue] = table_5();
     let travels: Vec<f64> = rows.iter().map(|r| r[0]).collect();
     let finger = Finger { skin, tissue, edge_mm: 0.2, ..Finger::round().unwrap() };
     let plate = Rigid { shape: Shape::Plate, tip_mm: -finger.height_mm };
     let press = Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Rigid(plate));
     for (row, state) in rows.iter().zip(timed(&press, &travels)) {
-        println!(
-            "{:.2} mm: force {:+.3} %, half width {:+.3} mm",
-            row[0],
-            100.0 * (state.force_n / row[1] - 1.0),
-            state.half_width_mm - row[2]
-        );
+        let (force, half) = (state.force_n / row[1] - 1.0, state.half_width_mm - row[2]);
+        println!("{:.2} mm: force {:+.3} %, half width {half:+.3} mm", row[0], 100.0 * force);
+        assert!(row[0] < 0.55 || force.abs() < 3e-2, "{row:?}: {}", state.force_n);
+        assert!(half.abs() < 0.2, "{row:?}: {}", state.half_width_mm);
     }
+}
+
+/// The same layers on the softest foam.
+#[test]
+fn four_ogden_terms_on_foam() {
+    let [skin, tissue] = table_5();
+    let finger = Finger { skin, tissue, edge_mm: 0.3, ..Finger::round().unwrap() };
+    let foam = foam(-finger.height_mm, 0.4);
+    let press = Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Soft(foam));
+    let states = timed(&press, &[1.0, 2.0, 3.0, 4.0]);
+    for s in &states {
+        println!("{} {} {}", s.travel_mm, s.force_n, s.half_width_mm);
+    }
+    assert!(states.windows(2).all(|w| w[1].force_n > w[0].force_n && w[1].half_width_mm > w[0].half_width_mm));
 }
 
 /// A cylinder of radius 20 mm and height 25.4 mm between slippery plates, whose yield stress is a cubic of the travel.
@@ -246,12 +268,9 @@ fn homogeneous(name: &str, cubic: [f64; 4]) {
     let mut worst: f64 = 0.0;
     for (row, state) in rows.iter().zip(&states) {
         worst = worst.max((state.force_n / row[3] - 1.0).abs());
-        if row[0] > 12.5 {
-            println!("{} {} {}", row[0], state.force_n / row[3] - 1.0, state.plastic_strain - row[5]);
-        }
     }
-    println!("{name}: worst {worst:e}");
-    assert!(worst < 1e-4);
+    println!("{name}: {worst:.1e}");
+    assert!(worst < 1e-4, "{name}: {worst}");
 }
 
 #[test]
@@ -300,29 +319,116 @@ fn yielding(top_mm: f64, edge_mm: f64) -> Body {
     block.body().unwrap()
 }
 
+/// A control curve that rises. Two meshes differ by 1 %; below the yield stress the block is elastic to the bit.
 #[test]
 fn finger_on_a_yielding_block() {
-    let travels: Vec<f64> = (1..=10).map(|i| 0.4 * f64::from(i)).collect();
-    for (edge, block) in [(0.3, 0.4), (0.2, 0.3)] {
-        let finger = Finger { edge_mm: edge, ..Finger::round().unwrap() };
-        let mut press = Press::new(
-            Section::Ring,
-            Side::Soft(finger.body().unwrap()),
-            Side::Soft(yielding(-finger.height_mm, block)),
-        );
-        press.yields = &|u| 0.001 + 0.0004 * u + 0.0001 * u * u;
-        for state in timed(&press, &travels) {
-            println!(
-                "{:.1} mm: F {:.5}, a {:.4}, cap {:.4}, area {:.3}, in {:.4}, ep {:.3}, steps {}",
-                state.travel_mm,
-                state.force_n,
-                state.half_width_mm,
-                state.cap_mm,
-                state.area_mm2,
-                state.depression_mm,
-                state.plastic_strain,
-                state.steps
-            );
-        }
+    let finger = Finger { edge_mm: 0.3, ..Finger::round().unwrap() };
+    let block = yielding(-finger.height_mm, 0.4);
+    let mut press = Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Soft(block));
+    press.yields = &|_| 1.0;
+    let never = timed(&press, &[0.4]);
+    press.yields = &|_| f64::INFINITY;
+    assert_eq!(never[0].force_n, press.solve(&[0.4]).unwrap()[0].force_n);
+    press.yields = &|u| 0.001 + 0.0004 * u + 0.0001 * u * u;
+    let states = timed(&press, &[0.8, 1.6, 2.4]);
+    for (state, finer) in states.iter().zip([0.10110, 0.29720, 0.57771]) {
+        println!("{:.1} mm: {:.5} N, plastic strain {:.3}", state.travel_mm, state.force_n, state.plastic_strain);
+        assert!((state.force_n / finer - 1.0).abs() < 2e-2, "{} {}", state.travel_mm, state.force_n);
+    }
+}
+
+/// Force (N/mm) of the round finger of a bulk over shear modulus at 1 mm on the plate.
+fn force_at_1_mm(bulk: f64, rule: Rule, edge_mm: f64) -> f64 {
+    let neo = |mu: f64| Material::Ogden(Ogden::neo_hooke(mu, bulk * mu).unwrap());
+    let finger = Finger { edge_mm, skin: neo(0.08), tissue: neo(0.012), ..Finger::round().unwrap() };
+    let plate = Rigid { shape: Shape::Plate, tip_mm: -finger.height_mm };
+    let mut press = Press::new(Section::Plane, Side::Soft(finger.body().unwrap()), Side::Rigid(plate));
+    press.rule = rule;
+    timed(&press, &[1.0])[0].force_n
+}
+
+/// Poisson's ratio 0.4999: four points leave 0.5 % between elements of 0.4 and 0.2 mm, nine err by 8 %. That is why elements have
+/// four points (as in the indentation, and in one of the references).
+#[test]
+fn tissue_that_hardly_changes_its_volume_does_not_lock() {
+    let [coarse, fine] = [0.4, 0.2].map(|edge| force_at_1_mm(5000.0, Rule::Reduced, edge));
+    let full = force_at_1_mm(5000.0, Rule::Full, 0.4);
+    println!("{coarse} {fine} {full}");
+    assert!((coarse / fine - 1.0).abs() < 1e-2 && full / fine - 1.0 > 5e-2);
+}
+
+/// Errors against elements of 0.1 mm (0.091481 N/mm): halved elements have less than half of it, until the edge of the
+/// contact inside an element is all that is left (1e-4).
+#[test]
+fn the_force_converges_with_the_mesh() {
+    let errors = [0.8, 0.4, 0.2].map(|edge| (force_at_1_mm(BULK_OF_0475, Rule::Reduced, edge) / 0.091481 - 1.0).abs());
+    println!("{errors:?}");
+    assert!(errors[0] < 5e-3 && errors[1] < 0.7 * errors[0] && errors[2] < 3e-4);
+}
+
+/// Values from outside that make no press.
+#[test]
+fn presses_that_cannot_be_made_are_named() {
+    let finger = Side::Soft(Finger::round().unwrap().body().unwrap());
+    let plate = Rigid { shape: Shape::Plate, tip_mm: -8.0 };
+    let mut press = Press::new(Section::Plane, finger, Side::Rigid(plate));
+    let text = press.solve(&[0.5, 0.2]).unwrap_err().to_string();
+    assert_eq!(text, "a travel (mm) is 0.2: expected numbers that rise from 0");
+    press.penalty_mpa_per_mm = Some(-1.0);
+    let text = press.solve(&[0.5]).unwrap_err().to_string();
+    assert_eq!(text, "the penalty (MPa/mm) is -1: expected more than 0");
+    let nothing = Press::new(Section::Plane, Side::Rigid(plate), Side::Rigid(plate));
+    let text = nothing.solve(&[0.5]).unwrap_err().to_string();
+    assert_eq!(text, "the number of soft bodies is 0: expected 1 or 2");
+}
+
+/// Where tissue would have to vanish there is no equilibrium, and the press says how far it came.
+#[test]
+fn a_press_through_the_bone_gets_stuck() {
+    let finger = Finger { edge_mm: 0.8, ..Finger::round().unwrap() };
+    let plate = Rigid { shape: Shape::Plate, tip_mm: -8.0 };
+    let press = Press::new(Section::Plane, Side::Soft(finger.body().unwrap()), Side::Rigid(plate));
+    let error = press.solve(&[5.5]).unwrap_err();
+    println!("{error}");
+    assert!(matches!(error, PadError::Stuck { reached_mm, .. } if reached_mm > 2.0 && reached_mm < 5.0));
+}
+
+/// Two blocks of meshes that do not match, one on the other: the pressure is the same everywhere, and the foam's own.
+#[test]
+fn a_uniform_pressure_passes_between_meshes_that_do_not_match() {
+    let of = |mu: f64, edge_mm: f64, height_mm: f64, bottom_up: bool| {
+        let block = Block {
+            height_mm,
+            radius_mm: 10.0,
+            top_mm: 0.0,
+            bonded: false,
+            material: Material::Foam(Foam::one_term(mu, 8.0, 0.0).unwrap()),
+            edge_mm,
+            fine_mm: 3.0,
+        };
+        let body = block.body().unwrap();
+        if bottom_up { body.upside_down() } else { body }
+    };
+    for section in [Section::Plane, Section::Ring] {
+        let mut press =
+            Press::new(section, Side::Soft(of(0.02, 1.3, 5.0, true)), Side::Soft(of(0.01, 0.9, 8.0, false)));
+        press.penalty_mpa_per_mm = Some(10.0);
+        let state = &timed(&press, &[2.0])[0];
+        // nominal stress 2 mu / alpha (l^7 - 1 / l), the same in both
+        let stress = |mu: f64, l: f64| mu / 4.0 * (1.0 / l - l.powi(7));
+        let stretch = |mu: f64, p: f64| {
+            let (mut low, mut high) = (0.2, 1.0);
+            for _ in 0..60 {
+                let l = 0.5 * (low + high);
+                if stress(mu, l) > p { low = l } else { high = l }
+            }
+            low
+        };
+        let p = state.pressure[0].pressure_mpa;
+        let travel = 5.0 * (1.0 - stretch(0.02, p)) + 8.0 * (1.0 - stretch(0.01, p)) + p / 10.0;
+        let spread = state.pressure.iter().map(|t| (t.pressure_mpa / p - 1.0).abs()).fold(0.0, f64::max);
+        println!("{section:?}: {p} {travel} {spread:e} {}", state.half_width_mm);
+        assert!((travel - 2.0).abs() < 1e-6, "{travel}");
+        assert!(spread < 1e-5, "{spread:e}");
     }
 }

@@ -104,8 +104,9 @@ impl<'a> Press<'a> {
         };
         let (upper, lower) = (extremes(&self.upper), extremes(&self.lower));
         let softest = upper.1.min(lower.1);
-        let rigid = matches!(self.upper, Side::Rigid(_)) || matches!(self.lower, Side::Rigid(_));
-        let stiffness = if rigid { AGAINST_RIGID } else { BETWEEN_SOFT };
+        let soft = [&self.upper, &self.lower].iter().filter(|side| matches!(side, Side::Soft(_))).count();
+        demand(soft > 0, "the number of soft bodies", soft as f64, "1 or 2")?;
+        let stiffness = if soft == 1 { AGAINST_RIGID } else { BETWEEN_SOFT };
         let penalty = self.penalty_mpa_per_mm.unwrap_or(stiffness * upper.0.min(lower.0));
         demand(penalty > 0.0 && penalty.is_finite(), "the penalty (MPa/mm)", penalty, "more than 0")?;
         let of = |above: f64| Penalty::new(penalty, self.section, above, softest);
