@@ -13,7 +13,8 @@ use lut_gen::pad::law::foam::Foam;
 use lut_gen::pad::law::material::Material;
 use lut_gen::pad::law::ogden::{BULK_OF_0475, Ogden};
 use lut_gen::pad::law::plastic::Plastic;
-use lut_gen::pad::press::{Press, Side};
+use lut_gen::pad::law::relaxing::{Elastic, Relaxing};
+use lut_gen::pad::press::{Now, Press, Side};
 use lut_gen::pad::state::State;
 
 /// Rows of numbers of a reference file, or `None`, said aloud, where it is absent.
@@ -259,7 +260,10 @@ fn homogeneous(name: &str, cubic: [f64; 4]) {
     };
     let plate = Rigid { shape: Shape::Plate, tip_mm: 0.0 };
     let mut press = Press::new(Section::Ring, Side::Rigid(plate), Side::Soft(block.body().unwrap()));
-    let yields = |u: f64| cubic[0] + u * (cubic[1] + u * (cubic[2] + u * cubic[3]));
+    let yields = |now: Now| {
+        let u = now.travel_mm;
+        cubic[0] + u * (cubic[1] + u * (cubic[2] + u * cubic[3]))
+    };
     press.yields = &yields;
     // stress over penetration: 1e-7 mm at 0.004 MPa
     press.penalty_mpa_per_mm = Some(4e4);
@@ -329,7 +333,7 @@ fn finger_on_a_yielding_block() {
     let never = timed(&press, &[0.4]);
     press.yields = &|_| f64::INFINITY;
     assert_eq!(never[0].force_n, press.solve(&[0.4]).unwrap()[0].force_n);
-    press.yields = &|u| 0.001 + 0.0004 * u + 0.0001 * u * u;
+    press.yields = &|now| 0.001 + 0.0004 * now.travel_mm + 0.0001 * now.travel_mm.powi(2);
     let states = timed(&press, &[0.8, 1.6, 2.4]);
     for (state, finer) in states.iter().zip([0.10110, 0.29720, 0.57771]) {
         println!("{:.1} mm: {:.5} N, plastic strain {:.3}", state.travel_mm, state.force_n, state.plastic_strain);
@@ -430,5 +434,25 @@ fn a_uniform_pressure_passes_between_meshes_that_do_not_match() {
         println!("{section:?}: {p} {travel} {spread:e} {}", state.half_width_mm);
         assert!((travel - 2.0).abs() < 1e-6, "{travel}");
         assert!(spread < 1e-5, "{spread:e}");
+    }
+}
+
+/// A finger whose skin and tissue relax: pressed at once it is elastic, held long it has the stiffness of what is left.
+#[test]
+fn a_held_finger_relaxes() {
+    let neo = |mu: f64| Ogden::neo_hooke(mu, BULK_OF_0475 * mu).unwrap();
+    let relaxing =
+        |mu: f64| Material::Relaxing(Relaxing::new(Elastic::Ogden(neo(mu)), &[(0.3, 0.5), (0.2, 8.0)]).unwrap());
+    let plate = Rigid { shape: Shape::Plate, tip_mm: -8.0 };
+    let press = |skin: Material, tissue: Material| {
+        let finger = Finger { edge_mm: 0.4, skin, tissue, ..Finger::round().unwrap() };
+        Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Rigid(plate))
+    };
+    let at = |time_s: f64, travel_mm: f64| Now { time_s, travel_mm };
+    let mut soft = press(relaxing(0.08), relaxing(0.012));
+    soft.step_s = 0.25;
+    let states = soft.follow(&[at(0.0, 1.0), at(0.5, 1.0), at(2.0, 1.0), at(200.0, 1.0)]).unwrap();
+    for s in &states {
+        println!("{} s: {} N, {} {}", s.time_s, s.force_n, s.half_width_mm, s.steps);
     }
 }

@@ -15,5 +15,6 @@ pub mod contact;
 pub mod error;
 pub mod law;
 pub mod model;
+mod path;
 pub mod press;
 pub mod state;

@@ -64,6 +64,8 @@ pub struct Moment<'a> {
     pub travel_mm: f64,
     /// Yield stress of plastic bodies (MPa).
     pub yield_mpa: f64,
+    /// Time since the moment before (s).
+    pub step_s: f64,
     /// What the points remember of the moment before.
     pub old: &'a [f64],
 }
@@ -116,14 +118,31 @@ impl Model {
     /// Numbers that all points remember.
     #[must_use]
     pub fn states(&self) -> usize {
-        let each = |(e, m): (&Element<_, _, 8>, &usize)| e.points.len() * self.matter(*m, 0.0).states();
+        let each = |(e, m): (&Element<_, _, 8>, &usize)| e.points.len() * self.each(*m);
         self.domain.elements.iter().zip(&self.of).map(each).sum()
+    }
+
+    /// Where the memories of points that yield begin among all.
+    pub(super) fn yielding(&self) -> impl Iterator<Item = usize> {
+        let mut at = 0;
+        self.domain.elements.iter().zip(&self.of).flat_map(move |(element, material)| {
+            let (each, start) = (self.each(*material), at);
+            at += each * element.points.len();
+            let yields = matches!(self.materials[*material], Material::Plastic(_));
+            (0..element.points.len()).filter(move |_| yields).map(move |i| start + i * each)
+        })
     }
 
     /// A material at a moment.
     #[must_use]
-    pub fn matter(&self, material: usize, yield_mpa: f64) -> Matter<'_> {
-        Matter { material: &self.materials[material], yield_mpa }
+    pub fn matter(&self, material: usize, moment: &Moment) -> Matter<'_> {
+        Matter { material: &self.materials[material], yield_mpa: moment.yield_mpa, step_s: moment.step_s }
+    }
+
+    /// Numbers that a point of a material remembers.
+    #[must_use]
+    pub fn each(&self, material: usize) -> usize {
+        Matter { material: &self.materials[material], yield_mpa: 0.0, step_s: 0.0 }.states()
     }
 
     /// Displacements of the nodes in the frame of their body, of the values of the equations.
@@ -298,7 +317,7 @@ impl Potential<'_> {
     }
 
     fn matters(&self) -> Vec<Matter<'_>> {
-        (0..self.model.materials.len()).map(|m| self.model.matter(m, self.moment.yield_mpa)).collect()
+        (0..self.model.materials.len()).map(|m| self.model.matter(m, &self.moment)).collect()
     }
 
     /// What the points will remember; `None` where a strain is impossible.

@@ -1,4 +1,4 @@
-//! The way down: from one depth to the next with the pattern, the factor and the direction of the last.
+//! What is pressed on what, and how.
 
 use super::body::Body;
 use super::body::section::{Rule, Section};
@@ -6,11 +6,9 @@ use super::contact::energy::Penalty;
 use super::contact::rigid::Rigid;
 use super::error::{PadError, demand};
 use super::law::material::Material;
-use super::law::plastic::LOG_VOLUME;
-use super::model::{Counter, Model, Moment, Potential};
+use super::model::{Counter, Model};
+use super::path::Path;
 use super::state::State;
-use crate::fem::newton::{Found, Newton};
-use crate::fem::operator::PointLaw;
 
 /// One side of a contact.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,8 +19,17 @@ pub enum Side {
     Rigid(Rigid),
 }
 
-/// A yield stress (MPa, Cauchy) over travel (mm).
-pub type Programme<'a> = &'a (dyn Fn(f64) -> f64 + Sync);
+/// A moment of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Now {
+    /// Time since the start (s).
+    pub time_s: f64,
+    /// How far the upper side has come down (mm).
+    pub travel_mm: f64,
+}
+
+/// A yield stress (MPa, Cauchy) over time and travel.
+pub type Programme<'a> = &'a (dyn Fn(Now) -> f64 + Sync);
 
 /// A body pressed on another. At travel 0 they just touch or are apart.
 pub struct Press<'a> {
@@ -43,6 +50,8 @@ pub struct Press<'a> {
     pub yields: Programme<'a>,
     /// Longest step (mm).
     pub step_mm: f64,
+    /// Longest step in time (s), for layers that relax.
+    pub step_s: f64,
 }
 
 /// Default penalty over the shear modulus of the softer body's stiffest part (1/mm), against a rigid body: pressures reach
@@ -52,26 +61,6 @@ pub const AGAINST_RIGID: f64 = 2500.0;
 /// moduli over the length of their elements lets the pressure swing from point to point near the contact's edge. Foam
 /// then bears its pressure with a penetration of 1e-3 mm.
 pub const BETWEEN_SOFT: f64 = 500.0;
-
-/// Residual that ends a solve, over the force: a part of it at every node far below what meshes leave. Never less than
-/// [`ROUNDING`] stiffest shear moduli over 1 mm2, and looser, [`LOOSE`] of them, until the force is known.
-const CLOSE: f64 = 1e-6;
-const ROUNDING: f64 = 1e-12;
-const LOOSE: f64 = 1e-6;
-/// Solves of a moment until its residual suits its force; the force is right to 1e-3 after the first.
-const TIGHTENED: usize = 3;
-/// Factorisations before a step is halved.
-const STEPS: usize = 25;
-/// Fall of the residual for which a correction by the last factor is made.
-const CHORD: f64 = 0.3;
-/// Shortest step over the longest.
-const SHORTEST: f64 = 1.0 / 1024.0;
-/// Along x, how far edges may be from each other to have a place in the pattern (mm).
-const REACH_MM: f64 = 1.0;
-/// Passes over a step for the volume ratio in the yield stress, and its change (of the logarithm) that ends them: an
-/// error of the yield stress of the same part.
-const PASSES: usize = 8;
-const SAME_VOLUME: f64 = 1e-6;
 
 impl<'a> Press<'a> {
     /// A press of `upper` on `lower` with defaults.
@@ -86,6 +75,7 @@ impl<'a> Press<'a> {
             rule: Rule::Reduced,
             yields: &|_| f64::INFINITY,
             step_mm: 0.25,
+            step_s: f64::INFINITY,
         }
     }
 
@@ -134,7 +124,7 @@ impl<'a> Press<'a> {
         }
     }
 
-    /// The equilibria at the given travels (mm), which rise.
+    /// The equilibria at the given travels (mm), which rise at 1 mm/s.
     ///
     /// # Errors
     /// [`PadError`].
@@ -144,149 +134,25 @@ impl<'a> Press<'a> {
             demand(travel >= before && travel.is_finite(), "a travel (mm)", travel, "numbers that rise from 0")?;
             before = travel;
         }
+        let motion: Vec<Now> = travels_mm.iter().map(|&travel_mm| Now { time_s: travel_mm, travel_mm }).collect();
+        self.follow(&motion)
+    }
+
+    /// The equilibria at the moments of a motion that begins at time and travel 0.
+    ///
+    /// # Errors
+    /// [`PadError`].
+    pub fn follow(&self, motion: &[Now]) -> Result<Vec<State>, PadError> {
         demand(self.step_mm > 0.0, "the longest step (mm)", self.step_mm, "more than 0")?;
-        let model = self.model()?;
-        let stiffest = model.materials.iter().map(|m| m.shear_mpa()).fold(0.0, f64::max);
-        let mut path = Path {
-            u: vec![0.0; 2 * model.nodes.len()],
-            before: None,
-            memory: vec![0.0; model.states()],
-            travel_mm: 0.0,
-            steps: 0,
-            stiffest_mpa: stiffest,
-            wanted_n: LOOSE * stiffest,
-            model,
-            yields: self.yields,
-        };
-        travels_mm.iter().map(|travel| path.go(*travel, self.step_mm)).collect()
-    }
-}
-
-/// Where a press has come to.
-struct Path<'a> {
-    model: Model,
-    stiffest_mpa: f64,
-    /// Residual that would have ended the last solve.
-    wanted_n: f64,
-    yields: Programme<'a>,
-    /// Displacements at this travel, and those at one before.
-    u: Vec<f64>,
-    before: Option<(f64, Vec<f64>)>,
-    memory: Vec<f64>,
-    travel_mm: f64,
-    steps: usize,
-}
-
-impl Path<'_> {
-    /// Goes to a travel in steps that are halved where no equilibrium is found.
-    fn go(&mut self, travel_mm: f64, longest_mm: f64) -> Result<State, PadError> {
-        let mut step = longest_mm;
-        let mut old = self.memory.clone();
-        self.steps = 0;
-        while self.travel_mm < travel_mm {
-            // equal steps to the end
-            let count = ((travel_mm - self.travel_mm) / step - 1e-9).ceil().max(1.0);
-            let next = if count <= 1.0 { travel_mm } else { self.travel_mm + (travel_mm - self.travel_mm) / count };
-            let memory = self.memory.clone();
-            match self.step(next)? {
-                Ok(()) => {
-                    old = memory;
-                    step = (1.5 * step).min(longest_mm);
-                }
-                Err(found) => {
-                    step = 0.5 * step.min(next - self.travel_mm);
-                    if step < SHORTEST * longest_mm {
-                        let (reached_mm, left, wanted) = (self.travel_mm, found.left, self.wanted_n);
-                        return Err(PadError::Stuck { reached_mm, left, wanted });
-                    }
-                }
-            }
+        demand(self.step_s > 0.0, "the longest step (s)", self.step_s, "more than 0")?;
+        let mut before = 0.0;
+        for now in motion {
+            let rises = now.time_s >= before && now.time_s.is_finite();
+            demand(rises, "a time of the motion (s)", now.time_s, "numbers that rise from 0")?;
+            demand(now.travel_mm.is_finite(), "a travel of the motion (mm)", now.travel_mm, "a number")?;
+            before = now.time_s;
         }
-        let moment = Moment { travel_mm, yield_mpa: (self.yields)(travel_mm), old: &old };
-        let x = self.model.values(&self.u);
-        Ok(State::of(&self.model, &x, &moment, &self.memory, self.steps))
-    }
-
-    /// One step; the inner error tells where Newton's method stopped.
-    fn step(&mut self, next_mm: f64) -> Result<Result<(), Found>, PadError> {
-        // the way of the last step goes on; the first is the body's own frame
-        let start = match &self.before {
-            Some((travel, u)) => {
-                let part = (next_mm - self.travel_mm) / (self.travel_mm - travel);
-                self.u.iter().zip(u).map(|(now, before)| now + part * (now - before)).collect()
-            }
-            None => self.u.clone(),
-        };
-        self.model.prepare(&self.u, next_mm, REACH_MM)?;
-        let tried = self.equilibrium(next_mm, &start);
-        let tried = if tried.is_err() && self.before.is_some() {
-            let here = self.u.clone();
-            self.equilibrium(next_mm, &here)
-        } else {
-            tried
-        };
-        let (u, memory) = match tried {
-            Ok(found) => found,
-            Err(found) => return Ok(Err(found)),
-        };
-        self.before = Some((self.travel_mm, std::mem::replace(&mut self.u, u)));
-        self.memory = memory;
-        self.travel_mm = next_mm;
-        Ok(Ok(()))
-    }
-
-    /// Displacements and memory at a travel, from a start.
-    fn equilibrium(&mut self, travel_mm: f64, start: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Found> {
-        let mut x = self.model.values(start);
-        let mut old = self.memory.clone();
-        let mut last = Found { steps: 0, left: f64::INFINITY, closed: false };
-        // the factor leaves the model so that both can be used
-        let Some(mut matrix) = self.model.matrix.take() else { return Err(last) };
-        let mut result = None;
-        for _ in 0..PASSES {
-            let (places, pattern, factor) = matrix.split();
-            let moment = Moment { travel_mm, yield_mpa: (self.yields)(travel_mm), old: &old };
-            let potential = Potential { model: &self.model, matrix: &places, moment };
-            let mut close = LOOSE * self.stiffest_mpa;
-            for _ in 0..TIGHTENED {
-                let newton = Newton { close, steps: STEPS, chord: CHORD };
-                last = newton.minimise(&potential, pattern, factor, &mut x);
-                self.steps += last.steps;
-                let force = self.model.force(&x, travel_mm).abs();
-                close = (CLOSE * force).max(ROUNDING * self.stiffest_mpa);
-                self.wanted_n = close;
-                if !last.closed || last.left <= close {
-                    break;
-                }
-            }
-            let Some(new) = potential.remember(&x).filter(|_| last.closed) else { break };
-            let changed = self.renew_volume(&mut old, &new);
-            result = Some(new);
-            if changed < SAME_VOLUME {
-                break;
-            }
-        }
-        self.model.matrix = Some(matrix);
-        match result.filter(|_| last.closed) {
-            Some(memory) => Ok((self.model.displacements(&x), memory)),
-            None => Err(last),
-        }
-    }
-
-    /// Puts the volume ratios of a pass into what the next one starts from; returns the largest change.
-    fn renew_volume(&self, old: &mut [f64], new: &[f64]) -> f64 {
-        let mut changed: f64 = 0.0;
-        let mut at = 0;
-        for (element, material) in self.model.domain.elements.iter().zip(&self.model.of) {
-            let each = self.model.matter(*material, 0.0).states();
-            for _ in 0..element.points.len() {
-                if each > LOG_VOLUME {
-                    changed = changed.max((new[at + LOG_VOLUME] - old[at + LOG_VOLUME]).abs());
-                    old[at + LOG_VOLUME] = new[at + LOG_VOLUME];
-                }
-                at += each;
-            }
-        }
-        changed
+        let mut path = Path::new(self.model()?, self.yields);
+        motion.iter().map(|now| path.go(*now, self.step_mm, self.step_s)).collect()
     }
 }

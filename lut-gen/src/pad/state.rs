@@ -11,6 +11,8 @@ use crate::fem::operator::PointLaw;
 /// An equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
+    /// Time since the start (s).
+    pub time_s: f64,
     /// How far the upper body has come down since the first touch (mm).
     pub travel_mm: f64,
     /// Force (N; in the plane N per mm of length, of both halves).
@@ -36,11 +38,13 @@ pub struct State {
 }
 
 impl State {
-    /// Of the values of the equations at a moment; `next` is what the points remember after it.
-    pub(super) fn of(model: &Model, x: &[f64], moment: &Moment, next: &[f64], steps: usize) -> Self {
+    /// Of the values of the equations at a moment; `next` is what the points remember after it, the last are the
+    /// time (s) and the factorisations since the last state.
+    pub(super) fn of(model: &Model, x: &[f64], moment: &Moment, next: &[f64], (time_s, steps): (f64, usize)) -> Self {
         let travel = moment.travel_mm;
         let nodes: Vec<[f64; 2]> = (0..model.nodes.len()).map(|n| model.position(n, x, travel)).collect();
         let mut state = Self {
+            time_s,
             travel_mm: travel,
             force_n: model.force(x, travel),
             half_width_mm: 0.0,
@@ -50,11 +54,11 @@ impl State {
             pressure: Vec::new(),
             mises_mpa: mises_at_nodes(model, x, moment),
             nodes,
-            plastic_strain: plastic_strain(model, next),
+            plastic_strain: model.yielding().map(|at| next[at + PLASTIC_STRAIN]).fold(0.0, f64::max),
             steps,
         };
         state.touch(model, x, travel);
-        state.depression_mm = depression(model, &state.nodes, travel);
+        state.depression_mm = depression(model, &state.nodes);
         state
     }
 
@@ -84,30 +88,14 @@ impl State {
 }
 
 /// How far the lower body's first surface node went down.
-fn depression(model: &Model, nodes: &[[f64; 2]], travel: f64) -> f64 {
+fn depression(model: &Model, nodes: &[[f64; 2]]) -> f64 {
     let node = match &model.counter {
         Counter::Edges(edges) if model.penalty.above > 0.0 => edges.first().map(|e| e[0]),
         Counter::Edges(_) => model.own.first().map(|e| e[0]),
         Counter::Rigid(_) if model.penalty.above < 0.0 => model.own.first().map(|e| e[0]),
         Counter::Rigid(_) => None,
     };
-    let _ = travel;
     node.map_or(0.0, |n| model.nodes[n][1] - nodes[n][1])
-}
-
-fn plastic_strain(model: &Model, next: &[f64]) -> f64 {
-    let mut largest: f64 = 0.0;
-    let mut at = 0;
-    for (element, material) in model.domain.elements.iter().zip(&model.of) {
-        let each = model.matter(*material, 0.0).states();
-        for _ in 0..element.points.len() {
-            if each > PLASTIC_STRAIN {
-                largest = largest.max(next[at + PLASTIC_STRAIN]);
-            }
-            at += each;
-        }
-    }
-    largest
 }
 
 /// From 2 x 2 or 3 x 3 points by the bilinear of the outer four to the corners, the mean of two corners to the middles,
@@ -117,7 +105,7 @@ fn mises_at_nodes(model: &Model, x: &[f64], moment: &Moment) -> Vec<f64> {
     let mut sums = vec![(0.0, 0_u32); count * model.nodes.len()];
     let mut at = 0;
     for (element, &material) in model.domain.elements.iter().zip(&model.of) {
-        let matter = model.matter(material, moment.yield_mpa);
+        let matter = model.matter(material, moment);
         let each = matter.states();
         let (_, u) = model.domain.equations.gather::<f64, 16>(&element.nodes, x);
         let stress = |(i, f): (usize, [f64; 5])| {

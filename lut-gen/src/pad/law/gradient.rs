@@ -25,6 +25,18 @@ pub struct Principal {
     pub slope: [[f64; 3]; 3],
 }
 
+impl Principal {
+    /// All of it times a factor.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            energy: factor * self.energy,
+            kirchhoff: self.kirchhoff.map(|x| factor * x),
+            slope: self.slope.map(|row| row.map(|x| factor * x)),
+        }
+    }
+}
+
 /// The in-plane part as a turn and a mirror image, `F = q D + r S`, whose principal stretches are `q + r` and `q - r`.
 ///
 /// `D = [c, -s, s, c]` and `S = [C, S, S, -C]` and their derivatives by the angles are orthogonal, each of square 2; half

@@ -4,6 +4,7 @@ use super::foam::Foam;
 use super::gradient::{Gradient, IDENTITY, Principal, Stretched};
 use super::ogden::Ogden;
 use super::plastic::{self, Plastic};
+use super::relaxing::Relaxing;
 use crate::fem::operator::{PointLaw, PointTangent, Response};
 
 /// What a part of a body is made of.
@@ -15,6 +16,8 @@ pub enum Material {
     Foam(Foam),
     /// Yields at the stress of the press' programme.
     Plastic(Plastic),
+    /// Relaxes.
+    Relaxing(Relaxing),
 }
 
 impl Material {
@@ -25,6 +28,7 @@ impl Material {
             Self::Ogden(law) => law.shear_mpa(),
             Self::Foam(law) => law.shear_mpa(),
             Self::Plastic(law) => law.shear_mpa(),
+            Self::Relaxing(law) => law.shear_mpa(),
         }
     }
 }
@@ -36,6 +40,8 @@ pub struct Matter<'a> {
     pub material: &'a Material,
     /// Yield stress of plastic materials now (MPa, Cauchy).
     pub yield_mpa: f64,
+    /// Time since the moment that points remember (s).
+    pub step_s: f64,
 }
 
 impl PointLaw<f64, 5> for Matter<'_> {
@@ -44,7 +50,11 @@ impl PointLaw<f64, 5> for Matter<'_> {
     }
 
     fn states(&self) -> usize {
-        if matches!(self.material, Material::Plastic(_)) { plastic::STATES } else { 0 }
+        match self.material {
+            Material::Ogden(_) | Material::Foam(_) => 0,
+            Material::Plastic(_) => plastic::STATES,
+            Material::Relaxing(law) => law.states(),
+        }
     }
 
     fn flux(&self, f: &Gradient, old: &[f64], new: Option<&mut [f64]>) -> Option<(f64, Gradient)> {
@@ -57,6 +67,7 @@ impl PointLaw<f64, 5> for Matter<'_> {
             Material::Ogden(law) => elastic(&|ln| law.principal(ln)),
             Material::Foam(law) => elastic(&|ln| law.principal(ln)),
             Material::Plastic(law) => law.flux(self.yield_mpa, f, old, new),
+            Material::Relaxing(law) => law.flux(self.step_s, f, old, new),
         }
     }
 }
@@ -71,6 +82,7 @@ impl PointTangent<5> for Matter<'_> {
             Material::Ogden(law) => elastic(&|ln| law.principal(ln)),
             Material::Foam(law) => elastic(&|ln| law.principal(ln)),
             Material::Plastic(law) => law.response(self.yield_mpa, f, old),
+            Material::Relaxing(law) => law.response(self.step_s, f, old),
         }
     }
 }
@@ -79,6 +91,7 @@ impl PointTangent<5> for Matter<'_> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::super::foam::FoamTerm;
+    use super::super::relaxing::Elastic;
     use super::*;
 
     /// Gradients that shear, turn, stretch alike and stretch apart.
@@ -89,6 +102,10 @@ mod tests {
         [0.7, -0.1, 0.2, 1.1, 1.3],
     ];
 
+    fn relaxing(elastic: Elastic) -> Material {
+        Material::Relaxing(Relaxing::new(elastic, &[(0.3, 0.2), (0.2, 5.0)]).unwrap())
+    }
+
     fn materials() -> Vec<Material> {
         let four = [(6.37e-3, 1.3416), (1.88e-4, 25.0), (-3.77e-3, -7.85), (1.84e-3, -10.89)];
         let foams =
@@ -98,6 +115,8 @@ mod tests {
             Material::Ogden(Ogden::new(&four, 0.1).unwrap()),
             Material::Foam(Foam::new(foams).unwrap()),
             Material::Plastic(Plastic::new(0.1, 0.3).unwrap()),
+            relaxing(Elastic::Ogden(Ogden::neo_hooke(0.08, 1.6).unwrap())),
+            relaxing(Elastic::Foam(Foam::one_term(0.01, 14.8, 0.2).unwrap())),
         ]
     }
 
@@ -108,7 +127,7 @@ mod tests {
         for material in &materials() {
             // the third yields far below the elastic stress, the last never
             for yield_mpa in [0.003, f64::INFINITY] {
-                let law = Matter { material, yield_mpa };
+                let law = Matter { material, yield_mpa, step_s: 0.5 };
                 let mut old = vec![0.0; law.states()];
                 old.iter_mut().enumerate().for_each(|(i, x)| *x = 0.01 * (i as f64 - 2.0));
                 for f in GRADIENTS {
@@ -144,7 +163,7 @@ mod tests {
     #[test]
     fn one_term_of_exponent_2_is_neo_hookean() {
         let material = Material::Ogden(Ogden::neo_hooke(0.08, 1.6).unwrap());
-        let law = Matter { material: &material, yield_mpa: 0.0 };
+        let law = Matter { material: &material, yield_mpa: 0.0, step_s: 0.5 };
         for f in GRADIENTS {
             let j = (f[0] * f[3] - f[1] * f[2]) * f[4];
             let i1: f64 = f.iter().map(|x| x * x).sum();
@@ -158,7 +177,7 @@ mod tests {
     #[test]
     fn a_point_that_yields_remembers_it() {
         let material = Material::Plastic(Plastic::new(0.1, 0.3).unwrap());
-        let law = Matter { material: &material, yield_mpa: 0.004 };
+        let law = Matter { material: &material, yield_mpa: 0.004, step_s: 0.5 };
         let f = GRADIENTS[1];
         let mut old = vec![0.0; law.states()];
         // its volume from the start, so that one pass does
@@ -175,10 +194,32 @@ mod tests {
         assert!((again[plastic::PLASTIC_STRAIN] - new[plastic::PLASTIC_STRAIN]).abs() < 1e-10);
     }
 
+    /// A stretch held at once and for long: the stress falls to its part `1 - sum g + sum g exp(-t / tau)`, whatever the steps.
+    #[test]
+    fn a_held_stretch_relaxes_by_the_series() {
+        let elastic = Material::Ogden(Ogden::neo_hooke(0.08, 1.6).unwrap());
+        let material = relaxing(Elastic::Ogden(Ogden::neo_hooke(0.08, 1.6).unwrap()));
+        // pulled along x without a change of volume, so that only the deviator acts
+        let f = [1.3, 0.0, 0.0, 1.0 / 1.3, 1.0];
+        let whole = Matter { material: &elastic, yield_mpa: 0.0, step_s: 0.0 }.flux(&f, &[], None).unwrap().1;
+        let mut law = Matter { material: &material, yield_mpa: 0.0, step_s: 0.0 };
+        let mut old = vec![0.0; law.states()];
+        let mut time = 0.0;
+        for step_s in [0.0, 0.1, 0.7, 4.0] {
+            law.step_s = step_s;
+            time += step_s;
+            let mut new = old.clone();
+            let (_, p) = law.flux(&f, &old, Some(&mut new)).unwrap();
+            old = new;
+            let part = 0.5 + 0.3 * f64::exp(-time / 0.2) + 0.2 * f64::exp(-time / 5.0);
+            assert!((p[0] / whole[0] - part).abs() < 1e-12, "{time}: {} {part}", p[0] / whole[0]);
+        }
+    }
+
     #[test]
     fn points_that_turn_over_are_refused() {
         for material in &materials() {
-            let law = Matter { material, yield_mpa: 1.0 };
+            let law = Matter { material, yield_mpa: 1.0, step_s: 0.5 };
             let old = vec![0.0; law.states()];
             assert!(law.flux(&[-1.0, 0.0, 0.0, 1.0, 1.0], &old, None).is_none());
             assert!(law.response(&[1.0, 0.0, 0.0, 1.0, -1.0], &old).is_none());

@@ -6,6 +6,7 @@
 //! | [`ogden`] | rubbers and tissues: nearly incompressible, up to four terms |
 //! | [`foam`] | compressible foams |
 //! | [`plastic`] | a yield stress that follows a programme, on Hencky's elasticity |
+//! | [`relaxing`] | Prony series on the first two |
 //! | [`material`] | any of them, as the elements ask for it |
 
 pub mod foam;
@@ -13,3 +14,4 @@ pub mod gradient;
 pub mod material;
 pub mod ogden;
 pub mod plastic;
+pub mod relaxing;

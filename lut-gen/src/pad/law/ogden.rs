@@ -60,13 +60,20 @@ impl Ogden {
     /// `d tau_k / d ln l_m = sum 2 mu [b_k d_km - (b_k + b_m)/3 + B/9] + J (U' + J U'')`.
     #[must_use]
     pub fn principal(&self, ln: [f64; 3]) -> Principal {
+        self.parts(ln, 1.0, 1.0)
+    }
+
+    /// Part of the isochoric and part of the volumetric energy, with their derivatives.
+    pub(super) fn parts(&self, ln: [f64; 3], isochoric: f64, volumetric: f64) -> Principal {
+        let bulk = volumetric * self.bulk_mpa;
         let ln_j = ln[0] + ln[1] + ln[2];
         let j = ln_j.exp();
         let x = j - 1.0;
-        let mut energy = 0.5 * self.bulk_mpa * x * x;
-        let mut kirchhoff = [j * self.bulk_mpa * x; 3];
-        let mut slope = [[self.bulk_mpa * j * (x + j); 3]; 3];
+        let mut energy = 0.5 * bulk * x * x;
+        let mut kirchhoff = [j * bulk * x; 3];
+        let mut slope = [[bulk * j * (x + j); 3]; 3];
         for &(mu, alpha) in &self.terms {
+            let mu = isochoric * mu;
             let b = ln.map(|x| (alpha * (x - ln_j / 3.0)).exp());
             let sum = b[0] + b[1] + b[2];
             let c = 2.0 * mu / alpha;

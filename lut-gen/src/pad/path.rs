@@ -1,0 +1,185 @@
+//! The way of a press: from one moment to the next with the pattern, the factor and the direction of the last.
+
+use super::error::PadError;
+use super::law::plastic::LOG_VOLUME;
+use super::model::{Model, Moment, Potential};
+use super::press::{Now, Programme};
+use super::state::State;
+use crate::fem::newton::{Found, Newton};
+
+/// Residual that ends a solve, over the force: a part of it at every node far below what meshes leave. Never less than
+/// [`ROUNDING`] stiffest shear moduli over 1 mm2, and looser, [`LOOSE`] of them, until the force is known.
+const CLOSE: f64 = 1e-6;
+const ROUNDING: f64 = 1e-12;
+const LOOSE: f64 = 1e-6;
+/// Solves of a moment until its residual suits its force; the force is right to 1e-3 after the first.
+const TIGHTENED: usize = 3;
+/// Factorisations before a step is halved.
+const STEPS: usize = 25;
+/// Fall of the residual for which a correction by the last factor is made.
+const CHORD: f64 = 0.3;
+/// Shortest step over the longest.
+const SHORTEST: f64 = 1.0 / 1024.0;
+/// Along x, how far edges may be from each other to have a place in the pattern (mm).
+const REACH_MM: f64 = 1.0;
+/// Passes over a step for the volume ratio in the yield stress, and its change (of the logarithm) that ends them: an
+/// error of the yield stress of the same part.
+const PASSES: usize = 8;
+const SAME_VOLUME: f64 = 1e-6;
+
+/// A solve that was not tried.
+const NOT_TRIED: Found = Found { steps: 0, left: f64::INFINITY, closed: false };
+
+/// Where a press has come to.
+pub(super) struct Path<'a> {
+    model: Model,
+    yields: Programme<'a>,
+    stiffest_mpa: f64,
+    /// Residual that would have ended the last solve.
+    wanted_n: f64,
+    now: Now,
+    /// Displacements now, and those of a moment before.
+    u: Vec<f64>,
+    before: Option<(Now, Vec<f64>)>,
+    /// What the points remember of now, and what they did before the last step, which is what the present stress is
+    /// reckoned from, with the length of that step (s).
+    memory: Vec<f64>,
+    last: (Vec<f64>, f64),
+    steps: usize,
+}
+
+impl<'a> Path<'a> {
+    /// At the start.
+    pub fn new(model: Model, yields: Programme<'a>) -> Self {
+        let memory = vec![0.0; model.states()];
+        let stiffest_mpa = model.materials.iter().map(|m| m.shear_mpa()).fold(0.0, f64::max);
+        Self {
+            u: vec![0.0; 2 * model.nodes.len()],
+            before: None,
+            now: Now::default(),
+            last: (memory.clone(), 0.0),
+            memory,
+            steps: 0,
+            stiffest_mpa,
+            wanted_n: LOOSE * stiffest_mpa,
+            model,
+            yields,
+        }
+    }
+
+    /// Goes to a moment in equal steps, which are halved where no equilibrium is found.
+    pub fn go(&mut self, to: Now, longest_mm: f64, longest_s: f64) -> Result<State, PadError> {
+        let from = self.now;
+        let (travel_mm, time_s) = (to.travel_mm - from.travel_mm, to.time_s - from.time_s);
+        let longest = 1.0 / (travel_mm.abs() / longest_mm).max(time_s / longest_s).max(1.0);
+        let (mut step, mut done) = (longest, 0.0);
+        self.steps = 0;
+        while done < 1.0 {
+            let count = ((1.0 - done) / step - 1e-9).ceil().max(1.0);
+            let part = if count <= 1.0 { 1.0 } else { done + (1.0 - done) / count };
+            let at = |a: f64, way: f64, b: f64| if part >= 1.0 { b } else { a + part * way };
+            let next = Now {
+                time_s: at(from.time_s, time_s, to.time_s),
+                travel_mm: at(from.travel_mm, travel_mm, to.travel_mm),
+            };
+            match self.step(next)? {
+                Ok(()) => {
+                    done = part;
+                    step = (1.5 * step).min(longest);
+                }
+                Err(found) => {
+                    step = 0.5 * (part - done);
+                    if step < SHORTEST * longest {
+                        let (reached_mm, left, wanted) = (self.now.travel_mm, found.left, self.wanted_n);
+                        return Err(PadError::Stuck { reached_mm, left, wanted });
+                    }
+                }
+            }
+        }
+        let moment =
+            Moment { travel_mm: to.travel_mm, yield_mpa: (self.yields)(to), step_s: self.last.1, old: &self.last.0 };
+        let x = self.model.values(&self.u);
+        Ok(State::of(&self.model, &x, &moment, &self.memory, (to.time_s, self.steps)))
+    }
+
+    /// One step; the inner error tells where Newton's method stopped.
+    fn step(&mut self, next: Now) -> Result<Result<(), Found>, PadError> {
+        // the way of the last step goes on; at first the upper body moves as a whole
+        let gone = |(before, _): &(Now, Vec<f64>)| self.now.travel_mm - before.travel_mm;
+        let start = self.before.as_ref().filter(|before| gone(before) != 0.0).map(|before| {
+            let part = (next.travel_mm - self.now.travel_mm) / gone(before);
+            self.u.iter().zip(&before.1).map(|(now, before)| now + part * (now - before)).collect::<Vec<f64>>()
+        });
+        self.model.prepare(&self.u, next.travel_mm, REACH_MM)?;
+        let tried = match start {
+            Some(start) => self.equilibrium(next, &start),
+            None => Err(NOT_TRIED),
+        };
+        let tried = tried.or_else(|_| {
+            let here = self.u.clone();
+            self.equilibrium(next, &here)
+        });
+        let (u, memory) = match tried {
+            Ok(found) => found,
+            Err(found) => return Ok(Err(found)),
+        };
+        self.before = Some((self.now, std::mem::replace(&mut self.u, u)));
+        let old = std::mem::replace(&mut self.memory, memory);
+        self.last = (old, next.time_s - self.now.time_s);
+        self.now = next;
+        Ok(Ok(()))
+    }
+
+    /// Displacements and memory at a moment, from a start.
+    fn equilibrium(&mut self, next: Now, start: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Found> {
+        let mut x = self.model.values(start);
+        let mut old = self.memory.clone();
+        let mut last = NOT_TRIED;
+        // the factor leaves the model so that both can be used
+        let Some(mut matrix) = self.model.matrix.take() else { return Err(last) };
+        let mut result = None;
+        for _ in 0..PASSES {
+            let (places, pattern, factor) = matrix.split();
+            let moment = Moment {
+                travel_mm: next.travel_mm,
+                yield_mpa: (self.yields)(next),
+                step_s: next.time_s - self.now.time_s,
+                old: &old,
+            };
+            let potential = Potential { model: &self.model, matrix: &places, moment };
+            let mut close = LOOSE * self.stiffest_mpa;
+            for _ in 0..TIGHTENED {
+                let newton = Newton { close, steps: STEPS, chord: CHORD };
+                last = newton.minimise(&potential, pattern, factor, &mut x);
+                self.steps += last.steps;
+                let force = self.model.force(&x, next.travel_mm).abs();
+                close = (CLOSE * force).max(ROUNDING * self.stiffest_mpa);
+                self.wanted_n = close;
+                if !last.closed || last.left <= close {
+                    break;
+                }
+            }
+            let Some(new) = potential.remember(&x).filter(|_| last.closed) else { break };
+            let changed = self.renew_volume(&mut old, &new);
+            result = Some(new);
+            if changed < SAME_VOLUME {
+                break;
+            }
+        }
+        self.model.matrix = Some(matrix);
+        match result.filter(|_| last.closed) {
+            Some(memory) => Ok((self.model.displacements(&x), memory)),
+            None => Err(last),
+        }
+    }
+
+    /// Puts the volume ratios of a pass into what the next one starts from; returns the largest change.
+    fn renew_volume(&self, old: &mut [f64], new: &[f64]) -> f64 {
+        let mut changed: f64 = 0.0;
+        for at in self.model.yielding() {
+            changed = changed.max((new[at + LOG_VOLUME] - old[at + LOG_VOLUME]).abs());
+            old[at + LOG_VOLUME] = new[at + LOG_VOLUME];
+        }
+        changed
+    }
+}
