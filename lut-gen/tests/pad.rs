@@ -7,6 +7,7 @@ use lut_gen::pad::body::Body;
 use lut_gen::pad::body::block::Block;
 use lut_gen::pad::body::finger::Finger;
 use lut_gen::pad::body::section::{Rule, Section};
+use lut_gen::pad::contact::friction::Friction;
 use lut_gen::pad::contact::rigid::{Rigid, Shape};
 use lut_gen::pad::error::PadError;
 use lut_gen::pad::law::foam::Foam;
@@ -16,6 +17,10 @@ use lut_gen::pad::law::plastic::Plastic;
 use lut_gen::pad::law::relaxing::{Elastic, Relaxing};
 use lut_gen::pad::press::{Now, Press, Side};
 use lut_gen::pad::state::State;
+use lut_gen::solid::contact::{Ball, Interface};
+use lut_gen::solid::law::Hyperfoam;
+use lut_gen::solid::model::{Resolution, Simulation, Specimen};
+use lut_gen::solid::solve::{Base, Motion};
 
 /// Rows of numbers of a reference file, or `None`, said aloud, where it is absent.
 fn reference(name: &str) -> Option<Vec<Vec<f64>>> {
@@ -454,5 +459,88 @@ fn a_held_finger_relaxes() {
     let states = soft.follow(&[at(0.0, 1.0), at(0.5, 1.0), at(2.0, 1.0), at(200.0, 1.0)]).unwrap();
     for s in &states {
         println!("{} s: {} N, {} {}", s.time_s, s.force_n, s.half_width_mm, s.steps);
+    }
+}
+
+/// A ball of 4 mm on a foam of 12.7 mm with Coulomb friction: the indentation, which integrates friction with a memory of its
+/// own at other points on another mesh, and this contact.
+#[test]
+fn a_ball_rubs_as_in_the_indentation() {
+    let (mu, alpha, radius_mm, depth) = (0.22, 10.5, 4.0, 2.0);
+    let law = Hyperfoam::one_term(mu, alpha).unwrap();
+    let specimen = Specimen::of_height(12.7);
+    for coefficient in [0.0, 0.2, 0.5] {
+        let simulation = Simulation {
+            material: law.clone().into(),
+            specimen,
+            ball: Ball { radius_mm },
+            interface: Interface { friction: coefficient, adhesion: None },
+            motion: Motion::ramp(depth, 1.0),
+            resolution: Resolution::Standard,
+        };
+        let other = simulation.curve(&[depth]).unwrap();
+        let block = Block {
+            height_mm: specimen.height_mm,
+            radius_mm: specimen.radius_mm,
+            top_mm: 0.0,
+            bonded: specimen.base == Base::Bonded,
+            material: Material::Foam(Foam::one_term(mu, alpha, 0.0).unwrap()),
+            edge_mm: 0.15,
+            fine_mm: 4.0,
+        };
+        let ball = Rigid { shape: Shape::Ball { radius_mm }, tip_mm: 0.0 };
+        let mut press = Press::new(Section::Ring, Side::Rigid(ball), Side::Soft(block.body().unwrap()));
+        press.friction = Some(Friction { coefficient, creep_mm: 1e-4 });
+        press.step_mm = 0.1;
+        let force = timed(&press, &[depth])[0].force_n;
+        println!(
+            "friction {coefficient}: {force:.5} N for {:.5}: {:+.3} %",
+            other.force_n[0],
+            100.0 * (force / other.force_n[0] - 1.0)
+        );
+    }
+}
+
+/// Which side is looked from changes nothing, and a rubbing finger is the frictionless one within 1 %: foam of Poisson's
+/// ratio 0 and tissue move little along each other.
+#[test]
+fn finger_rubs_on_foam() {
+    let finger = Finger { edge_mm: 0.4, ..Finger::round().unwrap() };
+    let force = |coefficient: f64, from_above: bool| {
+        let mut press =
+            Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Soft(foam(-finger.height_mm, 0.5)));
+        press.friction = Some(Friction { coefficient, creep_mm: 1e-4 });
+        press.from_above = from_above;
+        timed(&press, &[2.0])[0].force_n
+    };
+    let [free, above, below] = [force(0.0, true), force(0.5, true), force(0.5, false)];
+    println!("{free} {above} {below}");
+    assert!((above / below - 1.0).abs() < 1e-3 && (above / free - 1.0).abs() < 1e-2 && above != free);
+}
+
+#[test]
+#[ignore]
+fn robust() {
+    for section in [Section::Plane, Section::Ring] {
+        for (name, foam) in [("ICF", (0.0137, 14.8)), ("EVA", (0.22, 10.53)), ("B1", (0.188, 11.16)), ("A2", (0.05, 6.0)), ("soft", (0.003, 2.0))] {
+            for (shape, finger) in [
+                ("round", Finger::round().unwrap()),
+                ("oval", Finger { half_width_mm: 9.0, height_mm: 7.0, nail_deg: 30.0, bone_above_mm: 1.0, bone_half_width_mm: 4.0, bone_half_height_mm: 2.5, ..Finger::round().unwrap() }),
+                ("table5", { let [skin, tissue] = table_5(); Finger { skin, tissue, ..Finger::round().unwrap() } }),
+            ] {
+                for mu in [0.0, 0.5] {
+                let finger = Finger { edge_mm: 0.3, ..finger.clone() };
+                let block = Block { height_mm: 19.05, radius_mm: 25.0, top_mm: -finger.height_mm, bonded: true, material: Material::Foam(Foam::one_term(foam.0, foam.1, 0.0).unwrap()), edge_mm: 0.4, fine_mm: 7.0 };
+                let mut press = Press::new(section, Side::Soft(finger.body().unwrap()), Side::Soft(block.body().unwrap()));
+                press.friction = Some(Friction { coefficient: mu, creep_mm: 1e-4 });
+                let start = std::time::Instant::now();
+                let travels: Vec<f64> = (1..=8).map(|i| 0.25 * f64::from(i)).collect();
+                match press.solve(&travels) {
+                    Ok(states) => println!("{section:?} {name} {shape} {mu}: {:?} steps {} {:.2} s", states.iter().map(|s| (s.force_n * 1e4).round() / 1e4).collect::<Vec<_>>(), states.iter().map(|s| s.steps).sum::<usize>(), start.elapsed().as_secs_f64()),
+                    Err(e) => println!("{section:?} {name} {shape} {mu}: {e} {:.2} s", start.elapsed().as_secs_f64()),
+                }
+                }
+            }
+        }
     }
 }

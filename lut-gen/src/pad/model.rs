@@ -3,6 +3,7 @@
 use super::body::Body;
 use super::body::section::{Quad, Rule, Section, Slope};
 use super::contact::energy::{DOFS, Own, Penalty, Push};
+use super::contact::friction::{Ends, Friction, Grip};
 use super::contact::opposite::{Edge, faces};
 use super::contact::rigid::Rigid;
 use super::contact::segment::Across;
@@ -45,6 +46,8 @@ pub struct Model {
     pub counter: Counter,
     /// How penetration is resisted.
     pub penalty: Penalty,
+    /// How slip is.
+    pub friction: Option<Friction>,
     /// Pattern, places in it and factor, of the elements and the edges that may meet.
     pub(super) matrix: Option<Matrix>,
 }
@@ -106,7 +109,7 @@ impl Model {
         let (own, counter) = edges(&first);
         let equations = Equations::number(held.into_iter());
         let domain = Domain { elements, equations };
-        Ok(Self { nodes, moving, domain, of, materials, own, counter, penalty, matrix: None })
+        Ok(Self { nodes, moving, domain, of, materials, own, counter, penalty, friction: None, matrix: None })
     }
 
     /// Number of equations.
@@ -188,6 +191,37 @@ impl Model {
         }
     }
 
+    /// Positions of an own edge and of what lies across.
+    fn ends<T>(&self, (own, other): (usize, usize), x: &[f64], travel_mm: f64, f: impl FnOnce(Ends) -> T) -> T {
+        let edge = self.edge(&self.own[own], x, travel_mm);
+        match &self.counter {
+            Counter::Edges(edges) => {
+                let other = self.edge(&edges[other], x, travel_mm);
+                f(Ends { own: &edge, other: Some(&other), tip_mm: 0.0 })
+            }
+            Counter::Rigid(_) => {
+                let down = if self.penalty.above < 0.0 { travel_mm } else { 0.0 };
+                f(Ends { own: &edge, other: None, tip_mm: -down })
+            }
+        }
+    }
+
+    /// What grips at values and travel of a pass, over a step that started at others; nothing without friction.
+    #[must_use]
+    pub fn grips(&self, (x, travel_mm): (&[f64], f64), (start, start_mm): (&[f64], f64)) -> Vec<Grip> {
+        let mut grips = Vec::new();
+        let Some(friction) = &self.friction else { return grips };
+        let across = self.across(x, travel_mm);
+        self.facing(x, travel_mm, |number, own| {
+            let from = grips.len();
+            self.penalty.grips(friction, (number, own), &across, &mut grips);
+            for grip in &mut grips[from..] {
+                self.ends((number, grip.other), start, start_mm, |ends| grip.begin(&ends));
+            }
+        });
+        grips
+    }
+
     /// Visits every own edge that faces the other side, with its number, where it was and where it is.
     pub fn facing(&self, x: &[f64], travel_mm: f64, mut visit: impl FnMut(usize, Own)) {
         for (number, nodes) in self.own.iter().enumerate() {
@@ -215,16 +249,22 @@ impl Model {
         dofs
     }
 
-    /// Sum of the contact's pushes along y on the own edges (N, in the plane N/mm), positive when they press.
+    /// What pressure and friction push along y on the own edges (N, in the plane N/mm), positive when they press.
     #[must_use]
-    pub fn force(&self, x: &[f64], travel_mm: f64) -> f64 {
+    pub fn force(&self, x: &[f64], travel_mm: f64, grips: &[Grip]) -> f64 {
         let across = self.across(x, travel_mm);
         let mut force = 0.0;
+        let mut add = |push: &Push| force -= self.penalty.above * (push.force[1] + push.force[3] + push.force[5]);
         self.facing(x, travel_mm, |_, own| {
-            self.penalty.push(own, &across, false, |_, push| {
-                force -= self.penalty.above * (push.force[1] + push.force[3] + push.force[5]);
-            });
+            self.penalty.push(own, &across, false, |_, push| add(push));
         });
+        if let Some(friction) = &self.friction {
+            for grip in grips {
+                let mut push = Push::none();
+                self.ends((grip.own, grip.other), x, travel_mm, |ends| grip.resist(friction, &ends, false, &mut push));
+                add(&push);
+            }
+        }
         force
     }
 
@@ -282,6 +322,7 @@ pub(super) struct Potential<'a> {
     pub model: &'a Model,
     pub matrix: &'a Places<'a>,
     pub moment: Moment<'a>,
+    pub grips: &'a [Grip],
 }
 
 /// Where values go, apart from the factor that they are factorised into.
@@ -304,16 +345,27 @@ impl Potential<'_> {
         let across = model.across(x, travel);
         let (mut energy, mut known) = (0.0, true);
         model.facing(x, travel, |number, own| {
-            energy += model.penalty.push(own, &across, values.is_some(), |other, push: &Push| {
-                spread(&model.pair(number, other), &push.force, slope);
-                let Some(values) = values.as_deref_mut() else { return };
-                match self.matrix.meetings[number].iter().find(|(o, _)| *o == other) {
-                    Some((_, places)) => add_lower(values, places, &push.stiffness),
-                    None => known = false,
-                }
+            energy += model.penalty.push(own, &across, values.is_some(), |other, push| {
+                known &= self.add((number, other), push, slope, values.as_deref_mut());
             });
         });
+        let Some(friction) = &model.friction else { return known.then_some(energy) };
+        for grip in self.grips {
+            let mut push = Push::none();
+            energy += model.ends((grip.own, grip.other), x, travel, |ends| {
+                grip.resist(friction, &ends, values.is_some(), &mut push)
+            });
+            known &= self.add((grip.own, grip.other), &push, slope, values.as_deref_mut());
+        }
         known.then_some(energy)
+    }
+
+    /// Adds what two edges do to each other; false where the pattern does not know them.
+    fn add(&self, (own, other): (usize, usize), push: &Push, slope: &mut [f64], values: Option<&mut [f64]>) -> bool {
+        spread(&self.model.pair(own, other), &push.force, slope);
+        let Some(values) = values else { return true };
+        let places = self.matrix.meetings[own].iter().find(|(o, _)| *o == other);
+        places.inspect(|(_, places)| add_lower(values, places, &push.stiffness)).is_some()
     }
 
     fn matters(&self) -> Vec<Matter<'_>> {

@@ -1,11 +1,13 @@
 //! The way of a press: from one moment to the next with the pattern, the factor and the direction of the last.
 
+use super::contact::friction::Grip;
 use super::error::PadError;
 use super::law::plastic::LOG_VOLUME;
 use super::model::{Model, Moment, Potential};
 use super::press::{Now, Programme};
 use super::state::State;
 use crate::fem::newton::{Found, Newton};
+use crate::fem::sparse::{Factor, Pattern};
 
 /// Residual that ends a solve, over the force: a part of it at every node far below what meshes leave. Never less than
 /// [`ROUNDING`] stiffest shear moduli over 1 mm2, and looser, [`LOOSE`] of them, until the force is known.
@@ -22,10 +24,13 @@ const CHORD: f64 = 0.3;
 const SHORTEST: f64 = 1.0 / 1024.0;
 /// Along x, how far edges may be from each other to have a place in the pattern (mm).
 const REACH_MM: f64 = 1.0;
-/// Passes over a step for the volume ratio in the yield stress, and its change (of the logarithm) that ends them: an
+/// Passes over a step for the volume ratio in the yield stress and for friction, and the ratio's change (of the logarithm) that ends them: an
 /// error of the yield stress of the same part.
-const PASSES: usize = 8;
+const PASSES: usize = 16;
 const SAME_VOLUME: f64 = 1e-6;
+
+/// Change of the force, as a part of it, that ends the passes for friction.
+const SAME_FORCE: f64 = 1e-5;
 
 /// A solve that was not tried.
 const NOT_TRIED: Found = Found { steps: 0, left: f64::INFINITY, closed: false };
@@ -45,6 +50,8 @@ pub(super) struct Path<'a> {
     /// reckoned from, with the length of that step (s).
     memory: Vec<f64>,
     last: (Vec<f64>, f64),
+    /// What grips now.
+    grips: Vec<Grip>,
     steps: usize,
 }
 
@@ -58,6 +65,7 @@ impl<'a> Path<'a> {
             before: None,
             now: Now::default(),
             last: (memory.clone(), 0.0),
+            grips: Vec::new(),
             memory,
             steps: 0,
             stiffest_mpa,
@@ -99,7 +107,9 @@ impl<'a> Path<'a> {
         let moment =
             Moment { travel_mm: to.travel_mm, yield_mpa: (self.yields)(to), step_s: self.last.1, old: &self.last.0 };
         let x = self.model.values(&self.u);
-        Ok(State::of(&self.model, &x, &moment, &self.memory, (to.time_s, self.steps)))
+        let mut state = State::of(&self.model, &x, &moment, &self.memory, &self.grips);
+        (state.time_s, state.steps) = (to.time_s, self.steps);
+        Ok(state)
     }
 
     /// One step; the inner error tells where Newton's method stopped.
@@ -134,11 +144,15 @@ impl<'a> Path<'a> {
     fn equilibrium(&mut self, next: Now, start: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Found> {
         let mut x = self.model.values(start);
         let mut old = self.memory.clone();
-        let mut last = NOT_TRIED;
+        let mut last = (NOT_TRIED, self.wanted_n);
         // the factor leaves the model so that both can be used
-        let Some(mut matrix) = self.model.matrix.take() else { return Err(last) };
-        let mut result = None;
+        let Some(mut matrix) = self.model.matrix.take() else { return Err(NOT_TRIED) };
+        let start = (self.model.values(&self.u), self.now.travel_mm);
+        // the first pass has the friction of the last moment, every other that of the pass before
+        let mut pass = start.clone();
+        let (mut force, mut result) = (f64::NAN, None);
         for _ in 0..PASSES {
+            let grips = self.model.grips((&pass.0, pass.1), (&start.0, start.1));
             let (places, pattern, factor) = matrix.split();
             let moment = Moment {
                 travel_mm: next.travel_mm,
@@ -146,31 +160,22 @@ impl<'a> Path<'a> {
                 step_s: next.time_s - self.now.time_s,
                 old: &old,
             };
-            let potential = Potential { model: &self.model, matrix: &places, moment };
-            let mut close = LOOSE * self.stiffest_mpa;
-            for _ in 0..TIGHTENED {
-                let newton = Newton { close, steps: STEPS, chord: CHORD };
-                last = newton.minimise(&potential, pattern, factor, &mut x);
-                self.steps += last.steps;
-                let force = self.model.force(&x, next.travel_mm).abs();
-                close = (CLOSE * force).max(ROUNDING * self.stiffest_mpa);
-                self.wanted_n = close;
-                if !last.closed || last.left <= close {
-                    break;
-                }
-            }
-            let Some(new) = potential.remember(&x).filter(|_| last.closed) else { break };
-            let changed = self.renew_volume(&mut old, &new);
-            result = Some(new);
-            if changed < SAME_VOLUME {
+            let potential = Potential { model: &self.model, matrix: &places, moment, grips: &grips };
+            last = tightened(&potential, (pattern, factor), &mut x, self.stiffest_mpa);
+            self.steps += last.0.steps;
+            self.wanted_n = last.1;
+            let Some(new) = potential.remember(&x).filter(|_| last.0.closed) else { break };
+            let before = std::mem::replace(&mut force, self.model.force(&x, next.travel_mm, &grips));
+            let rubbed = self.model.friction.is_none() || (force - before).abs() <= SAME_FORCE * force.abs();
+            if self.renew_volume(&mut old, &new) < SAME_VOLUME && rubbed {
+                result = Some(new);
+                self.grips = grips;
                 break;
             }
+            pass = (x.clone(), next.travel_mm);
         }
         self.model.matrix = Some(matrix);
-        match result.filter(|_| last.closed) {
-            Some(memory) => Ok((self.model.displacements(&x), memory)),
-            None => Err(last),
-        }
+        result.map(|memory| (self.model.displacements(&x), memory)).ok_or(last.0)
     }
 
     /// Puts the volume ratios of a pass into what the next one starts from; returns the largest change.
@@ -182,4 +187,26 @@ impl<'a> Path<'a> {
         }
         changed
     }
+}
+
+/// Solves a moment until the residual suits its force; returns where it stopped and the residual (N) that was wanted.
+fn tightened(
+    potential: &Potential,
+    (pattern, factor): (&Pattern, &mut Factor),
+    x: &mut Vec<f64>,
+    stiffest_mpa: f64,
+) -> (Found, f64) {
+    let mut close = LOOSE * stiffest_mpa;
+    let mut whole = NOT_TRIED;
+    for _ in 0..TIGHTENED {
+        let newton = Newton { close, steps: STEPS, chord: CHORD };
+        let found = newton.minimise(potential, pattern, factor, x);
+        whole = Found { steps: whole.steps + found.steps, ..found };
+        let force = potential.model.force(x, potential.moment.travel_mm, potential.grips).abs();
+        close = (CLOSE * force).max(ROUNDING * stiffest_mpa);
+        if !found.closed || found.left <= close {
+            break;
+        }
+    }
+    (whole, close)
 }

@@ -3,6 +3,7 @@
 use super::body::Body;
 use super::body::section::{Rule, Section};
 use super::contact::energy::Penalty;
+use super::contact::friction::Friction;
 use super::contact::rigid::Rigid;
 use super::error::{PadError, demand};
 use super::law::material::Material;
@@ -44,6 +45,8 @@ pub struct Press<'a> {
     /// Pressure per penetration on the reference surface (MPa/mm); `None` for [`AGAINST_RIGID`] or [`BETWEEN_SOFT`]
     /// shear moduli.
     pub penalty_mpa_per_mm: Option<f64>,
+    /// Friction between the sides.
+    pub friction: Option<Friction>,
     /// Points of the elements.
     pub rule: Rule,
     /// Yield stress of plastic materials.
@@ -72,6 +75,7 @@ impl<'a> Press<'a> {
             lower,
             from_above: true,
             penalty_mpa_per_mm: None,
+            friction: None,
             rule: Rule::Reduced,
             yields: &|_| f64::INFINITY,
             step_mm: 0.25,
@@ -152,7 +156,13 @@ impl<'a> Press<'a> {
             demand(now.travel_mm.is_finite(), "a travel of the motion (mm)", now.travel_mm, "a number")?;
             before = now.time_s;
         }
-        let mut path = Path::new(self.model()?, self.yields);
+        let mut model = self.model()?;
+        if let Some(Friction { coefficient, creep_mm }) = self.friction {
+            demand((0.0..=2.0).contains(&coefficient), "the coefficient of friction", coefficient, "0 to 2")?;
+            demand(creep_mm > 0.0, "the creep of friction (mm)", creep_mm, "more than 0")?;
+            model.friction = self.friction.filter(|f| f.coefficient > 0.0);
+        }
+        let mut path = Path::new(model, self.yields);
         motion.iter().map(|now| path.go(*now, self.step_mm, self.step_s)).collect()
     }
 }

@@ -1,12 +1,13 @@
 //! What is known at one depth.
 
-use super::body::section::Section;
 use super::contact::energy::Touch;
+use super::contact::friction::Grip;
 use super::contact::segment::gap;
 use super::law::gradient::{IDENTITY, cauchy, mises};
 use super::law::plastic::PLASTIC_STRAIN;
 use super::model::{Counter, Model, Moment};
 use crate::fem::operator::PointLaw;
+use crate::fem::shape::line3;
 
 /// An equilibrium.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,15 +39,15 @@ pub struct State {
 }
 
 impl State {
-    /// Of the values of the equations at a moment; `next` is what the points remember after it, the last are the
-    /// time (s) and the factorisations since the last state.
-    pub(super) fn of(model: &Model, x: &[f64], moment: &Moment, next: &[f64], (time_s, steps): (f64, usize)) -> Self {
+    /// Of the values of the equations at a moment; `next` is what the points remember after it;
+    /// time and steps are the path's to tell.
+    pub(super) fn of(model: &Model, x: &[f64], moment: &Moment, next: &[f64], grips: &[Grip]) -> Self {
         let travel = moment.travel_mm;
         let nodes: Vec<[f64; 2]> = (0..model.nodes.len()).map(|n| model.position(n, x, travel)).collect();
         let mut state = Self {
-            time_s,
+            time_s: 0.0,
             travel_mm: travel,
-            force_n: model.force(x, travel),
+            force_n: model.force(x, travel, grips),
             half_width_mm: 0.0,
             area_mm2: 0.0,
             cap_mm: 0.0,
@@ -55,7 +56,7 @@ impl State {
             mises_mpa: mises_at_nodes(model, x, moment),
             nodes,
             plastic_strain: model.yielding().map(|at| next[at + PLASTIC_STRAIN]).fold(0.0, f64::max),
-            steps,
+            steps: 0,
         };
         state.touch(model, x, travel);
         state.depression_mm = depression(model, &state.nodes);
@@ -66,14 +67,11 @@ impl State {
         let (across, above) = (model.across(x, travel), model.penalty.above);
         let (mut lowest, mut edge) = (f64::MAX, f64::MIN);
         model.facing(x, travel, |_, own| {
-            model.penalty.touches(own, &across, |part, touches| {
-                for t in touches {
-                    let depth = if model.section() == Section::Ring { std::f64::consts::TAU * t.at[0] } else { 2.0 };
-                    self.area_mm2 += t.length_mm * depth;
-                    lowest = lowest.min(t.at[1]);
-                }
-                self.pressure.extend_from_slice(touches);
-                let end = crate::fem::shape::line3(part.to).0;
+            model.penalty.touches(own, &across, |part, touch| {
+                self.area_mm2 += touch.length_mm * model.section().depth_mm(touch.at[0]);
+                lowest = lowest.min(touch.at[1]);
+                self.pressure.push(touch);
+                let end = line3(part.to).0;
                 let at = [0, 1].map(|i| (0..3).map(|a| end[a] * own.now[a][i]).sum::<f64>());
                 if at[0] > self.half_width_mm && gap(own.now, &across, part.other, above, part.to).is_some() {
                     self.half_width_mm = at[0];

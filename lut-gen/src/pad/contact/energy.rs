@@ -63,6 +63,14 @@ pub struct Push {
     pub stiffness: [[f64; DOFS]; DOFS],
 }
 
+impl Push {
+    /// Nothing.
+    #[must_use]
+    pub fn none() -> Self {
+        Self { force: [0.0; DOFS], stiffness: [[0.0; DOFS]; DOFS] }
+    }
+}
+
 impl Penalty {
     /// A penalty (MPa/mm), with the pressure (MPa) up to which its turning is believed.
     #[must_use]
@@ -74,7 +82,7 @@ impl Penalty {
     pub fn push(&self, own: Own, across: &Across, stiff: bool, mut add: impl FnMut(usize, &Push)) -> f64 {
         let mut energy = 0.0;
         touching(own.now, across, self.above, |part| {
-            let mut push = Push { force: [0.0; DOFS], stiffness: [[0.0; DOFS]; DOFS] };
+            let mut push = Push::none();
             for &(point, weight) in &self.rule {
                 let Some(place) = self.place(own, across, part, point, weight) else { continue };
                 energy += 0.5 * self.mpa_per_mm * place.area * place.gap * place.gap;
@@ -86,20 +94,27 @@ impl Penalty {
         energy
     }
 
-    /// The places of an own edge that touch.
-    pub fn touches(&self, own: Own, across: &Across, mut visit: impl FnMut(Part, &[Touch])) {
+    /// Visits the points of every part of an own edge that touches.
+    pub(super) fn places(&self, own: Own, across: &Across, mut visit: impl FnMut(Part, &Place)) {
         touching(own.now, across, self.above, |part| {
-            let touch = |&(point, weight): &(f64, f64)| {
-                let place = self.place(own, across, part, point, weight)?;
-                let (_, natural) = line3(place.coordinate);
-                let along = [0, 1].map(|i| (0..3).map(|a| natural[a] * own.now[a][i]).sum::<f64>());
-                let length = weight * 0.5 * (part.to - part.from) * along[0].hypot(along[1]);
-                let force = -self.mpa_per_mm * place.area * place.gap * 1_f64.hypot(place.other.slope);
-                let area = length * self.section.depth_mm(place.at[0]);
-                Some(Touch { at: place.at, slope: place.other.slope, pressure_mpa: force / area, length_mm: length })
-            };
-            let touches: Vec<Touch> = self.rule.iter().filter_map(touch).collect();
-            visit(part, &touches);
+            for &(point, weight) in &self.rule {
+                if let Some(place) = self.place(own, across, part, point, weight) {
+                    visit(part, &place);
+                }
+            }
+        });
+    }
+
+    /// The places of an own edge that touch.
+    pub fn touches(&self, own: Own, across: &Across, mut visit: impl FnMut(Part, Touch)) {
+        self.places(own, across, |part, place| {
+            let (_, natural) = line3(place.coordinate);
+            let along = [0, 1].map(|i| (0..3).map(|a| natural[a] * own.now[a][i]).sum::<f64>());
+            let length_mm = place.length * along[0].hypot(along[1]);
+            let slope = place.other.slope;
+            let force = -self.mpa_per_mm * place.area * place.gap * 1_f64.hypot(slope);
+            let pressure_mpa = force / (length_mm * self.section.depth_mm(place.at[0]));
+            visit(part, Touch { at: place.at, slope, pressure_mpa, length_mm });
         });
     }
 
@@ -111,20 +126,25 @@ impl Penalty {
         let at = [sum(own.now, &n, 0), sum(own.now, &n, 1)];
         let other = across.at(part.other, at[0], self.above)?;
         let length = sum(own.reference, &natural, 0).hypot(sum(own.reference, &natural, 1));
-        let area = weight * half * length * self.section.depth_mm(sum(own.reference, &n, 0));
-        Some(Place { coordinate, n, at, gap: self.above * (at[1] - other.height), other, area })
+        let natural_length = weight * half;
+        let area = natural_length * length * self.section.depth_mm(sum(own.reference, &n, 0));
+        let gap = self.above * (at[1] - other.height);
+        Some(Place { coordinate, n, at, gap, other, area, length: natural_length })
     }
 }
 
 /// A point of a part.
-struct Place {
-    coordinate: f64,
-    n: [f64; 3],
-    at: [f64; 2],
-    gap: f64,
-    other: Opposite,
-    /// Reference area that it stands for.
-    area: f64,
+pub(super) struct Place {
+    /// The own edge's coordinate and shape functions there.
+    pub coordinate: f64,
+    pub n: [f64; 3],
+    /// Position (mm), gap (mm), and what lies across.
+    pub at: [f64; 2],
+    pub gap: f64,
+    pub other: Opposite,
+    /// Reference area that it stands for (mm2), and length of the own edge's coordinate.
+    pub area: f64,
+    pub length: f64,
 }
 
 impl Place {
