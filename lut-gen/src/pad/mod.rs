@@ -1,13 +1,15 @@
-//! The finger pad: a finger pressed on a plate, on a foam, on a body whose yield stress is prescribed.
+//! The finger pad: a finger pressed on a plate, on a foam, on a body whose yield stress is
+//! prescribed.
 //!
-//! Two soft bodies, or one and a rigid one, in the plane or about an axis; the upper moves down. Units are mm, N, MPa, s.
+//! Two soft bodies, or one and a rigid one, in the plane or about an axis; the upper moves down.
+//! Units are mm, N, MPa, s.
 //!
 //! | folder | holds |
 //! |---|---|
 //! | [`law`] | skin, tissue, foam, and a body that yields |
 //! | [`body`] | cross-section of the finger, block, and their elements |
 //! | [`contact`] | contact without friction of edges that slide as far as they like |
-//! | [`model`] | the equations of both bodies: energy, force and stiffness |
+//! | [`model`] | the equations of both bodies |
 //! | [`press`] | the way down, and what was found at every depth ([`state`]) |
 
 pub mod body;
@@ -16,5 +18,6 @@ pub mod error;
 pub mod law;
 pub mod model;
 mod path;
+mod potential;
 pub mod press;
 pub mod state;

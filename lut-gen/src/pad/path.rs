@@ -1,31 +1,35 @@
-//! The way of a press: from one moment to the next with the pattern, the factor and the direction of the last.
+//! The way of a press: from one moment to the next with the pattern, the factor and the direction
+//! of the last.
 
 use super::contact::friction::Grip;
 use super::error::PadError;
 use super::law::plastic::LOG_VOLUME;
-use super::model::{Model, Moment, Potential};
+use super::model::{Model, Moment};
+use super::potential::Potential;
 use super::press::{Now, Programme};
 use super::state::State;
 use crate::fem::newton::{Found, Newton};
 use crate::fem::sparse::{Factor, Pattern};
 
-/// Residual that ends a solve, over the force: a part of it at every node far below what meshes leave. Never less than
-/// [`ROUNDING`] stiffest shear moduli over 1 mm2, and looser, [`LOOSE`] of them, until the force is known.
+/// Residual that ends a solve, over the force: a part of it at every node far below what meshes
+/// leave. Never less than [`ROUNDING`] stiffest shear moduli over 1 mm2, and looser, [`LOOSE`] of
+/// them, until the force is known.
 const CLOSE: f64 = 1e-6;
 const ROUNDING: f64 = 1e-12;
 const LOOSE: f64 = 1e-6;
-/// Solves of a moment until its residual suits its force; the force is right to 1e-3 after the first.
+/// Solves of a moment until its residual suits its force; the force is right to 1e-3 after the
+/// first.
 const TIGHTENED: usize = 3;
 /// Factorisations before a step is halved.
 const STEPS: usize = 25;
 /// Fall of the residual for which a correction by the last factor is made.
-const CHORD: f64 = 0.3;
+const CHORD: f64 = 0.5;
 /// Shortest step over the longest.
 const SHORTEST: f64 = 1.0 / 1024.0;
 /// Along x, how far edges may be from each other to have a place in the pattern (mm).
 const REACH_MM: f64 = 1.0;
-/// Passes over a step for the volume ratio in the yield stress and for friction, and the ratio's change (of the logarithm) that ends them: an
-/// error of the yield stress of the same part.
+/// Passes over a step for the volume ratio in the yield stress and for friction, and the ratio's
+/// change (of the logarithm) that ends them: an error of the yield stress of the same part.
 const PASSES: usize = 16;
 const SAME_VOLUME: f64 = 1e-6;
 
@@ -46,8 +50,8 @@ pub(super) struct Path<'a> {
     /// Displacements now, and those of a moment before.
     u: Vec<f64>,
     before: Option<(Now, Vec<f64>)>,
-    /// What the points remember of now, and what they did before the last step, which is what the present stress is
-    /// reckoned from, with the length of that step (s).
+    /// What the points remember of now, and what they did before the last step, which is what the
+    /// present stress is reckoned from, with the length of that step (s).
     memory: Vec<f64>,
     last: (Vec<f64>, f64),
     /// What grips now.
@@ -129,19 +133,20 @@ impl<'a> Path<'a> {
             let here = self.u.clone();
             self.equilibrium(next, &here)
         });
-        let (u, memory) = match tried {
+        let [old, memory, u] = match tried {
             Ok(found) => found,
             Err(found) => return Ok(Err(found)),
         };
         self.before = Some((self.now, std::mem::replace(&mut self.u, u)));
-        let old = std::mem::replace(&mut self.memory, memory);
+        self.memory = memory;
         self.last = (old, next.time_s - self.now.time_s);
         self.now = next;
         Ok(Ok(()))
     }
 
-    /// Displacements and memory at a moment, from a start.
-    fn equilibrium(&mut self, next: Now, start: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Found> {
+    /// What the points remembered with the volume ratios of now, what they will remember, and the
+    /// displacements at a moment, from a start.
+    fn equilibrium(&mut self, next: Now, start: &[f64]) -> Result<[Vec<f64>; 3], Found> {
         let mut x = self.model.values(start);
         let mut old = self.memory.clone();
         let mut last = (NOT_TRIED, self.wanted_n);
@@ -175,10 +180,11 @@ impl<'a> Path<'a> {
             pass = (x.clone(), next.travel_mm);
         }
         self.model.matrix = Some(matrix);
-        result.map(|memory| (self.model.displacements(&x), memory)).ok_or(last.0)
+        result.map(|memory| [old, memory, self.model.displacements(&x)]).ok_or(last.0)
     }
 
-    /// Puts the volume ratios of a pass into what the next one starts from; returns the largest change.
+    /// Puts the volume ratios of a pass into what the next one starts from; returns the largest
+    /// change.
     fn renew_volume(&self, old: &mut [f64], new: &[f64]) -> f64 {
         let mut changed: f64 = 0.0;
         for at in self.model.yielding() {
@@ -189,7 +195,8 @@ impl<'a> Path<'a> {
     }
 }
 
-/// Solves a moment until the residual suits its force; returns where it stopped and the residual (N) that was wanted.
+/// Solves a moment until the residual suits its force; returns where it stopped and the residual
+/// (N) that was wanted.
 fn tightened(
     potential: &Potential,
     (pattern, factor): (&Pattern, &mut Factor),

@@ -42,8 +42,8 @@ pub struct Press<'a> {
     pub lower: Side,
     /// Penetration is measured on the upper side where both are soft.
     pub from_above: bool,
-    /// Pressure per penetration on the reference surface (MPa/mm); `None` for [`AGAINST_RIGID`] or [`BETWEEN_SOFT`]
-    /// shear moduli.
+    /// Pressure per penetration on the reference surface (MPa/mm); `None` for [`AGAINST_RIGID`] or
+    /// [`BETWEEN_SOFT`] shear moduli.
     pub penalty_mpa_per_mm: Option<f64>,
     /// Friction between the sides.
     pub friction: Option<Friction>,
@@ -57,12 +57,13 @@ pub struct Press<'a> {
     pub step_s: f64,
 }
 
-/// Default penalty over the shear modulus of the softer body's stiffest part (1/mm), against a rigid body: pressures reach
-/// about half the modulus, so that penetration stays below 2e-4 mm.
+/// Default penalty over the shear modulus of the softer body's stiffest part (1/mm), against a
+/// rigid body: pressures reach about half the modulus, so that penetration stays below 2e-4 mm.
 pub const AGAINST_RIGID: f64 = 2500.0;
-/// The same between two soft bodies, whose curved edges cannot lie on each other point by point: a penalty much above ten
-/// moduli over the length of their elements lets the pressure swing from point to point near the contact's edge. Foam
-/// then bears its pressure with a penetration of 1e-3 mm.
+/// The same between two soft bodies, whose curved edges cannot lie on each other point by point: a
+/// penalty much above ten moduli over the length of their elements lets the pressure swing from
+/// point to point near the contact's edge. Foam then bears its pressure with a penetration of 1e-3
+/// mm.
 pub const BETWEEN_SOFT: f64 = 500.0;
 
 impl<'a> Press<'a> {

@@ -22,7 +22,8 @@ pub struct State {
     pub half_width_mm: f64,
     /// Area of the curved contact (mm2); in the plane its width along the curve (mm2 per mm).
     pub area_mm2: f64,
-    /// Height of the contact's edge above its lowest point (mm): the cap that the upper body dips in with.
+    /// Height of the contact's edge above its lowest point (mm): the cap that the upper body dips
+    /// in with.
     pub cap_mm: f64,
     /// How far the lower body is pressed in on the axis (mm).
     pub depression_mm: f64,
@@ -30,7 +31,8 @@ pub struct State {
     pub pressure: Vec<Touch>,
     /// Positions of the nodes (mm), the upper body's first.
     pub nodes: Vec<[f64; 2]>,
-    /// Von Mises' stress at the nodes (MPa), the mean of the elements around it of the same material.
+    /// Von Mises' stress at the nodes (MPa), the mean of the elements around it of the same
+    /// material.
     pub mises_mpa: Vec<f64>,
     /// Largest equivalent plastic strain of a point.
     pub plastic_strain: f64,
@@ -96,8 +98,9 @@ fn depression(model: &Model, nodes: &[[f64; 2]]) -> f64 {
     node.map_or(0.0, |n| model.nodes[n][1] - nodes[n][1])
 }
 
-/// From 2 x 2 or 3 x 3 points by the bilinear of the outer four to the corners, the mean of two corners to the middles,
-/// and the mean over the elements of one material around a node; where materials meet the larger counts.
+/// From 2 x 2 or 3 x 3 points by the bilinear of the outer four to the corners, the mean of two
+/// corners to the middles, and the mean over the elements of one material around a node; where
+/// materials meet the larger counts.
 fn mises_at_nodes(model: &Model, x: &[f64], moment: &Moment) -> Vec<f64> {
     let count = model.materials.len();
     let mut sums = vec![(0.0, 0_u32); count * model.nodes.len()];

@@ -7,7 +7,8 @@ use crate::pad::error::{PadError, demand};
 use crate::pad::law::material::Material;
 use crate::pad::law::ogden::{BULK_OF_0475, Ogden};
 
-/// Cross-section of a fingertip: an ellipse of skin over tissue around an elliptic bone, below the nail.
+/// Cross-section of a fingertip: an ellipse of skin over tissue around an elliptic bone, below the
+/// nail.
 ///
 /// ```text
 ///        y                 Its centre is (0, 0), its lowest point (0, -height). Of the right half the part below the
@@ -38,8 +39,8 @@ pub struct Finger {
     pub tissue: Material,
     /// Length of the elements in the pad (mm).
     pub edge_mm: f64,
-    /// How far round from the lowest point elements are that short (degrees): a finger pressed by a quarter of its height
-    /// touches up to 45.
+    /// How far round from the lowest point elements are that short (degrees): a finger pressed by a
+    /// quarter of its height touches up to 45.
     pub pad_deg: f64,
 }
 
@@ -47,8 +48,9 @@ pub struct Finger {
 const GROWTH: f64 = 0.2;
 
 impl Finger {
-    /// A round finger of radius 8 mm with 0.8 mm of skin around a bone of radius 3 mm, neo-Hookean with Poisson's ratio 0.475:
-    /// skin 0.08 MPa, tissue 0.012 MPa (orders of Wu et al. 2006, doi:10.1016/j.medengphy.2005.02.007).
+    /// A round finger of radius 8 mm with 0.8 mm of skin around a bone of radius 3 mm, neo-Hookean
+    /// with Poisson's ratio 0.475: skin 0.08 MPa, tissue 0.012 MPa (orders of Wu et al. 2006,
+    /// doi:10.1016/j.medengphy.2005.02.007).
     ///
     /// # Errors
     /// [`PadError`].
@@ -94,8 +96,8 @@ impl Finger {
         demand(nail == 0.0 || above > 0.0, "the tissue above the bone (mm)", above, "more than 0")
     }
 
-    /// The point at an angle from the lowest point (radians) and a part of the way inward: 0 on the outside, 1 between skin
-    /// and tissue, 2 on the bone.
+    /// The point at an angle from the lowest point (radians) and a part of the way inward: 0 on the
+    /// outside, 1 between skin and tissue, 2 on the bone.
     fn at(&self, angle: f64, inward: f64) -> [f64; 2] {
         let ellipse = |a: f64, b: f64, y: f64| [a * angle.sin(), y - b * angle.cos()];
         let outer = ellipse(self.half_width_mm, self.height_mm, 0.0);
@@ -105,7 +107,8 @@ impl Finger {
         [0, 1].map(|i| from[i] + part * (to[i] - from[i]))
     }
 
-    /// Meshes it: elements of the asked length in the pad, longer ones beside it and towards the bone.
+    /// Meshes it: elements of the asked length in the pad, longer ones beside it and towards the
+    /// bone.
     ///
     /// # Errors
     /// [`PadError::Value`] for a measure that makes no finger.

@@ -1,9 +1,10 @@
 //! Energy, force and stiffness of the penalty over the parts that touch.
 //!
-//! With the gap `g = y - Y(x)` of a place `(x, y)` above the other side's height `Y`, the energy is `e/2` times the square of
-//! negative gaps over the reference surface of the own edge. Its slope pushes along `(-Y', 1)`, the normal of the other
-//! side: no friction, whatever the slope. The ends of the parts are zeros of the gap or corners of the other side, so that
-//! the energy has a continuous second derivative in the first case and a continuous first one in the second.
+//! With the gap `g = y - Y(x)` of a place `(x, y)` above the other side's height `Y`, the energy is
+//! `e/2` times the square of negative gaps over the reference surface of the own edge. Its slope
+//! pushes along `(-Y', 1)`, the normal of the other side: no friction, whatever the slope. The ends
+//! of the parts are zeros of the gap or corners of the other side, so that the energy has a
+//! continuous second derivative in the first case and a continuous first one in the second.
 
 use super::opposite::{Edge, Opposite};
 use super::segment::{Across, Part, touching};
@@ -14,7 +15,8 @@ use crate::pad::body::section::Section;
 /// Degrees of freedom of two edges: the own nodes, then those across.
 pub const DOFS: usize = 12;
 
-/// Points on a part: exact for the polynomials of the ninth degree that its stiffness is for two flat edges of a ring.
+/// Points on a part: exact for the polynomials of the ninth degree that its stiffness is for two
+/// flat edges of a ring.
 const POINTS: usize = 5;
 
 /// Rule and stiffness of a contact.
@@ -26,8 +28,9 @@ pub struct Penalty {
     pub section: Section,
     /// 1 where the own edges lie above, -1 where they lie below.
     pub above: f64,
-    /// Pressure (MPa) up to which the stiffness knows that the normal turns. A start that penetrates deeply has pressures
-    /// which no body would bear, and their turning would make the stiffness indefinite.
+    /// Pressure (MPa) up to which the stiffness knows that the normal turns. A start that
+    /// penetrates deeply has pressures which no body would bear, and their turning would make the
+    /// stiffness indefinite.
     pub believed_mpa: f64,
     rule: Vec<(f64, f64)>,
 }
@@ -78,7 +81,8 @@ impl Penalty {
         Self { mpa_per_mm, section, above, believed_mpa, rule: gauss(POINTS) }
     }
 
-    /// Energy of an own edge; `add` gets the number of every edge that it touches, with the push of a part of it.
+    /// Energy of an own edge; `add` gets the number of every edge that it touches, with the push of
+    /// a part of it.
     pub fn push(&self, own: Own, across: &Across, stiff: bool, mut add: impl FnMut(usize, &Push)) -> f64 {
         let mut energy = 0.0;
         touching(own.now, across, self.above, |part| {
@@ -148,8 +152,9 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Adds `e A (g dg)` and, with the second derivative `-(e x D + D x e + Y'' D x D)` of the height's difference, `e A (dg x dg + g d2g)`:
-    /// `D` is how x differs, `e` how the other side turns.
+    /// Adds `e A (g dg)` and, with the second derivative `-(e x D + D x e + Y'' D x D)` of the
+    /// height's difference, `e A (dg x dg + g d2g)`: `D` is how x differs, `e` how the other side
+    /// turns.
     fn add(&self, weight: f64, above: f64, believed: Option<f64>, push: &mut Push) {
         let slope = self.other.slope;
         let (mut v, mut across, mut turn) = ([0.0; DOFS], [0.0; DOFS], [0.0; DOFS]);
@@ -213,8 +218,9 @@ mod tests {
         REFERENCE.iter().chain(&OTHERS).flatten().copied().collect()
     }
 
-    /// Force and stiffness by central differences of 1e-6. The points move with the parts' ends, so that the energy of the
-    /// rule is the force's integral to the rule's own error only: 1e-6 of it here.
+    /// Force and stiffness by central differences of 1e-6. The points move with the parts' ends, so
+    /// that the energy of the rule is the force's integral to the rule's own error only: 1e-6 of it
+    /// here.
     #[test]
     fn force_and_stiffness_are_difference_quotients() {
         let ball = |tip_mm: f64| Rigid { shape: Shape::Ball { radius_mm: 3.0 }, tip_mm };
@@ -238,7 +244,8 @@ mod tests {
                     assert!((slope - force[i]).abs() < 1e-4 * size, "{above} {i}: {slope} {}", force[i]);
                     for j in 0..N {
                         let slope = (plus.1[j] - minus.1[j]) / 2e-6;
-                        // where the other side has a corner its normal jumps, which no stiffness of its sides knows
+                        // where the other side has a corner its normal jumps, which no stiffness of
+                        // its sides knows
                         let corner = rigid.is_none();
                         let allowed = if corner { 0.1 } else { 1e-3 };
                         assert!((slope - k[j][i]).abs() < allowed * scale, "{above} {i} {j}: {slope} {}", k[j][i]);

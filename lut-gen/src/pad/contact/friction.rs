@@ -1,8 +1,9 @@
 //! Coulomb friction, a step at a time.
 //!
-//! Over a step every place that touches resists its slip `s` with the energy `f (sqrt(s^2 + s0^2) - s0)`: the shear is the
-//! limit `f`, the coefficient times the pressure, once it slips by more than a few `s0`, and where it sticks it creeps by less than `s0`. The limit,
-//! the direction and what lies across are those of the last pass over the step, so that a pass has an energy and a
+//! Over a step every place that touches resists its slip `s` with the energy `f (sqrt(s^2 + s0^2) -
+//! s0)`: the shear is the limit `f`, the coefficient times the pressure, once it slips by more than
+//! a few `s0`, and where it sticks it creeps by less than `s0`. The limit, the direction and what
+//! lies across are those of the last pass over the step, so that a pass has an energy and a
 //! symmetric stiffness; passes are repeated until the force stays.
 
 use super::energy::{DOFS, Own, Penalty, Push};
@@ -65,7 +66,8 @@ impl Grip {
         [at[0] - across[0], at[1] - across[1]]
     }
 
-    /// Energy (N mm) of the slip since the start of the step; force and, when it is asked for, stiffness go to `push`.
+    /// Energy (N mm) of the slip since the start of the step; force and, when it is asked for,
+    /// stiffness go to `push`.
     pub fn resist(&self, friction: &Friction, ends: &Ends, stiff: bool, push: &mut Push) -> f64 {
         let now = self.apart(ends);
         let slip: f64 = (0..2).map(|i| self.tangent[i] * (now[i] - self.start[i])).sum();
@@ -92,8 +94,8 @@ impl Grip {
 }
 
 impl Penalty {
-    /// Adds the grips of an own edge where it touches; where they were at the start of the step is told by
-    /// [`Grip::begin`].
+    /// Adds the grips of an own edge where it touches; where they were at the start of the step is
+    /// told by [`Grip::begin`].
     pub fn grips(&self, friction: &Friction, (number, own): (usize, Own), across: &Across, grips: &mut Vec<Grip>) {
         self.places(own, across, |part, place| {
             let slope = place.other.slope;
@@ -114,7 +116,8 @@ impl Penalty {
 mod tests {
     use super::*;
 
-    /// Shear is the energy's slope, the stiffness the shear's (central differences of 1e-6 mm), and far slip has the limit.
+    /// Shear is the energy's slope, the stiffness the shear's (central differences of 1e-6 mm), and
+    /// far slip has the limit.
     #[test]
     fn shear_and_stiffness_are_difference_quotients() {
         let grip = Grip {

@@ -5,7 +5,8 @@ use crate::fem::shape::line3;
 /// An edge at its present place: positions of its three nodes (mm).
 pub type Edge = [[f64; 2]; 3];
 
-/// Coefficients of `x` (or `y`, component `i`) over an edge's coordinate: constant, linear, quadratic.
+/// Coefficients of `x` (or `y`, component `i`) over an edge's coordinate: constant, linear,
+/// quadratic.
 fn parabola(edge: &Edge, i: usize) -> [f64; 3] {
     let [a, b, c] = edge.map(|at| at[i]);
     [b, 0.5 * (c - a), 0.5 * (a - 2.0 * b + c)]
@@ -18,7 +19,8 @@ pub fn faces(edge: &Edge) -> bool {
     linear > 2.0 * quadratic.abs()
 }
 
-/// Coordinate at which an edge that [`faces`] is at `x`; beyond its ends that of the parabola, clamped to twice its length.
+/// Coordinate at which an edge that [`faces`] is at `x`; beyond its ends that of the parabola,
+/// clamped to twice its length.
 #[must_use]
 pub fn coordinate(edge: &Edge, x: f64) -> f64 {
     let [constant, linear, quadratic] = parabola(edge, 0);

@@ -25,8 +25,8 @@ pub struct Rigid {
 pub type Profile = [f64; 3];
 
 impl Shape {
-    /// The profile at `x` with its tip at 0; `up` is -1 for a shape that lies above and bends upward from its tip, 1 for one
-    /// below. `None` beside it.
+    /// The profile at `x` with its tip at 0; `up` is -1 for a shape that lies above and bends
+    /// upward from its tip, 1 for one below. `None` beside it.
     #[must_use]
     pub fn profile(self, x: f64, up: f64) -> Option<Profile> {
         match self {

@@ -44,13 +44,14 @@ pub struct Part {
     pub to: f64,
 }
 
-/// Places at which a part is looked at for a change of sign, besides those where the gap turns: it is nearly a parabola.
+/// Places at which a part is looked at for a change of sign, besides those where the gap turns: it
+/// is nearly a parabola.
 const LOOKS: usize = 5;
 /// Parts shorter than this are left out; their share of an integral is as small.
 const SHORTEST: f64 = 1e-12;
 
-/// Gap at a coordinate of an own edge (mm), negative where it penetrates; `above` is 1 for an edge above the other side, -1
-/// for one below. `None` where nothing lies across.
+/// Gap at a coordinate of an own edge (mm), negative where it penetrates; `above` is 1 for an edge
+/// above the other side, -1 for one below. `None` where nothing lies across.
 #[must_use]
 pub fn gap(own: &Edge, across: &Across, other: usize, above: f64, at: f64) -> Option<f64> {
     let (n, _) = line3(at);
@@ -106,7 +107,8 @@ fn turn([a, b, c]: [[f64; 2]; 3]) -> Option<f64> {
     (slope.abs() < bend.abs() && bend.is_finite()).then(|| b[0] - slope / bend * (b[0] - a[0]))
 }
 
-/// Where a function changes its sign between two places with their values: regula falsi with Illinois' halving.
+/// Where a function changes its sign between two places with their values: regula falsi with
+/// Illinois' halving.
 fn crossing(f: &dyn Fn(f64) -> f64, mut a: [f64; 2], mut b: [f64; 2]) -> f64 {
     for _ in 0..60 {
         let finite = a[1] < f64::MAX && b[1] < f64::MAX;
@@ -143,7 +145,8 @@ mod tests {
 
     const PLATE: Rigid = Rigid { shape: Shape::Plate, tip_mm: 0.0 };
 
-    /// An edge whose height is `x^2 - 0.09` lies below the plate from -0.3 to 0.3, one that is `0.0001 - x^2` beyond 0.01.
+    /// An edge whose height is `x^2 - 0.09` lies below the plate from -0.3 to 0.3, one that is
+    /// `0.0001 - x^2` beyond 0.01.
     #[test]
     fn the_edge_of_the_contact_is_found_inside_the_element() {
         let below = |height: f64, bend: f64| [[-1.0, height + bend], [0.0, height], [1.0, height + bend]];

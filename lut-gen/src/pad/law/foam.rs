@@ -9,7 +9,8 @@ use crate::pad::error::{PadError, demand};
 /// U = sum_i 2 mu_i / a_i^2 [ l1^a_i + l2^a_i + l3^a_i - 3 + (J^(-a_i b_i) - 1) / b_i ]
 /// ```
 ///
-/// For `nu_i = 0` the volumetric part is its limit `-a_i ln J`. `U` grows without bound for `J -> 0`.
+/// For `nu_i = 0` the volumetric part is its limit `-a_i ln J`. `U` grows without bound for `J ->
+/// 0`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foam {
     terms: Vec<FoamTerm>,
@@ -30,8 +31,8 @@ impl Foam {
     /// A law of the given terms.
     ///
     /// # Errors
-    /// [`PadError::Value`] when there is no term, a value is not finite or out of range, or the sum of the shear moduli is
-    /// not positive.
+    /// [`PadError::Value`] when there is no term, a value is not finite or out of range, or the sum
+    /// of the shear moduli is not positive.
     pub fn new(terms: Vec<FoamTerm>) -> Result<Self, PadError> {
         demand(!terms.is_empty(), "the number of a foam's terms", 0.0, "1 or more")?;
         for t in &terms {

@@ -1,4 +1,5 @@
-//! From the logarithms of the principal stretches to the stress and tangent of a deformation gradient.
+//! From the logarithms of the principal stretches to the stress and tangent of a deformation
+//! gradient.
 //!
 //! ```text
 //!     | F0 F1 0  |
@@ -37,10 +38,12 @@ impl Principal {
     }
 }
 
-/// The in-plane part as a turn and a mirror image, `F = q D + r S`, whose principal stretches are `q + r` and `q - r`.
+/// The in-plane part as a turn and a mirror image, `F = q D + r S`, whose principal stretches are
+/// `q + r` and `q - r`.
 ///
-/// `D = [c, -s, s, c]` and `S = [C, S, S, -C]` and their derivatives by the angles are orthogonal, each of square 2; half
-/// sums and differences of `F` are lengths times the cosines and sines, so that no arctangent is needed.
+/// `D = [c, -s, s, c]` and `S = [C, S, S, -C]` and their derivatives by the angles are orthogonal,
+/// each of square 2; half sums and differences of `F` are lengths times the cosines and sines, so
+/// that no arctangent is needed.
 #[derive(Debug, Clone, Copy)]
 pub struct Stretched {
     /// Principal stretches, the larger in-plane one first, the third direction last.
@@ -49,8 +52,8 @@ pub struct Stretched {
     mirror: [f64; 4],
 }
 
-/// Relative difference of two stretches below which the divided difference of their stresses is its limit: rounding
-/// (1e-16 / 1e-5) and truncation ((1e-5)^2) are then both below 1e-9.
+/// Relative difference of two stretches below which the divided difference of their stresses is its
+/// limit: rounding (1e-16 / 1e-5) and truncation ((1e-5)^2) are then both below 1e-9.
 const EQUAL: f64 = 1e-5;
 
 impl Stretched {
@@ -93,10 +96,11 @@ impl Stretched {
 
     /// Energy, first Piola-Kirchhoff stress and tangent.
     ///
-    /// With `dF = dq D + dr S + q dd D' + r ds S'` the stretches change by `dq + dr` and `dq - dr`; the angles give `y / 2` along
-    /// `D'` and `x / 2` along `S'`, `x = (p1 - p2) / (l1 - l2)` and `y = (p1 + p2) / (l1 + l2)` (Ogden, Non-linear Elastic
-    /// Deformations, 6.1.4); for equal stretches `x` is the mean of `H11` and `H22` less `H12`, the derivatives of the
-    /// nominal stresses `p_k = tau_k / l_k` by the stretches.
+    /// With `dF = dq D + dr S + q dd D' + r ds S'` the stretches change by `dq + dr` and `dq - dr`;
+    /// the angles give `y / 2` along `D'` and `x / 2` along `S'`, `x = (p1 - p2) / (l1 - l2)` and
+    /// `y = (p1 + p2) / (l1 + l2)` (Ogden, Non-linear Elastic Deformations, 6.1.4); for equal
+    /// stretches `x` is the mean of `H11` and `H22` less `H12`, the derivatives of the nominal
+    /// stresses `p_k = tau_k / l_k` by the stretches.
     #[must_use]
     pub fn respond(&self, u: &Principal) -> Response<5> {
         let l = self.stretches;

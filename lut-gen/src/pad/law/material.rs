@@ -120,8 +120,8 @@ mod tests {
         ]
     }
 
-    /// Stress is the energy's slope and the tangent the stress': central differences of 1e-6, whose truncation is 1e-12
-    /// and whose rounding 1e-10 of values around 1.
+    /// Stress is the energy's slope and the tangent the stress': central differences of 1e-6, whose
+    /// truncation is 1e-12 and whose rounding 1e-10 of values around 1.
     #[test]
     fn stress_and_tangent_are_difference_quotients() {
         for material in &materials() {
@@ -172,8 +172,8 @@ mod tests {
         }
     }
 
-    /// After a step the elastic part is on the yield surface, the flow kept the volume, and the same gradient again
-    /// flows no further.
+    /// After a step the elastic part is on the yield surface, the flow kept the volume, and the
+    /// same gradient again flows no further.
     #[test]
     fn a_point_that_yields_remembers_it() {
         let material = Material::Plastic(Plastic::new(0.1, 0.3).unwrap());
@@ -194,7 +194,8 @@ mod tests {
         assert!((again[plastic::PLASTIC_STRAIN] - new[plastic::PLASTIC_STRAIN]).abs() < 1e-10);
     }
 
-    /// A stretch held at once and for long: the stress falls to its part `1 - sum g + sum g exp(-t / tau)`, whatever the steps.
+    /// A stretch held at once and for long: the stress falls to its part `1 - sum g + sum g exp(-t
+    /// / tau)`, whatever the steps.
     #[test]
     fn a_held_stretch_relaxes_by_the_series() {
         let elastic = Material::Ogden(Ogden::neo_hooke(0.08, 1.6).unwrap());

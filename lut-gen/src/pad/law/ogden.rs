@@ -3,8 +3,9 @@
 use super::gradient::Principal;
 use crate::pad::error::{PadError, demand};
 
-/// Ogden's law of one to four terms on isochoric stretches `m_k = J^(-1/3) l_k`, with a bulk modulus (Abaqus' form, thesis
-/// Eq. 2; a term with alpha 2 is neo-Hookean, `mu/2 (J^(-2/3) I1 - 3)`):
+/// Ogden's law of one to four terms on isochoric stretches `m_k = J^(-1/3) l_k`, with a bulk
+/// modulus (Abaqus' form, thesis Eq. 2; a term with alpha 2 is neo-Hookean, `mu/2 (J^(-2/3) I1 -
+/// 3)`):
 ///
 /// ```text
 /// U = sum_i 2 mu_i / a_i^2 [ m1^a_i + m2^a_i + m3^a_i - 3 ] + K/2 (J - 1)^2
@@ -27,8 +28,8 @@ impl Ogden {
     /// A law of terms `(mu_i in MPa, alpha_i)` and a bulk modulus (MPa).
     ///
     /// # Errors
-    /// [`PadError::Value`] when there are none or more than four terms, a value is not finite, an exponent is 0, or the
-    /// sum of the shear moduli or the bulk modulus is not positive.
+    /// [`PadError::Value`] when there are none or more than four terms, a value is not finite, an
+    /// exponent is 0, or the sum of the shear moduli or the bulk modulus is not positive.
     pub fn new(terms: &[(f64, f64)], bulk_mpa: f64) -> Result<Self, PadError> {
         let count = terms.len();
         demand((1..=MOST_TERMS).contains(&count), "the number of Ogden's terms", count as f64, "1 to 4")?;

@@ -1,18 +1,22 @@
-//! A body whose yield stress follows a programme: what a magnetic fluid under a control curve is taken for.
+//! A body whose yield stress follows a programme: what a magnetic fluid under a control curve is
+//! taken for.
 
 use super::gradient::{Gradient, IDENTITY, Principal, Stretched};
 use crate::fem::operator::Response;
 use crate::pad::error::{PadError, demand};
 
-/// Perfect J2 plasticity at finite strain whose yield stress may change with time, on Hencky's elasticity:
+/// Perfect J2 plasticity at finite strain whose yield stress may change with time, on Hencky's
+/// elasticity:
 ///
 /// ```text
 /// F = Fe Fp,   tau = 2 G dev(ln Ve) + K tr(ln Ve) 1,   |dev tau| sqrt(3/2) <= J sigma_y(t)
 /// ```
 ///
-/// The flow keeps the volume (exponential map; Weber and Anand 1990, doi:10.1016/0045-7825(90)90131-5), the return is radial in logarithmic strains. `sigma_y` is
-/// a Cauchy stress; its factor `J` is that of the last pass over the step, so that a pass minimises
-/// `W(ln Ve) + J sigma_y dp` over the step's plastic strain `dp` and has a symmetric tangent; passes are repeated until `J` stays.
+/// The flow keeps the volume (exponential map; Weber and Anand 1990,
+/// doi:10.1016/0045-7825(90)90131-5), the return is radial in logarithmic strains. `sigma_y` is a
+/// Cauchy stress; its factor `J` is that of the last pass over the step, so that a pass minimises
+/// `W(ln Ve) + J sigma_y dp` over the step's plastic strain `dp` and has a symmetric tangent;
+/// passes are repeated until `J` stays.
 ///
 /// A point remembers `Fp^-1 - 1` (5 numbers), the plastic strain, and `ln J`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,10 +48,11 @@ impl Plastic {
         self.shear_mpa
     }
 
-    /// Answer of the trial strain `ln`, with the plastic strain of the step; `limit` is `J sigma_y` (MPa).
+    /// Answer of the trial strain `ln`, with the plastic strain of the step; `limit` is `J sigma_y`
+    /// (MPa).
     ///
-    /// Beyond the limit `dev tau = sqrt(2/3) limit n` with `n` along the trial deviator `e`, so that
-    /// `d dev tau / d ln = sqrt(2/3) limit / |e| (dev - n n)`.
+    /// Beyond the limit `dev tau = sqrt(2/3) limit n` with `n` along the trial deviator `e`, so
+    /// that `d dev tau / d ln = sqrt(2/3) limit / |e| (dev - n n)`.
     fn principal(&self, ln: [f64; 3], limit: f64) -> (Principal, f64) {
         let (g, k) = (self.shear_mpa, self.bulk_mpa);
         let volume = ln[0] + ln[1] + ln[2];
@@ -70,8 +75,8 @@ impl Plastic {
         (Principal { energy, kirchhoff: e.map(|e| k * volume + secant * e), slope }, step)
     }
 
-    /// Answer to a gradient from what the point remembers, with the yield stress (MPa) of now; what it will remember goes
-    /// to `new`. `None` where the gradient turns the point over.
+    /// Answer to a gradient from what the point remembers, with the yield stress (MPa) of now; what
+    /// it will remember goes to `new`. `None` where the gradient turns the point over.
     pub(super) fn flux(
         &self,
         yield_mpa: f64,

@@ -16,14 +16,16 @@ pub enum Elastic {
 }
 
 /// An elastic law with a Prony series on the second Piola-Kirchhoff stress that relaxes (Simo 1987,
-/// doi:10.1016/0045-7825(87)90107-1; moduli are the instantaneous ones, as in thesis Eqs. 10 to 13):
+/// doi:10.1016/0045-7825(87)90107-1; moduli are the instantaneous ones, as in thesis Eqs. 10 to
+/// 13):
 ///
 /// ```text
 /// S = S_vol + (1 - sum g_i) S_0 + sum h_i,   h_i(t) = g_i int exp(-(t - s) / tau_i) dS_0(s)
 /// ```
 ///
-/// Over a step in which `S_0` changes linearly, `h_i` becomes `exp(-x) h_i + g_i (1 - exp(-x)) / x dS_0` with `x = dt / tau_i`; so
-/// a step has the energy `W_vol + a W_0 + H : C / 2` with a history `H` of its start, and a symmetric tangent.
+/// Over a step in which `S_0` changes linearly, `h_i` becomes `exp(-x) h_i + g_i (1 - exp(-x)) / x
+/// dS_0` with `x = dt / tau_i`; so a step has the energy `W_vol + a W_0 + H : C / 2` with a history
+/// `H` of its start, and a symmetric tangent.
 ///
 /// A point remembers `S_0` and every `h_i`, four numbers each: `[xx, yy, xy, zz]` (MPa).
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +42,8 @@ impl Relaxing {
     /// Of an elastic law and terms `(g_i, tau_i in s)`.
     ///
     /// # Errors
-    /// [`PadError::Value`] when there is no term, a weight is negative, a time is not positive, or the weights reach 1.
+    /// [`PadError::Value`] when there is no term, a weight is negative, a time is not positive, or
+    /// the weights reach 1.
     pub fn new(elastic: Elastic, terms: &[(f64, f64)]) -> Result<Self, PadError> {
         demand(!terms.is_empty(), "the number of Prony terms", 0.0, "1 or more")?;
         for &(g, tau) in terms {
@@ -88,7 +91,8 @@ impl Relaxing {
         (weight, history)
     }
 
-    /// Energy and stress after a step, from what the point remembers; what it will remember goes to `new`.
+    /// Energy and stress after a step, from what the point remembers; what it will remember goes to
+    /// `new`.
     pub(super) fn flux(
         &self,
         step_s: f64,
