@@ -31,6 +31,8 @@ pub struct State {
     pub pressure: Vec<Touch>,
     /// Positions of the nodes (mm), the upper body's first.
     pub nodes: Vec<[f64; 2]>,
+    /// Number of the first node of the lower body; the number of all where that is rigid.
+    pub lower: usize,
     /// Von Mises' stress at the nodes (MPa), the mean of the elements around it of the same
     /// material.
     pub mises_mpa: Vec<f64>,
@@ -57,6 +59,7 @@ impl State {
             pressure: Vec::new(),
             mises_mpa: mises_at_nodes(model, x, moment),
             nodes,
+            lower: model.moving.iter().filter(|m| **m).count(),
             plastic_strain: model.yielding().map(|at| next[at + PLASTIC_STRAIN]).fold(0.0, f64::max),
             steps: 0,
         };

@@ -107,3 +107,31 @@ fn finger_on_a_yielding_block() {
         assert!((state.force_n / finer - 1.0).abs() < 2e-2, "{} {}", state.travel_mm, state.force_n);
     }
 }
+
+/// Pressed and let go: an elastic block gives every force back, one that yields keeps a dent.
+#[test]
+fn a_block_that_yielded_keeps_a_dent() {
+    let finger = Finger { edge_mm: 0.4, ..Finger::round().unwrap() };
+    let block = yielding(-finger.height_mm, 0.5);
+    let mut press = Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Soft(block));
+    let motion = [[1.0, 1.0], [1.5, 1.5], [2.0, 1.0], [3.0, 0.0]];
+    let motion = motion.map(|[time_s, travel_mm]| Now { time_s, travel_mm });
+    for yields in [false, true] {
+        press.yields = if yields { &|_| 0.003 } else { &|_| f64::INFINITY };
+        let states = press.follow(&motion).unwrap();
+        let forces: Vec<f64> = states.iter().map(|s| s.force_n).collect();
+        let dent = states[3].depression_mm;
+        println!("{forces:.6?} N, dent {dent:.4} mm, plastic strain {:.3}", states[3].plastic_strain);
+        // Mises' stress of the block is nowhere above the yield stress but for the means at nodes
+        let block = &states[1].mises_mpa[states[1].lower..];
+        let largest = block.iter().copied().fold(0.0, f64::max);
+        println!("largest {largest}");
+        // rounding of a touch without penetration
+        assert!(forces[3] < 1e-15, "{forces:?}");
+        if yields {
+            assert!(forces[2] < 0.8 * forces[0] && dent > 0.1 && largest < 1.1 * 0.003);
+        } else {
+            assert!((forces[2] / forces[0] - 1.0).abs() < 1e-5 && dent.abs() < 1e-6 && largest > 0.003);
+        }
+    }
+}

@@ -11,12 +11,16 @@ use crate::pad::law::ogden::{BULK_OF_0475, Ogden};
 /// nail.
 ///
 /// ```text
-///        y                 Its centre is (0, 0), its lowest point (0, -height). Of the right half the part below the
-///        |____________     ray at `nail_deg` is meshed; the ray belongs to the nail, the inner ellipse to the bone.
-///   bone | )   tissue )    Both are rigid and move together.
+///        y
+///        |____________       the nail's ray at `nail_deg` above the horizontal
+///   bone | )   tissue )
 ///        |/  _______ / skin
 ///        +--         x
 /// ```
+///
+/// Its centre is (0, 0), its lowest point (0, -height). Of the right half the part below the nail's
+/// ray is meshed; the ray belongs to the nail, the inner ellipse to the bone. Both are rigid and
+/// move together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finger {
     /// Half width (mm).
