@@ -15,7 +15,7 @@ use crate::fem::sparse::{Factor, Pattern};
 /// leave. Never less than [`ROUNDING`] stiffest shear moduli over 1 mm2, and looser, [`LOOSE`] of
 /// them, until the force is known.
 const CLOSE: f64 = 1e-6;
-const ROUNDING: f64 = 1e-12;
+const ROUNDING: f64 = 1e-10;
 const LOOSE: f64 = 1e-6;
 /// Solves of a moment until its residual suits its force; the force is right to 1e-3 after the
 /// first.

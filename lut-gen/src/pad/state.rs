@@ -4,6 +4,7 @@ use super::contact::energy::Touch;
 use super::contact::friction::Grip;
 use super::contact::segment::gap;
 use super::law::gradient::{IDENTITY, cauchy, mises};
+use super::law::material::Material;
 use super::law::plastic::PLASTIC_STRAIN;
 use super::model::{Counter, Model, Moment};
 use crate::fem::operator::PointLaw;
@@ -33,8 +34,7 @@ pub struct State {
     pub nodes: Vec<[f64; 2]>,
     /// Number of the first node of the lower body; the number of all where that is rigid.
     pub lower: usize,
-    /// Von Mises' stress at the nodes (MPa), the mean of the elements around it of the same
-    /// material.
+    /// Von Mises' stress at the nodes (MPa).
     pub mises_mpa: Vec<f64>,
     /// Largest equivalent plastic strain of a point.
     pub plastic_strain: f64,
@@ -101,12 +101,12 @@ fn depression(model: &Model, nodes: &[[f64; 2]]) -> f64 {
     node.map_or(0.0, |n| model.nodes[n][1] - nodes[n][1])
 }
 
-/// From 2 x 2 or 3 x 3 points by the bilinear of the outer four to the corners, the mean of two
-/// corners to the middles, and the mean over the elements of one material around a node; where
+/// Of stresses that go from the outer four points to the corners by their bilinear, to the middles by
+/// the mean of two corners, and are averaged over the elements of one material around a node; where
 /// materials meet the larger counts.
 fn mises_at_nodes(model: &Model, x: &[f64], moment: &Moment) -> Vec<f64> {
     let count = model.materials.len();
-    let mut sums = vec![(0.0, 0_u32); count * model.nodes.len()];
+    let mut sums = vec![([0.0; 4], 0_u32); count * model.nodes.len()];
     let mut at = 0;
     for (element, &material) in model.domain.elements.iter().zip(&model.of) {
         let matter = model.matter(material, moment);
@@ -119,13 +119,22 @@ fn mises_at_nodes(model: &Model, x: &[f64], moment: &Moment) -> Vec<f64> {
         let points: Vec<[f64; 4]> = element.strains(IDENTITY, &u).enumerate().map(stress).collect();
         at += each * points.len();
         for (a, node) in element.nodes.iter().enumerate() {
-            let sum = &mut sums[count * node + material];
-            sum.0 += mises(&extrapolated(&points, a));
-            sum.1 += 1;
+            let (sum, elements) = &mut sums[count * node + material];
+            sum.iter_mut().zip(extrapolated(&points, a)).for_each(|(sum, s)| *sum += s);
+            *elements += 1;
         }
     }
-    let of = |sums: &[(f64, u32)]| sums.iter().filter(|s| s.1 > 0).map(|s| s.0 / f64::from(s.1)).fold(0.0, f64::max);
-    sums.chunks(count).map(of).collect()
+    // no stress goes beyond the yield stress between points that do not
+    let limits: Vec<f64> = model
+        .materials
+        .iter()
+        .map(|m| if matches!(m, Material::Plastic(_)) { moment.yield_mpa } else { f64::INFINITY })
+        .collect();
+    let of = |((sum, elements), limit): (&([f64; 4], u32), &f64)| match elements {
+        0 => 0.0,
+        _ => mises(&sum.map(|s| s / f64::from(*elements))).min(*limit),
+    };
+    sums.chunks(count).map(|sums| sums.iter().zip(&limits).map(of).fold(0.0, f64::max)).collect()
 }
 
 /// The stress of an element's points at its node `a`.

@@ -122,14 +122,12 @@ fn a_block_that_yielded_keeps_a_dent() {
         let forces: Vec<f64> = states.iter().map(|s| s.force_n).collect();
         let dent = states[3].depression_mm;
         println!("{forces:.6?} N, dent {dent:.4} mm, plastic strain {:.3}", states[3].plastic_strain);
-        // Mises' stress of the block is nowhere above the yield stress but for the means at nodes
         let block = &states[1].mises_mpa[states[1].lower..];
         let largest = block.iter().copied().fold(0.0, f64::max);
-        println!("largest {largest}");
         // rounding of a touch without penetration
         assert!(forces[3] < 1e-15, "{forces:?}");
         if yields {
-            assert!(forces[2] < 0.8 * forces[0] && dent > 0.1 && largest < 1.1 * 0.003);
+            assert!(forces[2] < 0.8 * forces[0] && dent > 0.1 && largest <= 0.003);
         } else {
             assert!((forces[2] / forces[0] - 1.0).abs() < 1e-5 && dent.abs() < 1e-6 && largest > 0.003);
         }
