@@ -24,6 +24,11 @@ const TIGHTENED: usize = 3;
 const STEPS: usize = 25;
 /// Fall of the residual for which a correction by the last factor is made.
 const CHORD: f64 = 0.5;
+/// Growth of the diagonal of a stiffness that is not positive definite, as on the way of a body that
+/// yields everywhere.
+const GROWTH: f64 = 1e-3;
+/// Factorisations of a pass over a step from which the next is half as long, and otherwise half as long again.
+const TEDIOUS: usize = 10;
 /// Shortest step over the longest.
 const SHORTEST: f64 = 1.0 / 1024.0;
 /// Along x, how far edges may be from each other to have a place in the pattern (mm).
@@ -57,6 +62,10 @@ pub(super) struct Path<'a> {
     /// What grips now.
     grips: Vec<Grip>,
     steps: usize,
+    /// Most factorisations of a pass over the last step.
+    hardest: usize,
+    /// Part of the longest step that is tried next.
+    pace: f64,
 }
 
 impl<'a> Path<'a> {
@@ -72,6 +81,8 @@ impl<'a> Path<'a> {
             grips: Vec::new(),
             memory,
             steps: 0,
+            hardest: 0,
+            pace: 1.0,
             stiffest_mpa,
             wanted_n: LOOSE * stiffest_mpa,
             model,
@@ -84,24 +95,26 @@ impl<'a> Path<'a> {
         let from = self.now;
         let (travel_mm, time_s) = (to.travel_mm - from.travel_mm, to.time_s - from.time_s);
         let longest = 1.0 / (travel_mm.abs() / longest_mm).max(time_s / longest_s).max(1.0);
-        let (mut step, mut done) = (longest, 0.0);
+        let mut done = 0.0;
         self.steps = 0;
         while done < 1.0 {
-            let count = ((1.0 - done) / step - 1e-9).ceil().max(1.0);
+            let count = ((1.0 - done) / (self.pace * longest) - 1e-9).ceil().max(1.0);
             let part = if count <= 1.0 { 1.0 } else { done + (1.0 - done) / count };
             let at = |a: f64, way: f64, b: f64| if part >= 1.0 { b } else { a + part * way };
             let next = Now {
                 time_s: at(from.time_s, time_s, to.time_s),
                 travel_mm: at(from.travel_mm, travel_mm, to.travel_mm),
             };
+            self.hardest = 0;
             match self.step(next)? {
                 Ok(()) => {
                     done = part;
-                    step = (1.5 * step).min(longest);
+                    let factor = if self.hardest > TEDIOUS { 0.5 } else { 1.5 };
+                    self.pace = (factor * self.pace).min(1.0);
                 }
                 Err(found) => {
-                    step = 0.5 * (part - done);
-                    if step < SHORTEST * longest {
+                    self.pace = 0.5 * (part - done) / longest;
+                    if self.pace < SHORTEST {
                         let (reached_mm, left, wanted) = (self.now.travel_mm, found.left, self.wanted_n);
                         return Err(PadError::Stuck { reached_mm, left, wanted });
                     }
@@ -168,6 +181,7 @@ impl<'a> Path<'a> {
             let potential = Potential { model: &self.model, matrix: &places, moment, grips: &grips };
             last = tightened(&potential, (pattern, factor), &mut x, self.stiffest_mpa);
             self.steps += last.0.steps;
+            self.hardest = self.hardest.max(last.0.steps);
             self.wanted_n = last.1;
             let Some(new) = potential.remember(&x).filter(|_| last.0.closed) else { break };
             let before = std::mem::replace(&mut force, self.model.force(&x, next.travel_mm, &grips));
@@ -206,7 +220,7 @@ fn tightened(
     let mut close = LOOSE * stiffest_mpa;
     let mut whole = NOT_TRIED;
     for _ in 0..TIGHTENED {
-        let newton = Newton { close, steps: STEPS, chord: CHORD };
+        let newton = Newton { close, steps: STEPS, chord: CHORD, growth: GROWTH };
         let found = newton.minimise(potential, pattern, factor, x);
         whole = Found { steps: whole.steps + found.steps, ..found };
         let force = potential.model.force(x, potential.moment.travel_mm, potential.grips).abs();
