@@ -42,6 +42,8 @@ pub struct Found {
 const ARMIJO: f64 = 1e-4;
 /// What rounding leaves of an energy, as a part of it.
 const ROUNDING: f64 = 1e-13;
+/// Largest growth of a diagonal: ten times itself and more is steepest descent.
+const MOST_GROWN: f64 = 10.0;
 /// Shortest part of a correction that is tried.
 const SHORTEST: f64 = 1e-4;
 
@@ -82,11 +84,12 @@ impl Newton {
     /// still down. False where nothing helps.
     fn factorise(&self, pattern: &Pattern, factor: &mut Factor, values: &mut [f64]) -> bool {
         let mut grown = self.growth;
+        let own: Vec<f64> = pattern.diagonal().iter().map(|d| values[*d]).collect();
         while !factor.factorise(pattern, values) {
-            if !(grown > 0.0 && grown <= 1.0) {
+            if !(grown > 0.0 && grown <= MOST_GROWN) {
                 return false;
             }
-            pattern.diagonal().iter().for_each(|d| values[*d] *= 1.0 + grown);
+            pattern.diagonal().iter().zip(&own).for_each(|(d, own)| values[*d] = own + grown * own.abs());
             grown *= 10.0;
         }
         true
@@ -228,5 +231,35 @@ mod tests {
         }
         let few = Newton { close: 1e-12, steps: 2, chord: 0.0, growth: 0.0 };
         assert!(!few.minimise(&Chain { pull: 10.0 }, &pattern, &mut factor, &mut vec![0.0; 6]).closed);
+    }
+
+    /// Two wells `(x^2 - 1)^2 / 4`, from between them, where the curvature is negative.
+    struct Wells;
+
+    impl Energy for Wells {
+        fn slope(&self, x: &[f64], slope: &mut [f64]) -> Option<f64> {
+            slope.iter_mut().zip(x).for_each(|(s, x)| *s = x * (x * x - 1.0));
+            Some(x.iter().map(|x| 0.25 * (x * x - 1.0).powi(2)).sum())
+        }
+
+        fn curvature(&self, x: &[f64], slope: &mut [f64], values: &mut [f64]) -> Option<f64> {
+            values.iter_mut().zip(x).for_each(|(v, x)| *v = 3.0 * x * x - 1.0);
+            self.slope(x, slope)
+        }
+    }
+
+    #[test]
+    fn a_negative_curvature_is_left_downhill() {
+        let groups = [vec![0], vec![1]];
+        let (pattern, _) = Pattern::new(2, groups.iter().map(Vec::as_slice), Stored::Lower);
+        let mut factor = Factor::new(&pattern).unwrap();
+        let mut from = |growth: f64| {
+            let mut x = vec![0.1, -0.2];
+            let newton = Newton { close: 1e-12, steps: 30, chord: 0.0, growth };
+            (newton.minimise(&Wells, &pattern, &mut factor, &mut x).closed, x)
+        };
+        assert!(!from(0.0).0);
+        let (closed, x) = from(1e-3);
+        assert!(closed && (x[0] - 1.0).abs() < 1e-12 && (x[1] + 1.0).abs() < 1e-12, "{x:?}");
     }
 }
