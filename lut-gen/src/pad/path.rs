@@ -24,10 +24,11 @@ const TIGHTENED: usize = 3;
 const STEPS: usize = 25;
 /// Fall of the residual for which a correction by the last factor is made.
 const CHORD: f64 = 0.5;
-/// Growth of the diagonal of a stiffness that is not positive definite, as on the way of a body that
-/// yields everywhere.
+/// Growth of the diagonal of a stiffness that is not positive definite, as on the way of a body
+/// that yields everywhere.
 const GROWTH: f64 = 1e-3;
-/// Factorisations of a pass over a step from which the next is half as long, and otherwise half as long again.
+/// Factorisations of a pass over a step from which the next is half as long, and otherwise half as
+/// long again.
 const TEDIOUS: usize = 10;
 /// Shortest step over the longest.
 const SHORTEST: f64 = 1.0 / 1024.0;

@@ -51,8 +51,8 @@ pub struct Press<'a> {
     pub rule: Rule,
     /// Yield stress of plastic materials.
     pub yields: Programme<'a>,
-    /// Longest step (mm). Of bodies that yield the return is implicit: their force errs in proportion
-    /// to the step, by about 0.5 % at 0.05 mm and 1 to 3 % at 0.25 mm.
+    /// Longest step (mm). Of bodies that yield the return is implicit: their force errs in
+    /// proportion to the step, by about 0.5 % at 0.05 mm and 1 to 3 % at 0.25 mm.
     pub step_mm: f64,
     /// Longest step in time (s), for layers that relax.
     pub step_s: f64,

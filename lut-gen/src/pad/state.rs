@@ -101,9 +101,9 @@ fn depression(model: &Model, nodes: &[[f64; 2]]) -> f64 {
     node.map_or(0.0, |n| model.nodes[n][1] - nodes[n][1])
 }
 
-/// Of stresses that go from the outer four points to the corners by their bilinear, to the middles by
-/// the mean of two corners, and are averaged over the elements of one material around a node; where
-/// materials meet the larger counts.
+/// Of stresses that go from the outer four points to the corners by their bilinear, to the middles
+/// by the mean of two corners, and are averaged over the elements of one material around a node;
+/// where materials meet the larger counts.
 fn mises_at_nodes(model: &Model, x: &[f64], moment: &Moment) -> Vec<f64> {
     let count = model.materials.len();
     let mut sums = vec![([0.0; 4], 0_u32); count * model.nodes.len()];

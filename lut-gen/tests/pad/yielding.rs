@@ -67,12 +67,10 @@ fn ball_into_a_plastic_cylinder() {
     press.step_mm = 0.1;
     let travels: Vec<f64> = rows.iter().map(|r| r[0]).collect();
     for (row, state) in rows.iter().zip(timed(&press, &travels)) {
-        println!(
-            "{:.1} mm: force {:+.3} %, {:.3}",
-            row[0],
-            100.0 * (state.force_n / row[1] - 1.0),
-            state.plastic_strain
-        );
+        let force = state.force_n / row[1] - 1.0;
+        println!("{:.1} mm: force {:+.3} %, plastic strain {:.3}", row[0], 100.0 * force, state.plastic_strain);
+        // single points of the reference's two meshes differ by up to 1.6 %
+        assert!(force.abs() < 2e-2, "{row:?}: {}", state.force_n);
     }
 }
 

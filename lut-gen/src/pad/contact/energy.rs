@@ -188,8 +188,8 @@ mod tests {
     use super::*;
 
     const REFERENCE: Edge = [[0.5, 0.0], [1.0, 0.02], [1.5, 0.1]];
-    /// Nodes of two edges across, the middle one of both, on one parabola so that there is no corner
-    /// between them; the own edge lies over parts of both.
+    /// Nodes of two edges across, the middle one of both, on one parabola so that there is no
+    /// corner between them; the own edge lies over parts of both.
     const OTHERS: [[f64; 2]; 5] = [[0.0, 0.11], [0.55, 0.070125], [1.1, 0.0605], [1.65, 0.081125], [2.2, 0.132]];
     const N: usize = 16;
 
