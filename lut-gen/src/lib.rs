@@ -11,6 +11,7 @@
 //! | [`fem`] | finite elements without a physics: meshes, shape functions, elements over a point's energy, equations, sparse factors, the least of an energy |
 //! | [`solid`] | mechanics of the specimen: materials, contact, indentation and compression with sensitivities, the force model |
 //! | [`magnet`] | magnetostatics in the plane and about an axis: saturating cores, the fluid, coils, permanent magnets |
+//! | [`pad`] | the finger pad pressed on plates, foams and yielding bodies: layers, contact of two soft bodies |
 //! | [`effect`], [`chain`] | departures from the base model, and the stages a run passes through |
 //! | [`table`] | the thesis' grid and the bytes the board reads |
 //! | [`sweep`] | grids over any number of parameters, in shards, resumable |
@@ -42,6 +43,7 @@ pub mod chain;
 pub mod effect;
 pub mod fem;
 pub mod magnet;
+pub mod pad;
 pub mod scalar;
 pub mod solid;
 pub mod sweep;

@@ -22,6 +22,9 @@ pub struct Newton {
     pub steps: usize,
     /// A correction by an old factor is made as long as the norm falls to this part of itself.
     pub chord: f64,
+    /// Part by which the diagonal of a curvature that is not positive definite grows at first; with 0 the method stops
+    /// there.
+    pub growth: f64,
 }
 
 /// A least energy, or where the method stopped.
@@ -39,12 +42,14 @@ pub struct Found {
 const ARMIJO: f64 = 1e-4;
 /// What rounding may leave of an energy, as a part of it: sums over many elements of either sign.
 const ROUNDING: f64 = 1e-10;
+/// Largest growth of a diagonal: ten times itself and more is steepest descent.
+const MOST_GROWN: f64 = 10.0;
 /// Shortest part of a correction that is tried.
 const SHORTEST: f64 = 1e-4;
 
 impl Newton {
-    /// Moves `x` to the least of the energy. The curvature there and on the way must be positive definite: a convex
-    /// energy, or a start near enough.
+    /// Moves `x` to the least of the energy. The curvature there must be positive definite, and on the way as well unless
+    /// [`Newton::growth`] helps: a convex energy, or a start near enough.
     pub fn minimise(&self, energy: &impl Energy, pattern: &Pattern, factor: &mut Factor, x: &mut Vec<f64>) -> Found {
         let mut values = vec![0.0; pattern.entries()];
         let mut walk = Walk::new(std::mem::take(x));
@@ -55,7 +60,7 @@ impl Newton {
         }
         while found.left.is_finite() && found.left > self.close && found.steps < self.steps {
             let curved = energy.curvature(&walk.at.x, &mut walk.at.slope, &mut values).is_some();
-            if !curved || !factor.factorise(pattern, &values) {
+            if !curved || !self.factorise(pattern, factor, &mut values) {
                 break;
             }
             found.steps += 1;
@@ -73,6 +78,21 @@ impl Newton {
         found.closed = found.left <= self.close;
         *x = walk.at.x;
         found
+    }
+
+    /// Factorises a curvature; of one that is not positive definite the diagonal grows until it is, so that the way is
+    /// still down. False where nothing helps.
+    fn factorise(&self, pattern: &Pattern, factor: &mut Factor, values: &mut [f64]) -> bool {
+        let mut grown = self.growth;
+        let own: Vec<f64> = pattern.diagonal().iter().map(|d| values[*d]).collect();
+        while !factor.factorise(pattern, values) {
+            if !(grown > 0.0 && grown <= MOST_GROWN) {
+                return false;
+            }
+            pattern.diagonal().iter().zip(&own).for_each(|(d, own)| values[*d] = own + grown * own.abs());
+            grown *= 10.0;
+        }
+        true
     }
 }
 
@@ -210,7 +230,7 @@ mod tests {
         let (pattern, _) = Pattern::new(6, groups.iter().map(Vec::as_slice), Stored::Lower);
         let mut factor = Factor::new(&pattern).unwrap();
         for chord in [0.0, 0.3] {
-            let newton = Newton { close: 1e-12, steps: 30, chord };
+            let newton = Newton { close: 1e-12, steps: 30, chord, growth: 0.0 };
             let mut x = vec![0.0; 6];
             let found = newton.minimise(&Chain { pull: 10.0 }, &pattern, &mut factor, &mut x);
             assert!(found.closed, "{found:?}");
@@ -218,7 +238,37 @@ mod tests {
                 assert!((x - 2.0 * (i + 1) as f64).abs() < 1e-12, "{i}: {x}");
             }
         }
-        let few = Newton { close: 1e-12, steps: 2, chord: 0.0 };
+        let few = Newton { close: 1e-12, steps: 2, chord: 0.0, growth: 0.0 };
         assert!(!few.minimise(&Chain { pull: 10.0 }, &pattern, &mut factor, &mut vec![0.0; 6]).closed);
+    }
+
+    /// Two wells `(x^2 - 1)^2 / 4`, from between them, where the curvature is negative.
+    struct Wells;
+
+    impl Energy for Wells {
+        fn slope(&self, x: &[f64], slope: &mut [f64]) -> Option<f64> {
+            slope.iter_mut().zip(x).for_each(|(s, x)| *s = x * (x * x - 1.0));
+            Some(x.iter().map(|x| 0.25 * (x * x - 1.0).powi(2)).sum())
+        }
+
+        fn curvature(&self, x: &[f64], slope: &mut [f64], values: &mut [f64]) -> Option<f64> {
+            values.iter_mut().zip(x).for_each(|(v, x)| *v = 3.0 * x * x - 1.0);
+            self.slope(x, slope)
+        }
+    }
+
+    #[test]
+    fn a_negative_curvature_is_left_downhill() {
+        let groups = [vec![0], vec![1]];
+        let (pattern, _) = Pattern::new(2, groups.iter().map(Vec::as_slice), Stored::Lower);
+        let mut factor = Factor::new(&pattern).unwrap();
+        let mut from = |growth: f64| {
+            let mut x = vec![0.1, -0.2];
+            let newton = Newton { close: 1e-12, steps: 30, chord: 0.0, growth };
+            (newton.minimise(&Wells, &pattern, &mut factor, &mut x).closed, x)
+        };
+        assert!(!from(0.0).0);
+        let (closed, x) = from(1e-3);
+        assert!(closed && (x[0] - 1.0).abs() < 1e-12 && (x[1] + 1.0).abs() < 1e-12, "{x:?}");
     }
 }

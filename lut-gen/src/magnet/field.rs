@@ -227,7 +227,7 @@ impl Field {
     }
 
     fn minimise(&mut self, matter: &[Matter], load: &[f64], close: f64, x: &mut Vec<f64>) -> Found {
-        let newton = Newton { close, steps: STEPS, chord: CHORD };
+        let newton = Newton { close, steps: STEPS, chord: CHORD, growth: 0.0 };
         let Field { parts, mesh, pattern, scatter, factor, square, .. } = self;
         let curved = |m: &Matter| !matches!(m.law, Law::Linear(_));
         let laws: Vec<_> = matter.iter().map(|m| curved(m).then(|| Isotropic::of(&m.law))).collect();

@@ -118,8 +118,9 @@ fn every_physics_stands_on_the_finite_elements_alone() {
     assert_eq!(all.leaving("fem", &["scalar"]), [""; 0]);
     assert_eq!(all.leaving("solid", &["fem", "scalar", "vtk"]), [""; 0]);
     assert_eq!(all.leaving("magnet", &["fem", "vtk"]), [""; 0]);
+    assert_eq!(all.leaving("pad", &["fem", "scalar"]), [""; 0]);
     // Nothing found at all would be a search that finds nothing.
-    for physics in ["solid", "magnet"] {
+    for physics in ["solid", "magnet", "pad"] {
         assert!(all.leaving(physics, &[]).iter().any(|place| place.contains(": fem::")), "{physics}");
     }
     let circles = Crate::read(&source.join("fem")).circles();
