@@ -1,6 +1,7 @@
 //! Magnets as files: the drawing of `magnet.toml`, with the points, lines and probes that are read of its field.
 
 mod builtin;
+pub mod circuit;
 pub mod expression;
 mod file;
 mod material;
