@@ -103,6 +103,15 @@ impl Circuit {
         1.0 / self.place(linkage_wb).1
     }
 
+    /// Linkage (Wb) after a time under a voltage (V) over a resistance (Ohm): `d linkage / dt = V - R i` with the inductance as it is now.
+    /// Exact for a coil that does not saturate, of second order for one that does, and stable for any time (Rosenbrock-Euler). A
+    /// freewheeling diode keeps the current from reversing.
+    pub fn after_wb(&self, linkage_wb: f64, (volt, ohm): (f64, f64), dt_s: f64) -> f64 {
+        let time_s = self.inductance_h(linkage_wb) / ohm;
+        let reach_s = -time_s * (-dt_s / time_s).exp_m1();
+        (linkage_wb + (volt - ohm * self.current_a(linkage_wb)) * reach_s).max(0.0)
+    }
+
     fn step_wb(&self) -> f64 {
         self.most_wb / (PLACES - 1) as f64
     }

@@ -54,14 +54,10 @@ impl Coil {
         }
     }
 
-    /// `d linkage / dt = V - R i`, with the inductance as it is now for the whole part: exact for a coil that does not saturate, of second
-    /// order for one that does, and stable for parts of any length (Rosenbrock-Euler).
     fn part(&mut self, volt: f64, dt_s: f64) {
         let winding = &self.circuit.winding;
-        let (ohm, henry) = (winding.ohm(self.celsius), self.circuit.inductance_h(self.linkage_wb));
-        let current_a = self.current_a();
-        let reach_s = -(-ohm / henry * dt_s).exp_m1() * henry / ohm;
-        self.linkage_wb = (self.linkage_wb + (volt - ohm * current_a) * reach_s).max(0.0);
+        let ohm = winding.ohm(self.celsius);
+        self.linkage_wb = self.circuit.after_wb(self.linkage_wb, (volt, ohm), dt_s);
         let cooling_w = winding.cooling_w_k * (self.celsius - winding.room_c);
         self.celsius += dt_s * (self.current_a().powi(2) * ohm - cooling_w) / self.heat_j_k;
     }

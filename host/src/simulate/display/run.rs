@@ -206,8 +206,9 @@ fn coil(
     for told in &command {
         // the logged command has acted for a tick when current and flux are read
         for _ in 0..STEPS {
+            let before_a = coil.current_a();
             coil.step(told.min(clip_a) * cold_ohm, dt_s);
-            fluid.step(coil.current_a(), dt_s);
+            fluid.step(0.5 * (before_a + coil.current_a()), dt_s);
             late_t = if eddy_s > 0.0 { late_t + dt_s / eddy_s * (fluid.flux_t() - late_t) } else { fluid.flux_t() };
         }
         let ratio = f64::from(converter.ratio(SHUNT.0 + coil.current_a() / SHUNT.1));
