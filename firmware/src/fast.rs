@@ -1,7 +1,8 @@
 //! The 1 kHz loop: oversampling for the 50 Hz loop, coil current regulation, over-current trip.
 //!
-//! If a step comes late the coil keeps its duty for that long: its current goes on towards what that duty holds, at most what
-//! the hottest circuit needs for the target. If steps stop altogether the watchdog resets the board, which opens all switches.
+//! If a step comes late the coil keeps its duty for that long: its current goes on towards what
+//! that duty holds, at most what the hottest circuit needs for the target. If steps stop altogether
+//! the watchdog resets the board, which opens all switches.
 
 use crate::coil::expected::{Expected, ExpectedLaw};
 use crate::coil::regulator::{CoilPi, CoilPiState};
@@ -58,8 +59,8 @@ const TRIP_READINGS: u8 = 3;
 /// Current beside what the duty gives, A: nine hundredths of the amplifier's range, for its zero and gain.
 const BESIDE_A: f32 = 0.3;
 
-/// Readings in a row with more current than the duties so far have made in the coldest circuit ([`crate::coil::expected`] knows
-/// how slowly it falls).
+/// Readings in a row with more current than the duties so far have made in the coldest circuit
+/// ([`crate::coil::expected`] knows how slowly it falls).
 const UNCOMMANDED_READINGS: u8 = 10;
 
 /// Readings in a row with less. A supply may take its time; an open coil is no hazard.
@@ -104,7 +105,8 @@ impl FastLoop {
         // A reading at a rail, or one that is not a number, says nothing about the current: as bad as too much of it.
         let too_much = at_rail(raw.coil_current) || measured_a > self.trip_a;
         self.above = if too_much { self.above.saturating_add(1) } else { 0 };
-        // What the duties until the last step give says whether switch and coil are sound, at any target.
+        // What the duties until the last step give says whether switch and coil are sound, at any
+        // target.
         self.duty_sum += self.duty;
         self.law.step(&mut self.expected, self.duty);
         let uncommanded = measured_a > self.expected.most_a + BESIDE_A;

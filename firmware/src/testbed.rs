@@ -227,8 +227,9 @@ impl Press {
     }
 }
 
-/// A coil under its switch, in steps of 10 us: the linkage that the board is told times `flux`, resistance with all that is beside the
-/// winding, supply, and the voltage of the diode while the switch is off.
+/// A coil under its switch, in steps of 10 us: the linkage that the board is told times `flux`,
+/// resistance with all that is beside the winding, supply, and the voltage of the diode while the
+/// switch is off.
 #[derive(Debug, Clone)]
 pub struct SwitchedCoil {
     pub ohm: f32,

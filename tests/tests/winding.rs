@@ -1,5 +1,5 @@
-//! The board's numbers of the winding, and the table that simulations begin with, beside the finite elements of the ring's
-//! own file.
+//! The board's numbers of the winding, and the table that simulations begin with, beside the finite
+//! elements of the ring's own file.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
@@ -10,7 +10,8 @@ use firmware::coil::winding::{CoilCircuit, LINKAGE_STEP_A, LINKAGES, Winding};
 use palpate::magnet::circuit::{self, Circuit, ring_linkage};
 use palpate::magnet::{BUILT_IN, Magnet, parse};
 
-/// Part by which a number of the board may differ: four digits are told (5e-4 of the smallest), the mesh errs by 1e-5.
+/// Part by which a number of the board may differ: four digits are told (5e-4 of the smallest), the
+/// mesh errs by 1e-5.
 const DIGITS: f64 = 1e-3;
 
 fn ring() -> Magnet {
@@ -44,7 +45,8 @@ fn the_board_tells_the_ring_as_its_file_does() {
     }
 }
 
-/// What the regulator is made for: the slope between its points beside that of the curve, at every current up to the trip.
+/// What the regulator is made for: the slope between its points beside that of the curve, at every
+/// current up to the trip.
 #[test]
 fn the_boards_inductance_is_that_of_the_curve_within_its_tolerance() {
     let (told, circuit) = (CoilCircuit::default(), Circuit::ring());
@@ -52,7 +54,8 @@ fn the_boards_inductance_is_that_of_the_curve_within_its_tolerance() {
         let middle_a = 0.5 * (pair[0].0 + pair[1].0);
         let computed_h = circuit.inductance_h(0.5 * (pair[0].1 + pair[1].1));
         let told_h = f64::from(told.winding.inductance_h((middle_a / f64::from(LINKAGE_STEP_A)) as usize));
-        // A quarter of an ampere is where the curve bends most: within the tolerance that the margins are tested over.
+        // A quarter of an ampere is where the curve bends most: within the tolerance that the
+        // margins are tested over.
         near(told_h, computed_h, f64::from(told.inductance_tolerance), &format!("inductance at {middle_a} A"));
     }
     // And the largest, which the expected current counts on.

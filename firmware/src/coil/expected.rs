@@ -21,14 +21,14 @@ pub struct Expected {
 }
 
 impl ExpectedLaw {
-    /// Builds the bounds. They hold for every inductance from none to the largest of the circuit: the core's saturation
-    /// changes it eightfold, and a built core is not the drawn one.
+    /// Builds the bounds. They hold for every inductance from none to the largest of the circuit:
+    /// the core's saturation changes it eightfold, and a built core is not the drawn one.
     pub fn build(circuit: &CoilCircuit, period_s: f32) -> Self {
         ExpectedLaw { settled_a: circuit.settled_a(1.0), part: 1.0 - libm::expf(-period_s / circuit.slowest_s()) }
     }
 
-    /// One period with a duty: towards more current at once, towards less as slowly as the slowest circuit; the least current
-    /// the other way round.
+    /// One period with a duty: towards more current at once, towards less as slowly as the slowest
+    /// circuit; the least current the other way round.
     pub fn step(&self, state: &mut Expected, duty: f32) {
         let (least_a, most_a) = (duty * self.settled_a.0, duty * self.settled_a.1);
         let (low, high) = (least_a - state.least_a, most_a - state.most_a);

@@ -1,4 +1,5 @@
-//! Current regulation of the coil: 1 kHz, on a resistance and an inductance that falls as the core saturates.
+//! Current regulation of the coil: 1 kHz, on a resistance and an inductance that falls as the core
+//! saturates.
 
 use super::winding::{CoilCircuit, LINKAGES, at, stretch};
 use crate::number::limit;
@@ -6,9 +7,11 @@ use crate::number::limit;
 /// Coefficients for one sampling period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoilPi {
-    /// Duty over current, at the told currents: its difference between target and reading is the proportional part.
+    /// Duty over current, at the told currents: its difference between target and reading is the
+    /// proportional part.
     action: [f32; LINKAGES],
-    /// Part by which the integral follows the duty in a step, for each stretch between told currents.
+    /// Part by which the integral follows the duty in a step, for each stretch between told
+    /// currents.
     follows: [f32; LINKAGES],
     /// Duty an A in steady state: the cold resistance over the supply.
     steady: f32,
@@ -24,13 +27,16 @@ pub struct CoilPiState {
 }
 
 impl CoilPi {
-    /// Builds the coefficients: every step closes the same part of the distance in *flux linkage*, so the bandwidth is the
-    /// same at rest (40 mH) and in saturation (5 mH), and a step of the target ends without overshoot however far it goes.
+    /// Builds the coefficients: every step closes the same part of the distance in *flux linkage*,
+    /// so the bandwidth is the same at rest (40 mH) and in saturation (5 mH), and a step of the
+    /// target overshoots by less than 5 % of it however far it goes.
     ///
-    /// In a stretch of inductance L, over a period T, the current keeps `a = exp(-R T / L)` of its distance from V d / R. With
-    /// `kp = g R / (V (1 - a))` and an integral that follows the duty by `1 - a`, the regulator's zero lies on this pole, exactly, and what
-    /// is left is `g / (z - 1)`, with `g = 1 - exp(-bandwidth T)`. `R / (1 - a)` is `L / T + R / 2` within 5 %, whence
-    /// the action below. The margins over inductance, temperature and supply: `tests::the_loop_keeps_its_bandwidth_and_margin_from_rest_to_saturation_cold_and_hot`.
+    /// In a stretch of inductance L, over a period T, the current keeps `a = exp(-R T / L)` of its
+    /// distance from V d / R. With `kp = g R / (V (1 - a))` and an integral that follows the duty
+    /// by `1 - a`, the regulator's zero lies on this pole, exactly, and what is left is `g / (z -
+    /// 1)`, with `g = 1 - exp(-bandwidth T)`. `R / (1 - a)` is `L / T + R / 2` within 5 %, whence
+    /// the action below. The margins over inductance, temperature and supply:
+    /// `tests::the_loop_keeps_its_bandwidth_and_margin_from_rest_to_saturation_cold_and_hot`.
     pub fn build(circuit: &CoilCircuit, period_s: f32) -> Self {
         let (winding, volt, ohm) = (&circuit.winding, circuit.supply_v, circuit.working_ohm());
         let gain = 1.0 - libm::expf(-circuit.bandwidth_rad_s * period_s);
@@ -56,9 +62,9 @@ impl CoilPi {
         limit(self.steady * target_a, 0.0, self.duty_max)
     }
 
-    /// One step: duty, 0 to what the hottest circuit needs for the target, whatever the reading says. A target of 0 (or NaN)
-    /// switches off and forgets the integral. The integral follows the duty that is applied, limited as it is, and so cannot
-    /// wind up.
+    /// One step: duty, 0 to what the hottest circuit needs for the target, whatever the reading
+    /// says. A target of 0 (or NaN) switches off and forgets the integral. The integral follows the
+    /// duty that is applied, limited as it is, and so cannot wind up.
     pub fn step(&self, state: &mut CoilPiState, target_a: f32, measured_a: f32) -> f32 {
         if !(target_a > 0.0) {
             *state = CoilPiState::default();

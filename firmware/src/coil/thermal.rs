@@ -1,4 +1,5 @@
-//! How hot the winding is: one heat capacity, one resistance to the surroundings, both of [`Winding`].
+//! How hot the winding is: one heat capacity, one resistance to the surroundings, both of
+//! [`Winding`].
 
 use super::winding::{CoilCircuit, Winding};
 
@@ -56,7 +57,8 @@ mod tests {
         assert!((c - closed).abs() < 0.05, "{c} {closed}");
     }
 
-    /// A switch that is stuck on at full supply, from warm: the time that a person has before class 130 is reached. Nothing cools.
+    /// A switch that is stuck on at full supply, from warm: the time that a person has before class
+    /// 130 is reached. Nothing cools.
     #[test]
     fn a_stuck_switch_leaves_ten_seconds() {
         let (c, ring) = (CoilCircuit::default(), Winding { resistance_k_per_w: f32::INFINITY, ..Winding::RING });

@@ -1,8 +1,10 @@
-//! The winding of the display's magnet and its circuit: the one place on the board that says what they are.
+//! The winding of the display's magnet and its circuit: the one place on the board that says what
+//! they are.
 //!
-//! Source: `host/magnets/ring.toml` by finite elements (`palpate magnet ring --current 0.25:3:0.25`). The test
-//! `tests/tests/winding.rs` computes them again and fails where these numbers are apart. Another magnet: its numbers
-//! here, from its own file, and resistance and heating measured (`docs/bring-up.md`, step 11).
+//! Source: `host/magnets/ring.toml` by finite elements (`palpate magnet ring --current
+//! 0.25:3:0.25`). The test `tests/tests/winding.rs` computes them again and fails where these
+//! numbers are apart. Another magnet: its numbers here, from its own file, and resistance and
+//! heating measured (`docs/bring-up.md`, step 11).
 
 use crate::number::limit;
 
@@ -20,18 +22,21 @@ const COPPER_PER_K: f32 = 0.003_93;
 pub struct Winding {
     /// Resistance at 20 degrees Celsius, ohm.
     pub resistance_ohm: f32,
-    /// Flux linkage, Wb, at 0, 0.25 .. 3 A. Its slope is the inductance that a change of current meets: it must rise.
+    /// Flux linkage, Wb, at 0, 0.25 .. 3 A. Its slope is the inductance that a change of current
+    /// meets: it must rise.
     pub linkage_wb: [f32; LINKAGES],
-    /// Heat capacity of the copper alone, J/K: varnish and core come on top, so the model errs to the hot side.
+    /// Heat capacity of the copper alone, J/K: varnish and core come on top, so the model errs to
+    /// the hot side.
     pub capacity_j_per_k: f32,
     /// Resistance to the surroundings, K/W.
     pub resistance_k_per_w: f32,
 }
 
 impl Winding {
-    /// The ring: 770 turns of 28 AWG, 24.0 m. Linkage by finite elements, 40 mH at rest to 4 mH at 3 A, where the core is
-    /// saturated; error of the mesh below 1e-5 of it, of what is left out of the plane 3 %. 17.3 g of copper at
-    /// 385 J/(kg K). Cooling of 0.05 W/K is assumed (50 cm^2 in still air at 10 W/(m^2 K)).
+    /// The ring: 770 turns of 28 AWG, 24.0 m. Linkage by finite elements, 40 mH at rest to 4 mH at
+    /// 3 A, where the core is saturated; error of the mesh below 1e-5 of it, of what is left out of
+    /// the plane 3 %. 17.3 g of copper at 385 J/(kg K). Cooling of 0.05 W/K is assumed (50 cm^2 in
+    /// still air at 10 W/(m^2 K)).
     pub const RING: Winding = Winding {
         resistance_ohm: 5.115,
         linkage_wb: [
@@ -47,7 +52,8 @@ impl Winding {
         self.resistance_ohm * (1.0 + COPPER_PER_K * (celsius - 20.0))
     }
 
-    /// Inductance that a change of current meets between two of the told currents, H; the last stretch goes on.
+    /// Inductance that a change of current meets between two of the told currents, H; the last
+    /// stretch goes on.
     pub fn inductance_h(&self, stretch: usize) -> f32 {
         let to = if stretch + 1 < LINKAGES { stretch + 1 } else { LINKAGES - 1 };
         match (self.linkage_wb.get(to - 1), self.linkage_wb.get(to)) {
@@ -62,7 +68,8 @@ impl Winding {
     }
 }
 
-/// Which stretch between told currents a current lies in: the first below 0 and for NaN, the last beyond 3 A.
+/// Which stretch between told currents a current lies in: the first below 0 and for NaN, the last
+/// beyond 3 A.
 pub fn stretch(current_a: f32) -> usize {
     limit(current_a / LINKAGE_STEP_A, 0.0, (LINKAGES - 2) as f32) as usize
 }
@@ -87,11 +94,13 @@ pub struct CoilCircuit {
     pub supply_tolerance: f32,
     /// How far the built winding's resistance may be off, fraction: bring-up measures it.
     pub resistance_tolerance: f32,
-    /// How much more than told the largest inductance may be, fraction: a gap that is narrower, better steel, the plane.
+    /// How much more than told the largest inductance may be, fraction: a gap that is narrower,
+    /// better steel, the plane.
     pub inductance_tolerance: f32,
     /// Most resistance beside the winding, ohm: shunt 0.05, switch 0.05, leads and contacts 0.2.
     pub beside_ohm: f32,
-    /// Temperatures between which a sound winding works, degrees Celsius: a cold room, and the trip.
+    /// Temperatures between which a sound winding works, degrees Celsius: a cold room, and the
+    /// trip.
     pub range_c: (f32, f32),
     /// Bandwidth of the closed loop, rad/s.
     pub bandwidth_rad_s: f32,
@@ -100,8 +109,9 @@ pub struct CoilCircuit {
 }
 
 impl Default for CoilCircuit {
-    /// 15 V: 2.5 A in the cold ring take 12.8 V, and a switch that is stuck on makes 2.9 A of it, not 7 A as 36 V would.
-    /// 200 rad/s is a fifth of what sampling at 1 kHz bears, and as fast as the fluid answers.
+    /// 15 V: 2.5 A in the cold ring take 12.8 V, and a switch that is stuck on makes 2.9 A of it,
+    /// not 7 A as 36 V would. 200 rad/s is a fifth of what sampling at 1 kHz bears, and as fast as
+    /// the fluid answers.
     fn default() -> Self {
         CoilCircuit {
             winding: Winding::RING,
@@ -118,8 +128,8 @@ impl Default for CoilCircuit {
 }
 
 impl CoilCircuit {
-    /// Resistance of the hottest sound circuit at the lowest supply, over that of the winding at 20 degrees at the supply as told:
-    /// 1.62 for the ring.
+    /// Resistance of the hottest sound circuit at the lowest supply, over that of the winding at 20
+    /// degrees at the supply as told: 1.62 for the ring.
     pub fn highest(&self) -> f32 {
         let ohm = self.winding.ohm(self.range_c.1) * (1.0 + self.resistance_tolerance) + self.beside_ohm;
         ohm / self.winding.resistance_ohm / (1.0 - self.supply_tolerance)
@@ -156,7 +166,8 @@ mod tests {
     #[test]
     fn what_is_derived_is_what_the_comments_say() {
         let c = CoilCircuit::default();
-        // Copper at 105 degrees 1.334 times 1.05, 0.3 of 5.115 ohm beside it, supply 0.9; at 0 degrees 0.921 times 0.95 over 1.1.
+        // Copper at 105 degrees 1.334 times 1.05, 0.3 of 5.115 ohm beside it, supply 0.9; at 0
+        // degrees 0.921 times 0.95 over 1.1.
         assert!((c.highest() - (1.334 * 1.05 + 0.3 / 5.115) / 0.9).abs() < 1e-3, "{}", c.highest());
         assert!((c.lowest() - 0.921_4 * 0.95 / 1.1).abs() < 1e-3, "{}", c.lowest());
         // 39.7 mH times 1.25 over 4.48 ohm.
@@ -175,8 +186,8 @@ mod tests {
         assert_eq!(w.inductance_h(99), w.inductance_h(LINKAGES - 2));
     }
 
-    /// What a supply must give: the highest current of the display in a winding as warm as it may be without a reduction is more than
-    /// 15 V give, so there the supply bounds the current, before the thermal model does.
+    /// 15 V give the display's highest current up to 45 degrees; in a warmer winding the supply
+    /// bounds it before the thermal model does.
     #[test]
     fn the_supply_gives_the_highest_current_cold_and_bounds_what_a_stuck_switch_makes() {
         let c = CoilCircuit::default();

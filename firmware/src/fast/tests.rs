@@ -59,8 +59,8 @@ fn a_dead_amplifier_and_a_reading_that_is_not_a_number_trip() {
 const COLD: f32 = 5.115;
 const HOT: f32 = 6.824;
 
-/// A coil of `ohm` at the supply, under the loop, with the switch or the amplifier as `spoil` has them (duty and time to
-/// applied duty and reading); the fault within `ms`, and when.
+/// A coil of `ohm` at the supply, under the loop, with the switch or the amplifier as `spoil` has
+/// them (duty and time to applied duty and reading); the fault within `ms`, and when.
 fn driven(ohm: f32, target_a: f32, ms: u32, spoil: impl Fn(f32, u32) -> (f32, Option<f32>)) -> Option<(Fault, u32)> {
     let mut fast = fast();
     let mut coil = SwitchedCoil::new(ohm, CoilCircuit::default().supply_v);
@@ -79,8 +79,9 @@ fn driven(ohm: f32, target_a: f32, ms: u32, spoil: impl Fn(f32, u32) -> (f32, Op
     None
 }
 
-/// Coils of 0 to 105 degrees with their wiring at a supply that is up to 10 % off, with cores that carry from a third of the flux
-/// to a quarter more, with a diode of 0.5 V, read by an amplifier whose gain and zero are off.
+/// Coils of 0 to 105 degrees with their wiring at a supply that is up to 10 % off, with cores that
+/// carry from a third of the flux to a quarter more, with a diode of 0.5 V, read by an amplifier
+/// whose gain and zero are off.
 #[test]
 fn sound_coils_from_cold_to_hot_never_trip_at_any_target_or_step() {
     let ring = Winding::RING;
@@ -109,7 +110,8 @@ fn sound_coils_from_cold_to_hot_never_trip_at_any_target_or_step() {
     }
 }
 
-/// 15 V over 6.82 ohm are 2.20 A, which no over-current trip of 2.7 A sees; over 5.12 ohm they are 2.93 A.
+/// 15 V over 6.82 ohm are 2.20 A, which no over-current trip of 2.7 A sees; over 5.12 ohm they are
+/// 2.93 A.
 #[test]
 fn a_switch_that_does_not_open_is_told_in_twenty_milliseconds_hot_or_cold() {
     for ohm in [COLD, HOT] {

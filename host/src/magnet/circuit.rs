@@ -1,4 +1,5 @@
-//! A magnet's coil as a circuit: what its winding and the flux linkage over current make of a voltage.
+//! A magnet's coil as a circuit: what its winding and the flux linkage over current make of a
+//! voltage.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,11 +16,13 @@ use super::{Magnet, parse};
 /// The ring's file.
 const RING: &str = include_str!("../../magnets/ring.toml");
 
-/// Flux linkage of the ring over current, by finite elements: `palpate magnet ring --current 0:3:0.125`, and 3.5, 4, 5 and
-/// 6 A. Solving takes 4 s, too long for the start of a simulation; `tests/tests/winding.rs` solves again and compares.
+/// Flux linkage of the ring over current, by finite elements: `palpate magnet ring --current
+/// 0:3:0.125`, and 3.5, 4, 5 and 6 A. Solving takes 4 s, too long for the start of a simulation;
+/// `tests/tests/winding.rs` solves again and compares.
 const RING_LINKAGE: &str = include_str!("../../magnets/ring-linkage.csv");
 
-/// Places of the current over linkage, evenly: straight lines between them are within 1e-4 of the ring's curve.
+/// Places of the current over linkage, evenly: straight lines between them are within 1e-4 of the
+/// ring's curve.
 const PLACES: usize = 512;
 
 /// A coil on a core that saturates.
@@ -73,7 +76,8 @@ impl Circuit {
         Circuit::new(winding, &linkage)
     }
 
-    /// The display's ring: its file, and the table of its linkage. Reading both takes a millisecond.
+    /// The display's ring: its file, and the table of its linkage. Reading both takes a
+    /// millisecond.
     ///
     /// # Errors
     /// [`NoCircuit`].
@@ -103,9 +107,10 @@ impl Circuit {
         1.0 / self.place(linkage_wb).1
     }
 
-    /// Linkage (Wb) after a time under a voltage (V) over a resistance (Ohm): `d linkage / dt = V - R i` with the inductance as it is now.
-    /// Exact for a coil that does not saturate, of second order for one that does, and stable for any time (Rosenbrock-Euler). A
-    /// freewheeling diode keeps the current from reversing.
+    /// Linkage (Wb) after a time under a voltage (V) over a resistance (Ohm): `d linkage / dt = V -
+    /// R i` with the inductance as it is now. Exact for a coil that does not saturate, of second
+    /// order for one that does, and stable for any time (Rosenbrock-Euler). A freewheeling diode
+    /// keeps the current from reversing.
     pub fn after_wb(&self, linkage_wb: f64, (volt, ohm): (f64, f64), dt_s: f64) -> f64 {
         let time_s = self.inductance_h(linkage_wb) / ohm;
         let reach_s = -time_s * (-dt_s / time_s).exp_m1();
@@ -123,7 +128,8 @@ impl Circuit {
     }
 }
 
-/// Winding of a magnet with one coil, and its linkage (Wb) at these currents (A) by finite elements.
+/// Winding of a magnet with one coil, and its linkage (Wb) at these currents (A) by finite
+/// elements.
 ///
 /// # Errors
 /// [`NoCircuit`].

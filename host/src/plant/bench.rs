@@ -52,10 +52,11 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// An empty bench at rest. The sensors follow the laws that the board is calibrated for, but not exactly: the load cell's zero
-    /// lies 0.03 N off until it is tared and its sensitivity 0.5 % high, the probe's transducer is 0.2 % short, and the FSR follows the thesis'
-    /// rounded line, not the least-squares one of Table 7. The potentiometer is as the board believes;
-    /// the coil is that of the magnet's file, with the heat of its varnish.
+    /// An empty bench at rest. The sensors follow the laws that the board is calibrated for, but
+    /// not exactly: the load cell's zero lies 0.03 N off until it is tared and its sensitivity 0.5
+    /// % high, the probe's transducer is 0.2 % short, and the FSR follows the thesis' rounded line,
+    /// not the least-squares one of Table 7. The potentiometer is as the board believes; the coil
+    /// is that of the magnet's file, with the heat of its varnish.
     pub fn new(seed: u64, jitter: Jitter) -> Self {
         Bench {
             seed,

@@ -7,8 +7,8 @@ use crate::magnet::circuit::Circuit;
 /// Longest step, s: the shortest time constant of the ring below 4 A is 0.4 ms.
 const STEP_S: f64 = 0.25e-3;
 
-/// A magnet's coil. Its circuit comes from the magnet's file; the board's belief has numbers of its own
-/// (`firmware/src/coil/winding.rs`).
+/// A magnet's coil. Its circuit comes from the magnet's file; the board's belief has numbers of its
+/// own (`firmware/src/coil/winding.rs`).
 #[derive(Debug, Clone)]
 pub struct Coil {
     circuit: Arc<Circuit>,
@@ -85,7 +85,8 @@ mod tests {
         assert_eq!(coil.current_a(), 0.0);
     }
 
-    /// Rise and fall in steps of a millisecond beside steps of a microsecond, and one step that is far too long.
+    /// Rise and fall in steps of a millisecond beside steps of a microsecond, and one step that is
+    /// far too long.
     #[test]
     fn steps_are_short_enough_and_never_unstable() {
         let (mut coarse, mut fine) = (Coil::default(), Coil::default());

@@ -162,7 +162,8 @@ mod tests {
 
     #[test]
     fn copper_and_varnish_take_heat_by_their_volumes() {
-        // 24 m of 0.0810 mm^2 are 1943 mm^3: 17.3 g and 6.65 J/K; the varnish has 0.0208 mm^2, an eighth of that heat.
+        // 24 m of 0.0810 mm^2 are 1943 mm^3: 17.3 g and 6.65 J/K; the varnish has 0.0208 mm^2, an
+        // eighth of that heat.
         assert!((winding().heat_j_k() - 6.65).abs() < 0.01, "{}", winding().heat_j_k());
         assert!((winding().varnish_j_k() / winding().heat_j_k() - 0.126).abs() < 0.002, "{}", winding().varnish_j_k());
     }

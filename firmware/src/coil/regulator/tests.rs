@@ -10,11 +10,11 @@ fn pi() -> CoilPi {
     CoilPi::build(&CoilCircuit::default(), T as f32)
 }
 
-/// The open loop at an angular frequency: coefficients of a stretch on a coil of these properties, read as its mean over the period, acted
-/// on a period later.
+/// The open loop at an angular frequency: coefficients of a stretch on a coil of these properties,
+/// read as its mean over the period, acted on a period later.
 ///
-/// The current at the end of a period is (1-a) K / (z - a), its mean over it K (c (1-a) / (z - a) + 1 - c), with K = V / R and
-/// c = (1 - a) L / (R T): exact for a held duty.
+/// The current at the end of a period is (1-a) K / (z - a), its mean over it K (c (1-a) / (z - a) +
+/// 1 - c), with K = V / R and c = (1 - a) L / (R T): exact for a held duty.
 fn open_loop(pi: &CoilPi, i: usize, (ohm, volt, henry): (f64, f64, f64), omega: f64) -> Complex<f64> {
     let z = Complex::new((omega * T).cos(), (omega * T).sin());
     let one = Complex::new(1.0, 0.0);
@@ -44,7 +44,8 @@ fn margins(open: impl Fn(f64) -> Complex<f64>) -> (f64, f64, f64) {
     (crossover, phase, peak)
 }
 
-/// Every stretch of the ring, 0 to 105 degrees, resistance, supply and inductance as far off as the circuit says.
+/// Every stretch of the ring, 0 to 105 degrees, resistance, supply and inductance as far off as the
+/// circuit says.
 #[test]
 fn the_loop_keeps_its_bandwidth_and_margin_from_rest_to_saturation_cold_and_hot() {
     let (pi, c) = (pi(), CoilCircuit::default());
@@ -70,7 +71,8 @@ fn the_loop_keeps_its_bandwidth_and_margin_from_rest_to_saturation_cold_and_hot(
         "{told_slow:.0} to {told_fast:.0} rad/s as told, {slowest:.0} to {fastest:.0} within tolerance; \
          phase margin {least_deg:.1} degrees, peak sensitivity {most_peak:.2}"
     );
-    // In saturation the resistance is most of what the loop sees: 4.5 to 7.5 ohm around the 5.8 that it is made for.
+    // In saturation the resistance is most of what the loop sees: 4.5 to 7.5 ohm around the 5.8
+    // that it is made for.
     assert!(told_slow > 0.6 * f64::from(c.bandwidth_rad_s) && told_fast < 1.15 * f64::from(c.bandwidth_rad_s));
     // A supply 10 % off and an inductance 25 % off make a gain of 0.72 to 1.47 on the same scale.
     assert!(slowest > 0.55 * f64::from(c.bandwidth_rad_s) && fastest < 1.35 * f64::from(c.bandwidth_rad_s));
@@ -106,8 +108,9 @@ fn every_step_of_the_target_settles_without_overshoot_in_thirty_milliseconds() {
                 if i >= 200 {
                     beyond = beyond.max((measured_a - to) * (to - from).signum());
                 }
-                // 47 mWb fall with 200 rad/s below what 5 % of 2.4 A are in saturation, 0.6 mWb, in 22 ms. A fall is the
-                // diode's: nothing drives it faster than the winding's own 8 ms.
+                // 47 mWb fall with 200 rad/s below what 5 % of 2.4 A are in saturation, 0.6 mWb, in
+                // 22 ms. A fall is the diode's: nothing drives it faster than the winding's own 8
+                // ms.
                 let within_ms = if to > from { 24 } else { 30 };
                 if i >= 200 + within_ms {
                     assert!(

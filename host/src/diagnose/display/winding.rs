@@ -4,21 +4,24 @@ use super::channel::{nominal_current_a, nominal_flux_t};
 use super::law::RESPONSE_S;
 use crate::magnet::circuit::Circuit;
 
-/// Shortest and longest step, s: the inductance is taken as constant in it. The ring's time is 8 ms at rest, and 1 ms at 2.5 A.
+/// Shortest and longest step, s: the inductance is taken as constant in it. The ring's time is 8 ms
+/// at rest, and 1 ms at 2.5 A.
 const STEP_S: (f64, f64) = (1e-4, 2e-3);
 
-/// Longest step where the fluid follows the current with 3 ms, s: its lag within a tick is to be seen to some uT.
+/// Longest step where the fluid follows the current with 3 ms, s: its lag within a tick is to be
+/// seen to some uT.
 const ANSWER_STEP_S: f64 = 0.5e-3;
 
 /// Change of current in a step, A: the inductance changes by a tenth at most.
 const CHANGE_A: f64 = 0.05;
 
-/// Voltage that is left over a coil whose current has settled, V; difference of the answered current, A.
+/// Voltage that is left over a coil whose current has settled, V; difference of the answered
+/// current, A.
 const SETTLED_V: f64 = 1e-5;
 
-/// Current (A) at every stamp. The drive takes a command (A) for what the cold winding of the display's ring would have, and holds its
-/// voltage from the stamp before; `share` is the cold winding's resistance over what it is then. A run begins without
-/// current.
+/// Current (A) at every stamp. The drive takes a command (A) for what the cold winding of the
+/// display's ring would have, and holds its voltage from the stamp before; `share` is the cold
+/// winding's resistance over what it is then. A run begins without current.
 #[must_use]
 pub fn followed(time_s: &[f64], command_a: &[f64], share: &[f64]) -> Vec<f64> {
     let mut out = Vec::with_capacity(command_a.len());
@@ -26,7 +29,8 @@ pub fn followed(time_s: &[f64], command_a: &[f64], share: &[f64]) -> Vec<f64> {
     out
 }
 
-/// The same as the fluid has answered it so far: the lasting current that would give its flux density at the nominal line.
+/// The same as the fluid has answered it so far: the lasting current that would give its flux
+/// density at the nominal line.
 #[must_use]
 pub fn answered(time_s: &[f64], command_a: &[f64], share: &[f64]) -> Vec<f64> {
     let (mut out, mut flux_t, mut before_a) = (Vec::with_capacity(command_a.len()), 0.0, 0.0);
@@ -40,8 +44,8 @@ pub fn answered(time_s: &[f64], command_a: &[f64], share: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Walks through a run: `step` makes of the current after a time what is wanted, and is settled when that is the current; `stamp` takes it
-/// at every stamp.
+/// Walks through a run: `step` makes of the current after a time what is wanted, and is settled
+/// when that is the current; `stamp` takes it at every stamp.
 fn follow(
     (time_s, command_a, share): (&[f64], &[f64], &[f64]),
     longest_s: f64,

@@ -34,8 +34,8 @@ pub const EFFECT: Effect = Effect {
     ],
 };
 
-/// Resistance of the cold winding over what it is at every stamp, for a drive whose command (A) is what the cold winding would take:
-/// that of the display's ring. A run begins cold.
+/// Resistance of the cold winding over what it is at every stamp, for a drive whose command (A) is
+/// what the cold winding would take: that of the display's ring. A run begins cold.
 #[must_use]
 pub fn kept(time_s: &[f64], command_a: &[f64], (k_per_j, tau_s): (f64, f64)) -> Vec<f64> {
     let winding = &Circuit::ring().winding;
