@@ -1,7 +1,7 @@
 //! Every number the board owns.
 
-use crate::coil::regulator::CoilCircuit;
 use crate::coil::thermal::ThermalConfig;
+use crate::coil::winding::CoilCircuit;
 use crate::display::DisplayConfig;
 use crate::mode::ModeConfig;
 use crate::palpation::PalpationConfig;
@@ -24,9 +24,9 @@ pub struct BoardConfig {
     pub palpation: PalpationConfig,
     /// Display.
     pub display: DisplayConfig,
-    /// Coil and supply.
+    /// Winding and supply.
     pub circuit: CoilCircuit,
-    /// Heating of the coil.
+    /// Limits of its heating.
     pub thermal: ThermalConfig,
     /// Shunt amplifier.
     pub shunt: CoilShunt,
@@ -56,5 +56,22 @@ impl Default for BoardConfig {
             u_max_v: U_MAX_V,
             simulated: false,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What one limit counts on another says in its own words.
+    #[test]
+    fn limits_of_the_coil_agree() {
+        let c = BoardConfig::default();
+        assert_eq!(c.circuit.range_c.1, c.thermal.trip_c);
+        assert_eq!(c.safety.coil_c, c.thermal.trip_c);
+        assert!(c.display.coil_max_a * 1.08 <= c.safety.coil_a);
+        // Bounded by the supply: more than the display's highest current, by less than a fifth.
+        let most_a = c.circuit.supply_v / c.circuit.winding.resistance_ohm;
+        assert!(most_a > c.display.coil_max_a && most_a < 1.2 * c.display.coil_max_a);
     }
 }

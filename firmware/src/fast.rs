@@ -1,9 +1,12 @@
 //! The 1 kHz loop: oversampling for the 50 Hz loop, coil current regulation, over-current trip.
 //!
-//! If a step comes late the coil keeps its duty for that long; its current then moves by at most a few percent a millisecond. If steps
-//! stop altogether the watchdog resets the board, which opens all switches.
+//! If a step comes late the coil keeps its duty for that long: its current goes on towards what
+//! that duty holds, at most what the hottest circuit needs for the target. If steps stop altogether
+//! the watchdog resets the board, which opens all switches.
 
-use crate::coil::regulator::{CoilCircuit, CoilPi, CoilPiState};
+use crate::coil::expected::{Expected, ExpectedLaw};
+use crate::coil::regulator::{CoilPi, CoilPiState};
+use crate::coil::winding::CoilCircuit;
 use crate::sensor::{CoilShunt, RawSamples, at_rail, coil_a};
 use protocol::fault::Fault;
 
@@ -22,7 +25,7 @@ pub struct Averaged {
     pub count: u16,
     /// Why the coil was switched off since the previous tick.
     pub coil_trip: Option<Fault>,
-    /// Duty of the coil now.
+    /// Mean duty of the coil since the previous tick; the duty now if there was no step.
     pub coil_duty: f32,
 }
 
@@ -32,13 +35,15 @@ const PATIENCE_TICKS: u32 = 3;
 /// State of the fast loop.
 #[derive(Debug, Clone)]
 pub struct FastLoop {
-    circuit: CoilCircuit,
+    law: ExpectedLaw,
     pi: CoilPi,
     shunt: CoilShunt,
     trip_a: f32,
+    expected: Expected,
     state: CoilPiState,
     target_a: f32,
     duty: f32,
+    duty_sum: f32,
     sums: [f32; 5],
     count: u16,
     above: u8,
@@ -54,8 +59,8 @@ const TRIP_READINGS: u8 = 3;
 /// Current beside what the duty gives, A: nine hundredths of the amplifier's range, for its zero and gain.
 const BESIDE_A: f32 = 0.3;
 
-/// Readings in a row with more current than the duty gives. The current follows a duty within L/R = 0.23 ms and is read as the mean of a
-/// millisecond: two readings may still have the one before.
+/// Readings in a row with more current than the duties so far have made in the coldest circuit
+/// ([`crate::coil::expected`] knows how slowly it falls).
 const UNCOMMANDED_READINGS: u8 = 10;
 
 /// Readings in a row with less. A supply may take its time; an open coil is no hazard.
@@ -65,13 +70,15 @@ impl FastLoop {
     /// Coil off, nothing sampled.
     pub fn new(circuit: &CoilCircuit, shunt: &CoilShunt, trip_a: f32) -> Self {
         FastLoop {
-            circuit: *circuit,
+            law: ExpectedLaw::build(circuit, 1.0 / FAST_HZ as f32),
             pi: CoilPi::build(circuit, 1.0 / FAST_HZ as f32),
             shunt: *shunt,
             trip_a,
+            expected: Expected::default(),
             state: CoilPiState::default(),
             target_a: 0.0,
             duty: 0.0,
+            duty_sum: 0.0,
             sums: [0.0; 5],
             count: 0,
             above: 0,
@@ -98,11 +105,13 @@ impl FastLoop {
         // A reading at a rail, or one that is not a number, says nothing about the current: as bad as too much of it.
         let too_much = at_rail(raw.coil_current) || measured_a > self.trip_a;
         self.above = if too_much { self.above.saturating_add(1) } else { 0 };
-        // What the duty of the last step gives says whether switch and coil are sound, at any target.
-        let (least_a, most_a) = self.circuit.current_a(self.duty);
-        let uncommanded = measured_a > most_a + BESIDE_A;
+        // What the duties until the last step give says whether switch and coil are sound, at any
+        // target.
+        self.duty_sum += self.duty;
+        self.law.step(&mut self.expected, self.duty);
+        let uncommanded = measured_a > self.expected.most_a + BESIDE_A;
         self.uncommanded = if uncommanded { self.uncommanded.saturating_add(1) } else { 0 };
-        let missing = measured_a < least_a - BESIDE_A;
+        let missing = measured_a < self.expected.least_a - BESIDE_A;
         self.missing = if missing { self.missing.saturating_add(1) } else { 0 };
         if self.above >= TRIP_READINGS {
             self.tripped = Some(Fault::CurrentLimit);
@@ -122,7 +131,9 @@ impl FastLoop {
     /// of the control loop keeps the target at 0.
     pub fn take(&mut self) -> Averaged {
         let mut channels = self.last.channels();
+        let mut coil_duty = self.duty;
         if self.count > 0 {
+            coil_duty = self.duty_sum / f32::from(self.count);
             for (channel, sum) in channels.iter_mut().zip(self.sums) {
                 *channel = sum / f32::from(self.count);
             }
@@ -131,9 +142,10 @@ impl FastLoop {
             raw: RawSamples::from_channels(channels),
             count: self.count,
             coil_trip: self.tripped,
-            coil_duty: self.duty,
+            coil_duty,
         };
         self.sums = [0.0; 5];
+        self.duty_sum = 0.0;
         self.count = 0;
         if self.tripped.take().is_some() {
             self.target_a = 0.0;

@@ -15,8 +15,9 @@ pub struct SafetyConfig {
     pub force_n: f32,
     /// Shaft position, mm.
     pub shaft_mm: (f32, f32),
-    /// Coil current, A: the commanded limit of 2.5 A, 5 % of the regulator's overshoot, and 3 % for ripple and noise.
-    /// A cold coil at the whole supply has 2.77 A; what a warm one then has is told by its duty ([`crate::fast`]).
+    /// Coil current, A: the commanded limit of 2.5 A, 5 % of the regulator's overshoot, and 3 % for
+    /// ripple and noise. A cold coil at the whole supply of 15 V has 2.9 A; what a warm one then
+    /// has is told by its duty ([`crate::fast`]).
     pub coil_a: f32,
     /// Coil temperature, degrees Celsius.
     pub coil_c: f32,

@@ -1,6 +1,7 @@
 //! Surroundings for unit tests: a made-up family of foams, tables of it, and presses with noise.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use crate::coil::winding::{LINKAGE_STEP_A, LINKAGES, Winding};
 use crate::contact::Sample;
 use protocol::lut::{AxisSpec, MaterialSpec, Role, Scale, TableSpec, axis_name};
 
@@ -223,5 +224,40 @@ impl Press {
                 Sample { probe_mm: (self.surface_mm() - depth_mm) as f32, force_n: force_n as f32 }
             })
             .collect()
+    }
+}
+
+/// A coil under its switch, in steps of 10 us: the linkage that the board is told times `flux`,
+/// resistance with all that is beside the winding, supply, and the voltage of the diode while the
+/// switch is off.
+#[derive(Debug, Clone)]
+pub struct SwitchedCoil {
+    pub ohm: f32,
+    pub supply_v: f32,
+    pub diode_v: f32,
+    pub flux: f32,
+    pub linkage_wb: f32,
+}
+
+impl SwitchedCoil {
+    pub fn new(ohm: f32, supply_v: f32) -> Self {
+        SwitchedCoil { ohm, supply_v, diode_v: 0.0, flux: 1.0, linkage_wb: 0.0 }
+    }
+
+    pub fn current_a(&self) -> f32 {
+        let told = Winding::RING.linkage_wb.map(|wb| self.flux * wb);
+        let k = (1..LINKAGES - 1).find(|k| told[*k] > self.linkage_wb).unwrap_or(LINKAGES - 1);
+        LINKAGE_STEP_A * ((k - 1) as f32 + (self.linkage_wb - told[k - 1]) / (told[k] - told[k - 1]))
+    }
+
+    /// A millisecond with a duty; the mean current, A, as the board reads it.
+    pub fn step(&mut self, duty: f32) -> f32 {
+        let volt = duty * self.supply_v - (1.0 - duty) * self.diode_v;
+        let mut mean_a = 0.0;
+        for _ in 0..100 {
+            self.linkage_wb = (self.linkage_wb + 1e-5 * (volt - self.ohm * self.current_a())).max(0.0);
+            mean_a += 0.01 * self.current_a();
+        }
+        mean_a
     }
 }

@@ -153,9 +153,10 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         // Heated by the larger of measured and wanted current: an amplifier that reads no current must not hide the heat.
         // (`max` also keeps a reading that is no number out of the temperature.)
         // Or by what the duty gives: neither must an amplifier that reads too little.
-        let driven_a = thermal::driven_a(&self.config.thermal, &self.config.circuit, inputs.coil_duty, self.coil_c);
+        let driven_a = thermal::driven_a(&self.config.circuit, inputs.coil_duty, self.coil_c);
         let heating_a = self.measured.coil_a.max(self.outputs.coil_target_a).max(driven_a);
-        self.coil_c = thermal::step_c(&self.config.thermal, self.coil_c, heating_a, TICK_S);
+        let winding = &self.config.circuit.winding;
+        self.coil_c = thermal::step_c(&self.config.thermal, winding, self.coil_c, heating_a, TICK_S);
         if self.mode.state != State::Idle {
             let (sum, count, max) = &mut self.contact_ticks;
             *max = (*max).max(inputs.tick_us);

@@ -43,7 +43,8 @@ pub struct Inputs {
     pub adc_overrun: bool,
     /// Why the fast loop has switched the coil off since the previous tick.
     pub coil_trip: Option<Fault>,
-    /// Duty of the coil that the fast loop applies now, for telemetry.
+    /// Mean duty of the coil since the previous tick: what heats it in the thermal model; for
+    /// telemetry.
     pub coil_duty: f32,
     /// Measured duration of the previous tick, us.
     pub tick_us: u16,

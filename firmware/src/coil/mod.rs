@@ -1,15 +1,18 @@
 //! From the finger's force to the duty of the coil.
 //!
-//! First-order chain (design defaults, until the finger-pad model exists):
-//! force -> contact area of the fingertip on the displayed material ([`fingertip`], Hertz) -> mean stress -> yield
-//! stress -> field and flux density of the fluid ([`fluid`]) -> current (line through the measured Table 6,
-//! [`current`]) -> duty ([`regulator`]), limited by the winding's temperature ([`thermal`]).
+//! First-order chain (design defaults, until the finger-pad model exists): force -> contact area of
+//! the fingertip on the displayed material ([`fingertip`], Hertz) -> mean stress -> yield stress ->
+//! field and flux density of the fluid ([`fluid`]) -> current (line through the measured Table 6,
+//! [`current`]) -> duty ([`regulator`]), limited by the winding's temperature ([`thermal`]). What
+//! the winding is stands in [`winding`]; what current its duties must have made in [`expected`].
 
 pub mod current;
+pub mod expected;
 pub mod fingertip;
 pub mod fluid;
 pub mod regulator;
 pub mod thermal;
+pub mod winding;
 
 /// Coil current that makes the fluid yield as the displayed material would under the finger, A, not yet limited.
 ///

@@ -1,18 +1,13 @@
-//! How hot the winding is: one heat capacity, one resistance to the surroundings.
+//! How hot the winding is: one heat capacity, one resistance to the surroundings, both of
+//! [`Winding`].
 
-use crate::coil::regulator::CoilCircuit;
+use super::winding::{CoilCircuit, Winding};
 
-/// Thermal model of the winding and its limits.
+/// Surroundings and limits of the winding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThermalConfig {
-    /// Heat capacity, J/K: 61 m of 28 AWG copper weigh 44 g, at 0.385 J/(g K).
-    pub capacity_j_per_k: f32,
-    /// Resistance to the surroundings, K/W (assumed; the core is left out, which errs to the hot side).
-    pub resistance_k_per_w: f32,
     /// Surroundings, degrees Celsius.
     pub ambient_c: f32,
-    /// Resistance of the winding at 20 degrees Celsius, ohm.
-    pub winding_ohm: f32,
     /// Above this the current is reduced, degrees Celsius.
     pub derate_c: f32,
     /// At this the coil is switched off as a fault, degrees Celsius (enamel of class 130).
@@ -21,35 +16,20 @@ pub struct ThermalConfig {
 
 impl Default for ThermalConfig {
     fn default() -> Self {
-        ThermalConfig {
-            capacity_j_per_k: 17.0,
-            resistance_k_per_w: 5.0,
-            ambient_c: 25.0,
-            winding_ohm: 13.0,
-            derate_c: 80.0,
-            trip_c: 105.0,
-        }
+        ThermalConfig { ambient_c: 25.0, derate_c: 80.0, trip_c: 105.0 }
     }
 }
 
-/// Temperature coefficient of copper, 1/K.
-const COPPER_PER_K: f32 = 0.003_93;
-
-/// Resistance of the winding at a temperature, ohm.
-pub fn winding_ohm(config: &ThermalConfig, coil_c: f32) -> f32 {
-    config.winding_ohm * (1.0 + COPPER_PER_K * (coil_c - 20.0))
-}
-
 /// Current that a duty gives in the winding at a temperature, A.
-pub fn driven_a(config: &ThermalConfig, circuit: &CoilCircuit, duty: f32, coil_c: f32) -> f32 {
-    duty * circuit.supply_v / winding_ohm(config, coil_c)
+pub fn driven_a(circuit: &CoilCircuit, duty: f32, coil_c: f32) -> f32 {
+    duty * circuit.supply_v / circuit.winding.ohm(coil_c)
 }
 
 /// Temperature after a step of `period_s` with `current_a`, degrees Celsius.
-pub fn step_c(config: &ThermalConfig, coil_c: f32, current_a: f32, period_s: f32) -> f32 {
-    let heating_w = current_a * current_a * winding_ohm(config, coil_c);
-    let cooling_w = (coil_c - config.ambient_c) / config.resistance_k_per_w;
-    coil_c + (heating_w - cooling_w) * period_s / config.capacity_j_per_k
+pub fn step_c(config: &ThermalConfig, winding: &Winding, coil_c: f32, current_a: f32, period_s: f32) -> f32 {
+    let heating_w = current_a * current_a * winding.ohm(coil_c);
+    let cooling_w = (coil_c - config.ambient_c) / winding.resistance_k_per_w;
+    coil_c + (heating_w - cooling_w) * period_s / winding.capacity_j_per_k
 }
 
 /// Fraction of the current limit that may be used: 1 up to `derate_c`, 0 at `trip_c`; 0 for NaN.
@@ -63,18 +43,34 @@ mod tests {
 
     #[test]
     fn heating_starts_at_power_over_capacity_and_settles_at_power_times_resistance() {
-        let config = ThermalConfig::default();
-        // 1 A in 13.26 ohm at 25 degrees: 13.26 W / 17 J/K = 0.78 K/s.
-        let after = step_c(&config, 25.0, 1.0, 1.0);
-        assert!((after - 25.0 - 0.78).abs() < 0.01, "{after}");
+        let (config, ring) = (ThermalConfig::default(), Winding::RING);
+        // 1 A in 5.216 ohm at 25 degrees: 5.216 W / 6.66 J/K = 0.783 K/s.
+        let after = step_c(&config, &ring, 25.0, 1.0, 1.0);
+        assert!((after - 25.0 - 0.783).abs() < 0.01, "{after}");
         let mut c = 25.0;
         for _ in 0..100_000 {
-            c = step_c(&config, c, 0.5, 0.02);
+            c = step_c(&config, &ring, c, 0.5, 0.02);
         }
         // Settled: T - Ta = I^2 R(T) Rth; closed form with R(T) = R20 (1 + k (T - 20)).
-        let p = 0.25 * 13.0 * 5.0;
+        let p = 0.25 * 5.115 * 20.0;
         let closed = (25.0 + p * (1.0 - 0.003_93 * 20.0)) / (1.0 - p * 0.003_93);
         assert!((c - closed).abs() < 0.05, "{c} {closed}");
+    }
+
+    /// A switch that is stuck on at full supply, from warm: the time that a person has before class
+    /// 130 is reached. Nothing cools.
+    #[test]
+    fn a_stuck_switch_leaves_ten_seconds() {
+        let (c, ring) = (CoilCircuit::default(), Winding { resistance_k_per_w: f32::INFINITY, ..Winding::RING });
+        let seconds = |from_c: f32| {
+            let mut coil_c = from_c;
+            (1..100_000).find(|_| {
+                coil_c = step_c(&ThermalConfig::default(), &ring, coil_c, driven_a(&c, 1.0, coil_c), 0.001);
+                coil_c > 130.0
+            })
+        };
+        assert!(seconds(80.0).is_some_and(|ms| ms > 9_900), "{:?}", seconds(80.0));
+        assert!(seconds(25.0).is_some_and(|ms| ms > 18_000), "{:?}", seconds(25.0));
     }
 
     #[test]

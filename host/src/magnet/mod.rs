@@ -2,6 +2,7 @@
 
 mod boundary;
 mod builtin;
+pub mod circuit;
 pub mod expression;
 mod file;
 pub mod fluid;

@@ -17,8 +17,8 @@ const EMPTY_HOME_MM: f64 = 30.0;
 /// Rate of the arm on its way home, mm/s.
 const RETURN_MM_S: f64 = 10.0;
 
-/// Supply of the coil's half bridge, V.
-const COIL_SUPPLY_V: f64 = 36.0;
+/// Supply of the coil, V.
+const COIL_SUPPLY_V: f64 = 15.0;
 
 /// Shunt amplifier of the coil: reading without current, and A for the full reference.
 const SHUNT: (f64, f64) = (0.05, 3.3);
@@ -52,9 +52,11 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// An empty bench at rest. The sensors follow the laws that the board is calibrated for, but not exactly: the load cell's zero
-    /// lies 0.03 N off until it is tared and its sensitivity 0.5 % high, the probe's transducer is 0.2 % short, and the FSR follows the thesis'
-    /// rounded line, not the least-squares one of Table 7. Potentiometer and coil are as the board believes.
+    /// An empty bench at rest. The sensors follow the laws that the board is calibrated for, but
+    /// not exactly: the load cell's zero lies 0.03 N off until it is tared and its sensitivity 0.5
+    /// % high, the probe's transducer is 0.2 % short, and the FSR follows the thesis' rounded line,
+    /// not the least-squares one of Table 7. The potentiometer is as the board believes; the coil
+    /// is that of the magnet's file, with the heat of its varnish.
     pub fn new(seed: u64, jitter: Jitter) -> Self {
         Bench {
             seed,

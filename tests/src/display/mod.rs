@@ -159,7 +159,8 @@ fn effect(name: &str, strength: f64, chance: &mut Pcg64) -> Option<DisplayEffect
         "memory" => DisplayEffect::Memory { amplitude: 0.05 * s, tau_s: chance.random_range(0.5..3.0) },
         "hysteresis" => DisplayEffect::Hysteresis { half_width: 0.03 * s },
         "sensor-nonlinearity" => DisplayEffect::Nonlinearity { power: 1.0 + sign * 0.06 * s },
-        "coil-heating" => DisplayEffect::Heating { j_per_k: 60.0 / s },
+        // 1.3 K/s at 2.5 A and strength 1: a winding with a core that warms with it
+        "coil-heating" => DisplayEffect::Heating { j_per_k: 24.0 / s },
         "saturation" => DisplayEffect::Saturation { tesla: 0.2 / s },
         "remanence" => DisplayEffect::Remanence { tesla: 0.001 * s, ampere: chance.random_range(0.3..0.8) },
         "gap" => DisplayEffect::Gap { mm: if sign > 0.0 { 0.1 * s } else { -0.07 * s } },
@@ -181,6 +182,7 @@ pub fn code(name: &str) -> Option<&'static str> {
         "stiction" | "backlash" => "stiction",
         "creep" | "memory" | "hysteresis" => "sensor-creep",
         "sensor-nonlinearity" => "sensor-nonlinearity",
+        // 1.3 K/s at 2.5 A and strength 1: a winding with a core that warms with it
         "coil-heating" => "coil-heating",
         "saturation" => "saturation",
         "remanence" => "remanence",

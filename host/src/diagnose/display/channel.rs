@@ -155,6 +155,25 @@ pub fn slope(time_s: &[f64], output: &[f64], k: usize) -> f64 {
     if span_s > 0.0 { (output[b] - output[a]) / span_s } else { 0.0 }
 }
 
+/// Flux density at a current by the nominal line, T.
+pub(super) fn nominal_flux_t(current_a: f64) -> f64 {
+    FLUX[0].nominal * current_a + FLUX[1].nominal * (current_a / KNEE_A).tanh()
+}
+
+/// Current (A) for a flux density by the nominal line, from 0 on.
+pub(super) fn nominal_current_a(flux_t: f64) -> f64 {
+    // the line is concave: Newton's method rises without overshoot from below
+    let mut current_a = 0.0;
+    for _ in 0..30 {
+        let more_a = (flux_t - nominal_flux_t(current_a)) / flux_slope(current_a);
+        current_a += more_a;
+        if more_a.abs() < 1e-9 {
+            break;
+        }
+    }
+    current_a
+}
+
 /// Derivative of the nominal flux over current, T/A.
 fn flux_slope(current_a: f64) -> f64 {
     let bent = (current_a / KNEE_A).tanh();

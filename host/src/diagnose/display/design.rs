@@ -15,6 +15,8 @@ pub struct Series {
     pub time_s: Vec<f64>,
     /// What was told.
     pub input: Vec<f64>,
+    /// The input is what the fluid has answered of it so far: the law adds no response time.
+    pub is_answered: bool,
     /// What was measured.
     pub output: Vec<f64>,
     /// Samples that are compared.
@@ -109,7 +111,7 @@ impl Design {
         for run in runs {
             let Some(mut one) = one(run, channel) else { continue };
             match explained.get(&run.file).filter(|input| input.len() == one.input.len()) {
-                Some(input) => one.input.clone_from(input),
+                Some(input) => (one.input, one.is_answered) = (input.clone(), true),
                 None if channel.input_is_measured() => one.input = smooth::smoothed(&one.time_s, &one.input),
                 None => {}
             }
@@ -195,6 +197,7 @@ fn one(run: &Run, channel: Channel) -> Option<Series> {
         compared: input.iter().map(|x| *x >= channel.least_input()).collect(),
         input,
         output,
+        is_answered: false,
         gap_ratio: 1.0,
         gap_mm: if channel == Channel::Flux { gap_mm } else { 0.0 },
         condition: 0,

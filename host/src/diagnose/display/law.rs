@@ -6,9 +6,10 @@ use super::effect::{
     Effect, Quantity, backlash, coil_heating, delay, gap, rate_limit, remanence, saturation, sensor_creep,
     sensor_hysteresis, sensor_nonlinearity, stiction,
 };
+use super::winding;
 
 /// Response time of the fluid, s (1 to 6 ms).
-const RESPONSE_S: f64 = 3e-3;
+pub const RESPONSE_S: f64 = 3e-3;
 
 /// Longest step in which friction and speed are taken as constant, s.
 const STEP_S: f64 = 2e-3;
@@ -105,12 +106,25 @@ impl Law {
     }
 
     fn current_a(&self, series: &Series) -> Vec<f64> {
-        let (gain, zero_a) = (self.base[0], self.base[1]);
-        let current_a = match self.two(&coil_heating::EFFECT) {
-            Some(parts) => coil_heating::warmed(&series.time_s, &series.input, parts),
-            None => series.input.clone(),
-        };
-        current_a.iter().map(|a| gain * a + zero_a).collect()
+        self.read_a(&winding::followed(&series.time_s, &series.input, &self.kept(series)))
+    }
+
+    /// What the fluid has answered of a series' current, A.
+    #[must_use]
+    pub fn answered_a(&self, series: &Series) -> Vec<f64> {
+        self.read_a(&winding::answered(&series.time_s, &series.input, &self.kept(series)))
+    }
+
+    /// Resistance of the cold winding over what it is at every stamp.
+    fn kept(&self, series: &Series) -> Vec<f64> {
+        match self.two(&coil_heating::EFFECT) {
+            Some(parts) => coil_heating::kept(&series.time_s, &series.input, parts),
+            None => vec![1.0; series.input.len()],
+        }
+    }
+
+    fn read_a(&self, current_a: &[f64]) -> Vec<f64> {
+        current_a.iter().map(|a| self.base[0] * a + self.base[1]).collect()
     }
 
     fn flux_t(&self, series: &Series) -> Vec<f64> {
@@ -125,8 +139,11 @@ impl Law {
             let core_t = limit_t.map_or(line(*a), |limit| saturation::bent(line(*a), limit));
             let rest_t = core_t + left_t.as_ref().map_or(0.0, |left| left[k]);
             let span_s = if k > 0 { series.time_s[k] - series.time_s[k - 1] } else { 0.0 };
-            let now_t =
-                before_t.map_or(rest_t, |before: f64| rest_t + (before - rest_t) * (-span_s / RESPONSE_S).exp());
+            let now_t = if series.is_answered {
+                rest_t
+            } else {
+                before_t.map_or(rest_t, |before: f64| rest_t + (before - rest_t) * (-span_s / RESPONSE_S).exp())
+            };
             before_t = Some(now_t);
             now_t + zero_t
         });
@@ -246,6 +263,7 @@ mod tests {
             time_s,
             input,
             compared,
+            is_answered: false,
             gap_ratio: 1.0,
             gap_mm: 0.0,
             condition: 0,

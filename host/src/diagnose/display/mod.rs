@@ -18,6 +18,7 @@ mod sample;
 mod smooth;
 mod verdict;
 pub mod whiten;
+mod winding;
 
 use std::time::Instant;
 
@@ -147,12 +148,13 @@ pub fn diagnose(experiment: &Experiment, progress: &super::Progress<'_>) -> Opti
     Some(Diagnosis { verdict: verdict::together(&channels), channels, seconds: start.elapsed().as_secs_f64() })
 }
 
-/// The coil's current as its own channel explains it; nothing where it does not.
+/// The coil's current as its own channel explains it and the fluid has answered it; nothing where
+/// it does not.
 fn explained(channels: &[ChannelDiagnosis]) -> Explained {
     let current = channels.iter().find(|c| c.channel == Channel::Current && c.verdict != Verdict::Unknown);
     let Some(evidence) = current.and_then(|c| c.evidence.as_deref()) else { return Explained::new() };
     let law = &evidence.held.first().unwrap_or(&evidence.base).fit.law;
-    evidence.design.series.iter().map(|series| (series.file.clone(), law.predict(series))).collect()
+    evidence.design.series.iter().map(|series| (series.file.clone(), law.answered_a(series))).collect()
 }
 
 fn empty(channel: Channel, verdict: Verdict) -> ChannelDiagnosis {

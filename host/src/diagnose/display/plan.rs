@@ -178,6 +178,7 @@ fn run(design: &Design, what: String, (low, gap_mm): (f64, f64), span_s: f64, of
         input,
         output,
         compared,
+        is_answered: false,
         gap_ratio: 1.0,
         gap_mm,
         condition: 0,

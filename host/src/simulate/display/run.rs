@@ -8,6 +8,7 @@ use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
 
 use crate::experiment::{GAP_MM, Recording};
+use crate::magnet::circuit::Circuit;
 use crate::plant::{Actuator, ActuatorFlaws, Coil, Converter, Core, Fluid, Fsr, FsrFlaws, Potentiometer};
 use crate::simulate::chance::{Purpose, stream};
 use crate::simulate::noise::Correlated;
@@ -18,8 +19,6 @@ use super::{DisplayEffect, DisplayRun, DisplaySpec, Subject, TICK_S};
 const STEPS: usize = 80;
 /// Shunt amplifier of the coil: reading without current, and A for the full reference.
 const SHUNT: (f64, f64) = (0.05, 3.3);
-/// Resistance of the cold winding that a command of current is taken for, Ohm.
-const COLD_OHM: f64 = 13.0;
 /// Rounding of the gauss meter, T: one gauss.
 const GAUSS_T: f64 = 1e-4;
 /// Noise of the reference that weighs the load, N.
@@ -193,7 +192,10 @@ fn coil(
     }
     let nominal_mm = 1.0;
     core.gap_mm = (nominal_mm, run.gap_mm + offset_mm);
-    let (mut coil, mut fluid, mut late_t) = (Coil::with(heat), Fluid::with(core), 0.0);
+    let circuit = Circuit::ring();
+    // the drive takes a command for what the cold winding would have
+    let cold_ohm = circuit.winding.ohm(circuit.winding.room_c);
+    let (mut coil, mut fluid, mut late_t) = (Coil::new(circuit).with_heat(heat), Fluid::with(core), 0.0);
     let flux_noise = stream(spec.seed, Purpose::Phase, (1 + run.values.len()) as u64 + chance.zero.to_bits() % 1000);
     let plain = crate::simulate::Noise { correlation_s: spec.noise.correlation_s, ..Default::default() };
     let mut flux_noise = Correlated::new(&plain, flux_noise, TICK_S);
@@ -204,8 +206,9 @@ fn coil(
     for told in &command {
         // the logged command has acted for a tick when current and flux are read
         for _ in 0..STEPS {
-            coil.step(told.min(clip_a) * COLD_OHM, dt_s);
-            fluid.step(coil.current_a(), dt_s);
+            let before_a = coil.current_a();
+            coil.step(told.min(clip_a) * cold_ohm, dt_s);
+            fluid.step(0.5 * (before_a + coil.current_a()), dt_s);
             late_t = if eddy_s > 0.0 { late_t + dt_s / eddy_s * (fluid.flux_t() - late_t) } else { fluid.flux_t() };
         }
         let ratio = f64::from(converter.ratio(SHUNT.0 + coil.current_a() / SHUNT.1));

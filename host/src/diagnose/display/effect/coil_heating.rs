@@ -2,6 +2,7 @@
 
 use super::{Effect, Quantity, Stage};
 use crate::diagnose::display::channel::Channel;
+use crate::magnet::circuit::Circuit;
 
 /// Resistance grows with temperature, temperature with the heat of the current, and falls with a time constant.
 pub const EFFECT: Effect = Effect {
@@ -33,21 +34,19 @@ pub const EFFECT: Effect = Effect {
     ],
 };
 
-/// Resistance of the cold winding, Ohm (770 turns of 28 AWG, thesis section 4.2; estimated).
-const COLD_OHM: f64 = 13.0;
-/// Temperature coefficient of copper, 1/K (IEC 60028).
-const COPPER_PER_K: f64 = 3.93e-3;
-
-/// Current (A) of a drive whose command is what the cold winding would take. A run begins cold.
+/// Resistance of the cold winding over what it is at every stamp, for a drive whose command (A) is
+/// what the cold winding would take: that of the display's ring. A run begins cold.
 #[must_use]
-pub fn warmed(time_s: &[f64], command_a: &[f64], (k_per_j, tau_s): (f64, f64)) -> Vec<f64> {
+pub fn kept(time_s: &[f64], command_a: &[f64], (k_per_j, tau_s): (f64, f64)) -> Vec<f64> {
+    let winding = &Circuit::ring().winding;
+    let cold_ohm = winding.ohm(winding.room_c);
     let mut above_k = 0.0;
     let mut out = Vec::with_capacity(command_a.len());
     for (k, command_a) in command_a.iter().enumerate() {
-        let share = 1.0 / (1.0 + COPPER_PER_K * above_k);
-        out.push(command_a * share);
+        let share = cold_ohm / winding.ohm(winding.room_c + above_k);
+        out.push(share);
         if let Some(next_s) = time_s.get(k + 1) {
-            let watt = command_a * command_a * COLD_OHM * share;
+            let watt = command_a * command_a * cold_ohm * share;
             let (span_s, rest_k) = (next_s - time_s[k], k_per_j * watt * tau_s);
             above_k = rest_k + (above_k - rest_k) * (-span_s / tau_s).exp();
         }
