@@ -88,7 +88,7 @@ pub fn at(told: &[f32; LINKAGES], current_a: f32) -> f32 {
 pub struct CoilCircuit {
     /// The winding.
     pub winding: Winding,
-    /// Supply of the coil, V (`docs/decisions/0017-winding.md`).
+    /// Supply of the coil, V (`docs/decisions/0018-winding.md`).
     pub supply_v: f32,
     /// How far the supply may be off, fraction.
     pub supply_tolerance: f32,
