@@ -3,6 +3,7 @@
 mod files;
 mod fluid;
 mod optimise;
+mod set;
 mod told;
 
 use std::collections::BTreeMap;
@@ -14,6 +15,7 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 
 use super::progress::Progress;
 use crate::magnet::{BUILT_IN, Magnet, located, names, parse};
+use set::set;
 
 /// Folder of files where none is asked for.
 const DEFAULT_FOLDER: &str = "out/magnet";
@@ -129,18 +131,6 @@ fn list() {
         let title = parse(Path::new(magnet.name), magnet.text, &BTreeMap::new()).map(|m| m.title).unwrap_or_default();
         outln!("  {:18} {title}", magnet.name);
     }
-}
-
-/// `gap=8`, by names.
-fn set(list: &[String]) -> miette::Result<BTreeMap<String, f64>> {
-    let one = |text: &String| {
-        let pair = text.split_once('=').and_then(|(name, value)| Some((name, value.trim().parse::<f64>().ok()?)));
-        let (name, value) = pair
-            .filter(|(_, value)| value.is_finite())
-            .ok_or_else(|| miette!("--set is {text}; expected a parameter and a number, such as gap=8"))?;
-        Ok((name.trim().to_owned(), value))
-    };
-    list.iter().map(one).collect()
 }
 
 /// The magnet of a file or of a name, with its text.

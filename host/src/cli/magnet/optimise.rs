@@ -8,6 +8,7 @@ use miette::{IntoDiagnostic, miette};
 use serde_json::json;
 
 use super::super::progress::Progress;
+use super::set::set;
 use crate::magnet::search::{Candidate, Limits, Settings, Source, Variable, search};
 use crate::magnet::{located, names, parse};
 use crate::ownership::OwnFolder;
@@ -122,7 +123,7 @@ fn sources(arguments: &Arguments) -> miette::Result<Vec<Source>> {
         .iter()
         .map(|text| Variable::parse(text).map_err(|e| miette!("{e}")))
         .collect::<Result<_, _>>()?;
-    let fixed = super::set(&arguments.set)?;
+    let fixed = set(&arguments.set)?;
     let mut sources = Vec::new();
     let mut known: BTreeMap<String, ()> = BTreeMap::new();
     for asked in &arguments.magnets {
