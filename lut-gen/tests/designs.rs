@@ -3,7 +3,7 @@
 
 use lut_gen::fem::triangle::Order;
 use lut_gen::magnet::bh::{Between, Law};
-use lut_gen::magnet::design::{Coil, Design, Edge, Region};
+use lut_gen::magnet::design::{Coil, Design, Edge, Mirror, Region};
 use lut_gen::magnet::field::Geometry;
 use lut_gen::magnet::material;
 use lut_gen::magnet::shape::Shape;
@@ -51,6 +51,7 @@ fn c_core(scale: f64, gap: f64, law: Law) -> Design {
         geometry: Geometry::Plane,
         depth_mm: 6.0 * scale,
         out_of_plane: None,
+        mirror: None,
         edge: Edge::Round { radius: 80.0 * scale },
         regions: vec![core, wound("in", [8.0, 10.0], 1.0), wound("out", [14.0, 15.5], -1.0)],
         coils: vec![Coil { name: "winding".into(), winding: winding(500.0), share: 1.0 }],
@@ -95,6 +96,43 @@ fn the_field_beyond_the_mesh_is_that_of_triangles() {
         }
         assert!((a.energy_j.value / b.energy_j.value - 1.0).abs() < 3e-4);
         assert!((a.linkage_wb[0].value / b.linkage_wb[0].value - 1.0).abs() < 3e-4);
+    }
+}
+
+/// A ring with its gap on the mirror, and two coils side by side: half of it, and all of it.
+#[test]
+fn half_a_magnet_beside_a_mirror_is_the_whole() {
+    let all_points = [[0.0, 12.0], [4.0, 12.0], [-4.0, 13.0], [25.0, 9.0], [-30.0, 5.0]];
+    let of = |design: &Design| {
+        let wanted = Wanted { points: all_points.to_vec(), is_single: true, ..Wanted::default() };
+        design.study(&wanted, &[0.4, 2.0], &mut |_| {}).unwrap().states
+    };
+    let ring = |edge| Design { edge, ..c_core(1.0, 3.0, steel()) };
+    let block = |x: f64, sense| {
+        let shape = Shape::Rectangle([x - 1.0, -4.0], [x + 1.0, 4.0]);
+        Region { coil: Some((0, sense)), ..region(if sense > 0.0 { "out" } else { "in" }, shape, Law::Linear(1.0)) }
+    };
+    let pair = |edge| {
+        let core = Region { law: steel(), ..region("core", Shape::Rectangle([-2.0, -6.0], [2.0, 6.0]), steel()) };
+        // short sides where the field is read
+        let near = region("near", Shape::Rectangle([-14.0, -14.0], [14.0, 14.0]), Law::Linear(1.0));
+        let near = Region { size_mm: Some(1.0), ..near };
+        Design { edge, regions: vec![near, core, block(4.0, 1.0), block(-4.0, -1.0)], ..c_core(1.0, 3.0, steel()) }
+    };
+    for edge in [Edge::Open, Edge::Round { radius: 90.0 }, Edge::Box { half: 32.0 }] {
+        for (whole, mirror) in [(ring(edge), Mirror::Across), (pair(edge), Mirror::Along)] {
+            let half = Design { mirror: Some(mirror), ..whole.clone() };
+            for (a, b) in of(&half).iter().zip(&of(&whole)) {
+                // both meshes are coarse far from the magnet
+                let most = b.points.iter().map(|flux| flux.size_t()).fold(0.0, f64::max);
+                for (i, (a, b)) in a.points.iter().zip(&b.points).enumerate() {
+                    let off = (a.b_t[0] - b.b_t[0]).hypot(a.b_t[1] - b.b_t[1]);
+                    assert!(off < 1e-3 * b.size_t() + 2e-3 * most, "{edge:?} {mirror:?} {i}: {:?} {:?}", a.b_t, b.b_t);
+                }
+                assert!((a.linkage_wb[0].value / b.linkage_wb[0].value - 1.0).abs() < 1e-3, "{edge:?} {mirror:?}");
+                assert!((a.coenergy_j.value / b.coenergy_j.value - 1.0).abs() < 1e-3, "{edge:?} {mirror:?}");
+            }
+        }
     }
 }
 
@@ -166,6 +204,7 @@ fn any_design() -> impl Strategy<Value = Design> {
             geometry: if axial { Geometry::Axisymmetric } else { Geometry::Plane },
             depth_mm: 6.0,
             out_of_plane: None,
+            mirror: None,
             edge: if round { Edge::Round { radius: 40.0 } } else { Edge::Box { half: 40.0 } },
             coils: if coiled {
                 vec![Coil { name: "winding".into(), winding: winding(300.0), share: 1.0 }]

@@ -1,6 +1,6 @@
 //! Where a magnet's field ends, and what leaves the plane, as a file tells it.
 
-use lut_gen::magnet::design::{Edge, OutOfPlane};
+use lut_gen::magnet::design::{Edge, Mirror, OutOfPlane};
 use lut_gen::magnet::field::Geometry;
 
 use super::expression::Parameters;
@@ -24,6 +24,18 @@ pub(super) fn edge(root: &Section<'_>, parameters: &Parameters) -> Result<Edge, 
         (Some(radius), None) => Ok(Edge::Round { radius }),
         (None, Some(half)) => Ok(Edge::Box { half }),
         _ => Err(section.missing("radius_mm", "either radius_mm of a circle or half_mm of a box")),
+    }
+}
+
+/// `mirror = "across"` or `"along"`: only x of 0 and more is computed.
+pub(super) fn mirror(root: &Section<'_>, geometry: Geometry) -> Result<Option<Mirror>, ExperimentError> {
+    let mirror = root.word("mirror", &[("across", Mirror::Across), ("along", Mirror::Along)])?;
+    match (mirror, root.value("mirror")) {
+        (Some(_), Some(value)) if geometry == Geometry::Axisymmetric => {
+            let text = "`mirror` belongs to a plane drawing; about an axis only one half is drawn anyway".to_owned();
+            Err(root.document.error(value.span(), Problem::Contradiction(text)))
+        }
+        _ => Ok(mirror),
     }
 }
 

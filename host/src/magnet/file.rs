@@ -14,12 +14,13 @@ use super::{Control, Line, Magnet, Named, boundary, material, part};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{ExperimentError, Problem, text_of};
 
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 17] = [
     "title",
     "source",
     "geometry",
     "depth_mm",
     "boundary",
+    "mirror",
     "material",
     "coil",
     "region",
@@ -82,7 +83,8 @@ pub fn parse(file: &Path, text: &str, set: &BTreeMap<String, f64>) -> Result<Mag
     });
     let coils = coils.collect::<Result<_, _>>()?;
     let out_of_plane = boundary::out_of_plane(&root, geometry, &parameters)?;
-    let design = Design { geometry, depth_mm, out_of_plane, edge: boundary::edge(&root, &parameters)?, regions, coils };
+    let (mirror, edge) = (boundary::mirror(&root, geometry)?, boundary::edge(&root, &parameters)?);
+    let design = Design { geometry, depth_mm, out_of_plane, mirror, edge, regions, coils };
     design.check().map_err(|error| {
         let text = error.to_string();
         let at = sections.iter().zip(&design.regions).find(|(_, r)| text.contains(&format!("\"{}\"", r.name)));
@@ -259,6 +261,7 @@ mod tests {
             ("control = \"probe\"", "control = \"nose\"", "expected the name of a point or probe: "),
             ("\"open\"", "{ radius_mm = 15 }", "the boundary must be at least"),
             ("\"open\"", "\"opne\"", "`boundary` is \"opne\"; expected \"open\", or a table"),
+            ("control = \"probe\"", "control = \"probe\"\nmirror = \"left\"", "expected one of \"across\", \"along\""),
             ("sense = \"in\"", "sense = \"left\"", "expected one of \"out\", \"in\""),
             ("\"gap / 2\"", "\"gab / 2\"", "a formula of `gab`, which is no parameter (known: "),
             ("by = 0.5", "by = 0", "expected what a built one may differ by"),

@@ -1,7 +1,7 @@
 //! A magnet as a drawing: regions with their materials, coils, and where the field ends.
 
 use super::bh::Law;
-pub use super::edge::Edge;
+pub use super::edge::{Edge, Mirror};
 use super::field::{Geometry, Matter};
 use super::shape::{Shape, ShapeError};
 use super::winding::Winding;
@@ -75,6 +75,8 @@ pub struct Design {
     pub depth_mm: f64,
     /// What leaves the plane; without, the plane is infinitely deep.
     pub out_of_plane: Option<OutOfPlane>,
+    /// A mirror at x = 0, beside which only x of 0 and more counts; without, and about an axis, none.
+    pub mirror: Option<Mirror>,
     /// Where it ends.
     pub edge: Edge,
     /// Its parts.
@@ -236,12 +238,15 @@ impl Design {
             self.check_region(region, far)?;
         }
         for (i, coil) in self.coils.iter().enumerate() {
-            if !self.regions.iter().any(|region| region.coil.is_some_and(|(own, sense)| own == i && sense > 0.0)) {
+            let is_mirrored = self.mirror == Some(Mirror::Along);
+            let is_out = |(own, sense): (usize, f64)| own == i && (sense > 0.0 || is_mirrored);
+            if !self.regions.iter().any(|region| region.coil.is_some_and(is_out)) {
                 return Err(DesignError::Unwound { coil: coil.name.clone() });
             }
         }
         let ampere_turns = self.net();
-        if self.edge == Edge::Open && self.geometry == Geometry::Plane && ampere_turns != 0.0 {
+        let comes_back = self.geometry == Geometry::Axisymmetric || self.mirror == Some(Mirror::Along);
+        if self.edge == Edge::Open && !comes_back && ampere_turns != 0.0 {
             return Err(DesignError::Net { ampere_turns });
         }
         Ok(())
@@ -286,7 +291,8 @@ impl Design {
         Ok(())
     }
 
-    /// Area of each sense of a coil, mm^2: out of the plane, into it. `areas` are those of the mesh's regions.
+    /// Area of each sense of a coil, mm^2: out of the plane, into it, those beyond a mirror among them. `areas` are those of the
+    /// mesh's regions.
     #[must_use]
     pub fn window_mm2(&self, coil: usize, areas: &[f64]) -> [f64; 2] {
         let mut window = [0.0; 2];
@@ -295,7 +301,11 @@ impl Design {
                 window[usize::from(sense < 0.0)] += area;
             }
         }
-        window
+        match self.mirror {
+            None => window,
+            Some(Mirror::Across) => window.map(|area| 2.0 * area),
+            Some(Mirror::Along) => [window[0] + window[1]; 2],
+        }
     }
 
     /// The matter of the mesh's regions when these currents flow through the coils, A.

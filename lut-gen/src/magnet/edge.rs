@@ -25,6 +25,15 @@ pub enum Edge {
     },
 }
 
+/// What a mirror at x = 0 does to the flux of a plane magnet whose other half is its image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mirror {
+    /// Flux crosses it at right angles: an image's current flows the same way.
+    Across,
+    /// Flux runs along it: an image's current flows the other way.
+    Along,
+}
+
 /// Radius of the meshed circle over what the drawing reaches: beyond it the field is known in closed form. Nearer, the sides on
 /// the circle would have to be shorter; farther, there is more to mesh.
 const NEAR: f64 = 1.3;
@@ -56,11 +65,19 @@ impl Design {
         let reach = shapes.map(Shape::reach).fold(0.0, f64::max);
         let near_mm = NEAR * reach;
         match self.edge {
-            Edge::Open => Some(Around { near_mm, far_mm: None }),
+            Edge::Open => Some(Around { near_mm, far_mm: None, mirror: self.mirror }),
             // A boundary that is hardly farther away is meshed.
-            Edge::Round { radius } if radius > NEAR * near_mm => Some(Around { near_mm, far_mm: Some(radius) }),
+            Edge::Round { radius } if radius > NEAR * near_mm => {
+                Some(Around { near_mm, far_mm: Some(radius), mirror: self.mirror })
+            }
             Edge::Round { .. } | Edge::Box { .. } => None,
         }
+    }
+
+    /// True when only x of 0 and more is meshed: about an axis, and beside a mirror.
+    #[must_use]
+    pub fn is_half(&self) -> bool {
+        self.geometry == Geometry::Axisymmetric || self.mirror.is_some()
     }
 
     /// True when a point is on the mesh's boundary or the axis, and the potential is held there.
@@ -68,7 +85,8 @@ impl Design {
     pub fn is_held(&self, p: [f64; 2]) -> bool {
         let far = self.edge.extent();
         let near = 1e-6 * far;
-        if self.geometry == Geometry::Axisymmetric && p[0] < 1e-9 {
+        let is_held = self.geometry == Geometry::Axisymmetric || self.mirror == Some(Mirror::Along);
+        if is_held && p[0] < 1e-9 {
             return true;
         }
         match self.edge {
@@ -79,27 +97,27 @@ impl Design {
     }
 
     pub(super) fn is_inside(&self, p: [f64; 2]) -> bool {
-        (self.geometry == Geometry::Plane || p[0] > 0.0)
+        (!self.is_half() || p[0] > 0.0)
             && match self.edge {
                 Edge::Open | Edge::Round { .. } => p[0].hypot(p[1]) < self.meshed_mm(),
                 Edge::Box { .. } => true,
             }
     }
 
-    /// The mesh's boundary, without the axis.
+    /// The mesh's boundary, without axis or mirror.
     pub(super) fn frame(&self) -> Vec<Curve> {
         let far = self.meshed_mm();
-        match (self.edge, self.geometry) {
-            (Edge::Box { half }, Geometry::Plane) => Curve::rectangle([-half, -half], [half, half]).to_vec(),
-            (Edge::Box { half }, Geometry::Axisymmetric) => Curve::rectangle([0.0, -half], [half, half])[..3].to_vec(),
-            (_, Geometry::Plane) => vec![Curve::circle([0.0, 0.0], far)],
-            (_, Geometry::Axisymmetric) => {
+        match (self.edge, self.is_half()) {
+            (Edge::Box { half }, false) => Curve::rectangle([-half, -half], [half, half]).to_vec(),
+            (Edge::Box { half }, true) => Curve::rectangle([0.0, -half], [half, half])[..3].to_vec(),
+            (_, false) => vec![Curve::circle([0.0, 0.0], far)],
+            (_, true) => {
                 vec![Curve::Arc { centre: [0.0, 0.0], radius: far, from: -FRAC_PI_2, to: FRAC_PI_2 }]
             }
         }
     }
 
-    /// The axis as far as it is meshed.
+    /// The axis or mirror as far as it is meshed.
     pub(super) fn axis(&self) -> Curve {
         let far = self.meshed_mm();
         Curve::Line([0.0, far], [0.0, -far])

@@ -13,6 +13,7 @@ use crate::fem::mesh::Mesh;
 use crate::fem::quadrature::gauss;
 use crate::fem::triangle::{NODES, SIDES};
 
+use super::edge::Mirror;
 use super::field::Geometry;
 
 /// Circle up to which a magnet is meshed, and what lies beyond.
@@ -22,6 +23,8 @@ pub struct Around {
     pub near_mm: f64,
     /// Radius where the potential is zero, mm; `None` where nothing bounds the field.
     pub far_mm: Option<f64>,
+    /// Only the half at x of 0 and more is meshed, beside this mirror. Not used about an axis.
+    pub mirror: Option<Mirror>,
 }
 
 /// Points of integration on a side of the circle: a cubic times a mode that turns by less than half on it.
@@ -71,6 +74,9 @@ impl Outside {
                 let (angle, turned, shapes) = on_side(mesh, geometry, (t, side), 0.5 * (1.0 + x));
                 let turned = 0.5 * weight * turned;
                 each(geometry, &modes, angle, |m, value| {
+                    // the image of the half has as much of a mode
+                    let value =
+                        if around.mirror.is_some() && geometry == Geometry::Plane { 2.0 * value } else { value };
                     for (place, shape) in places.iter().zip(shapes) {
                         if let Some(place) = place {
                             amplitudes[m * nodes.len() + place] += turned * value * shape;
@@ -118,7 +124,7 @@ impl Outside {
 
     /// Flux density at a point beyond the circle, along x and y or r and z; `None` for one that is not there.
     pub fn flux_density(&self, potential: &[f64], at: [f64; 2]) -> Option<[f64; 2]> {
-        let Around { near_mm, far_mm } = self.around;
+        let Around { near_mm, far_mm, .. } = self.around;
         let r = at[0].hypot(at[1]);
         if !(r >= near_mm && far_mm.is_none_or(|far| r <= far)) {
             return None;
@@ -163,7 +169,7 @@ impl Outside {
 impl Around {
     /// Part of the amplitude of mode `n` of the plane that is left at a radius, and its slope.
     fn fall(self, n: usize, r: f64) -> (f64, f64) {
-        let Around { near_mm: near, far_mm } = self;
+        let Around { near_mm: near, far_mm, .. } = self;
         if n == 0 {
             // A mean potential has no flux where nothing bounds it.
             return far_mm
@@ -177,7 +183,7 @@ impl Around {
 
     /// The same about an axis.
     fn fall_about_axis(self, n: usize, r: f64) -> (f64, f64) {
-        let Around { near_mm: near, far_mm } = self;
+        let Around { near_mm: near, far_mm, .. } = self;
         let n = n as i32;
         let falls = (near / r).powi(n + 1);
         let rises = far_mm.map_or(0.0, |far| (r / far).powi(n) * (near / far).powi(n + 1));
@@ -189,18 +195,28 @@ impl Around {
 
 /// Modes up to an order, with what their squares weigh.
 fn modes(geometry: Geometry, around: Around, most: usize) -> Vec<Mode> {
-    let Around { near_mm: near, far_mm } = around;
+    let Around { near_mm: near, far_mm, mirror } = around;
     let nears = |power: i32| far_mm.map_or(0.0, |far| (near / far).powi(power));
     let mut modes = Vec::new();
     match geometry {
         Geometry::Plane => {
             // Without a boundary nothing drives the mean potential: any weight makes it zero.
             let mean = far_mm.map_or(1.0, |far| 1.0 / (far / near).ln());
-            modes.push(Mode { order: 0, is_sine: false, weight: TAU * mean });
+            // Of the energy of a whole circle the meshed half has a half. The potential is the same or the opposite at -x: there
+            // the cosine of order n is (-1)^n of itself, and the sine -(-1)^n.
+            let share = if mirror.is_some() { 0.5 } else { 1.0 };
+            let belongs = |order: usize, is_sine: bool| {
+                let is_same = (order % 2 == 0) != is_sine;
+                mirror.is_none_or(|mirror| is_same == (mirror == Mirror::Across))
+            };
+            if belongs(0, false) {
+                modes.push(Mode { order: 0, is_sine: false, weight: share * TAU * mean });
+            }
             for order in 1..=most {
                 let q = nears(2 * order as i32);
-                let weight = PI * order as f64 * (1.0 + q) / (1.0 - q);
-                modes.extend([false, true].map(|is_sine| Mode { order, is_sine, weight }));
+                let weight = share * PI * order as f64 * (1.0 + q) / (1.0 - q);
+                let both = [false, true].into_iter().filter(|is_sine| belongs(order, *is_sine));
+                modes.extend(both.map(|is_sine| Mode { order, is_sine, weight }));
             }
         }
         Geometry::Axisymmetric => {
@@ -341,7 +357,7 @@ mod tests {
             [(Geometry::Plane, wires, 3e-4), (Geometry::Axisymmetric, dipole, 1e-3)];
         for (geometry, known, close) in cases {
             let mesh = disc(geometry, Order::Third);
-            let outside = Outside::new(&mesh, geometry, Around { near_mm: NEAR_MM, far_mm: None });
+            let outside = Outside::new(&mesh, geometry, Around { near_mm: NEAR_MM, far_mm: None, mirror: None });
             let potential: Vec<f64> = mesh.nodes.iter().map(|p| known(*p).0).collect();
             for at in [[8.0, 8.0], [0.5, 12.0], [20.0, -3.0], [30.0, -40.0]] {
                 let (found, told) = (outside.flux_density(&potential, at).unwrap(), known(at).1);
@@ -358,7 +374,7 @@ mod tests {
         let cases: [(Geometry, Known); 2] = [(Geometry::Plane, wires), (Geometry::Axisymmetric, dipole)];
         for (geometry, known) in cases {
             let mesh = disc(geometry, Order::Third);
-            let outside = Outside::new(&mesh, geometry, Around { near_mm: NEAR_MM, far_mm: None });
+            let outside = Outside::new(&mesh, geometry, Around { near_mm: NEAR_MM, far_mm: None, mirror: None });
             let potential: Vec<f64> = mesh.nodes.iter().map(|p| known(*p).0).collect();
             let turn = if geometry == Geometry::Plane { TAU } else { PI };
             let parts = 4000;
@@ -387,7 +403,7 @@ mod tests {
 
     #[test]
     fn a_far_boundary_holds_the_potential() {
-        let around = Around { near_mm: 10.0, far_mm: Some(25.0) };
+        let around = Around { near_mm: 10.0, far_mm: Some(25.0), mirror: None };
         for n in 0..6 {
             for (name, fall) in
                 [("plane", Around::fall as fn(Around, usize, f64) -> (f64, f64)), ("axis", Around::fall_about_axis)]

@@ -5,7 +5,6 @@ use crate::fem::mesh::{Mesh, MeshError, mesh};
 use crate::fem::triangle::Order;
 
 use super::design::{Design, DesignError, Region};
-use super::field::Geometry;
 
 /// How sides follow the regions' sizes.
 struct Grading {
@@ -39,7 +38,7 @@ impl Design {
             curves.extend(shapes.flat_map(super::shape::Shape::outline));
         }
         let mut curves = unlike(curves);
-        if self.geometry == Geometry::Axisymmetric {
+        if self.is_half() {
             // A shape on the axis draws a side along it, which the frame has already.
             curves.retain(|c| !matches!(c, Curve::Line(a, b) if a[0].abs() + b[0].abs() < 1e-12));
             curves.push(self.axis());
@@ -95,7 +94,7 @@ impl Design {
         let around: Vec<usize> = (0..LOOKS)
             .map(|i| std::f64::consts::TAU * (i as f64 + 0.5) / LOOKS as f64)
             .map(|angle| [p[0] + 1e-4 * angle.cos(), p[1] + 1e-4 * angle.sin()])
-            .filter(|at| self.geometry == Geometry::Plane || at[0] > 0.0)
+            .filter(|at| !self.is_half() || at[0] > 0.0)
             .map(|at| self.region_at(at))
             .collect();
         let differ = |a: usize, b: usize| self.law(a) != self.law(b) || self.is_magnet(a) || self.is_magnet(b);
@@ -109,7 +108,7 @@ impl Design {
             [] => true,
             // Opposite each other: a straight border passes.
             [a, b] if around.len() == LOOKS => (b - a).abs_diff(LOOKS / 2) <= 1,
-            // On the axis the other half is the mirror image: a border across it is smooth.
+            // On axis and mirror the other half is the image: a border across it is smooth.
             [a] => (2 * (a + 1)).abs_diff(around.len()) <= 2,
             _ => false,
         };
@@ -148,6 +147,7 @@ mod tests {
     use super::*;
     use crate::magnet::bh::Law;
     use crate::magnet::edge::Edge;
+    use crate::magnet::field::Geometry;
     use crate::magnet::shape::Shape;
 
     fn block(name: &str, from: [f64; 2], to: [f64; 2], law: Law) -> Region {
@@ -169,6 +169,7 @@ mod tests {
             geometry: Geometry::Plane,
             depth_mm: 1.0,
             out_of_plane: None,
+            mirror: None,
             edge: Edge::Round { radius: 50.0 },
             // Two blocks of iron side by side are one; the copper above them has corners of no account.
             regions: vec![

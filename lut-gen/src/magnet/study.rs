@@ -1,6 +1,6 @@
 //! A design at one current after the other, on two meshes.
 
-use super::design::{Design, DesignError};
+use super::design::{Design, DesignError, Mirror};
 use super::field::{Field, FieldError, Geometry, Matter, Solution};
 use crate::fem::triangle::Order;
 
@@ -150,7 +150,8 @@ impl Design {
             .map_err(|source| StudyError::Field { ampere: 0.0, source })?;
         let areas: Vec<f64> = (0..=self.regions.len()).map(|region| field.area(region)).collect();
         for (region, area) in self.regions.iter().zip(&areas[1..]) {
-            if *area <= 0.0 {
+            let is_beyond = self.mirror.is_some() && region.shapes.iter().all(|shape| shape.bounds()[1][0] <= 0.0);
+            if *area <= 0.0 && !is_beyond {
                 let reason = "its shapes are cut away, or later regions cover it";
                 return Err(DesignError::Empty { region: region.name.clone(), reason }.into());
             }
@@ -179,18 +180,33 @@ impl Design {
 
     fn raw(&self, on: &Prepared, solution: &Solution, matter: &[Matter], wanted: &Wanted) -> Result<Raw, StudyError> {
         let at = |p: &[f64; 2]| {
-            let bulge = self.bulge(self.region_at(*p));
-            let flux = on.field.flux_density(solution, *p).ok_or(StudyError::Outside { at: *p })?;
-            Ok::<_, StudyError>(flux.map(|b| bulge * b))
+            // beyond a mirror: the field of the point's image
+            let (there, signs) = match self.mirror.filter(|_| p[0] < 0.0) {
+                None => (*p, [1.0, 1.0]),
+                Some(Mirror::Across) => ([-p[0], p[1]], [1.0, -1.0]),
+                Some(Mirror::Along) => ([-p[0], p[1]], [-1.0, 1.0]),
+            };
+            let bulge = self.bulge(self.region_at(there));
+            let flux = on.field.flux_density(solution, there).ok_or(StudyError::Outside { at: *p })?;
+            let mut flux = [bulge * signs[0] * flux[0], bulge * signs[1] * flux[1]];
+            if let Some(mirror) = self.mirror.filter(|_| p[0] == 0.0) {
+                flux[usize::from(mirror == Mirror::Across)] = 0.0;
+            }
+            Ok::<_, StudyError>(flux)
         };
         let mean = |region: &usize| {
             let none = || StudyError::NoProbe { region: self.name(*region).to_owned() };
-            let flux = on.field.mean_flux(solution, *region).ok_or_else(none)?;
+            let mut flux = on.field.mean_flux(solution, *region).ok_or_else(none)?;
+            // of a region on both sides of a mirror the images' parts along one direction cancel
+            let shapes = region.checked_sub(1).map_or(&[][..], |i| &self.regions[i].shapes);
+            if let Some(mirror) = self.mirror.filter(|_| shapes.iter().any(|shape| shape.bounds()[0][0] <= 0.0)) {
+                flux[usize::from(mirror == Mirror::Across)] = 0.0;
+            }
             Ok::<_, StudyError>(flux.map(|b| self.bulge(*region) * b))
         };
         let energy = on.field.energy(solution, matter);
         // T A mm^2 are 1e-6 J.
-        let deep = 1e-6 * self.depth();
+        let deep = 1e-6 * self.depth() * self.sides();
         Ok(Raw {
             points: wanted.points.iter().map(at).collect::<Result<_, _>>()?,
             probes: wanted.probes.iter().map(mean).collect::<Result<_, _>>()?,
@@ -208,17 +224,23 @@ impl Design {
         }
     }
 
+    /// How many halves there are of what is meshed.
+    fn sides(&self) -> f64 {
+        if self.mirror.is_some() { 2.0 } else { 1.0 }
+    }
+
     /// Flux linkage of a coil, Wb: turns times the mean potential out of the plane less that into it, times the depth.
     fn linkage_wb(&self, on: &Prepared, solution: &Solution, coil: usize) -> f64 {
         let window = self.window_mm2(coil, &on.areas);
         let mut linked = 0.0;
         for (i, region) in self.regions.iter().enumerate() {
-            if let Some((_, sense)) = region.coil.filter(|(own, _)| *own == coil) {
+            // one beyond a mirror has no area of its own
+            if let Some((_, sense)) = region.coil.filter(|(own, _)| *own == coil && on.areas[i + 1] > 0.0) {
                 let part = on.areas[i + 1] / window[usize::from(sense < 0.0)];
                 linked += sense * part * on.field.mean(solution, i + 1);
             }
         }
-        1e-6 * self.coils[coil].winding.turns * self.depth() * linked
+        1e-6 * self.coils[coil].winding.turns * self.depth() * self.sides() * linked
     }
 }
 

@@ -10,10 +10,12 @@
 //! | [`body`] | cross-section of the finger, block, and their elements |
 //! | [`contact`] | contact without friction of edges that slide as far as they like |
 //! | [`model`] | the equations of both bodies |
+//! | [`control`] | the yield stress with which a block feels like a foam |
 //! | [`press`] | the way down, and what was found at every depth ([`state`]) |
 
 pub mod body;
 pub mod contact;
+pub mod control;
 pub mod error;
 pub mod law;
 pub mod model;

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod contact;
+mod control;
 mod finger;
 mod mesh;
 mod yielding;
