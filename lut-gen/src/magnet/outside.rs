@@ -206,7 +206,7 @@ fn modes(geometry: Geometry, around: Around, most: usize) -> Vec<Mode> {
             // the cosine of order n is (-1)^n of itself, and the sine -(-1)^n.
             let share = if mirror.is_some() { 0.5 } else { 1.0 };
             let belongs = |order: usize, is_sine: bool| {
-                let is_same = (order % 2 == 0) != is_sine;
+                let is_same = (order.is_multiple_of(2)) != is_sine;
                 mirror.is_none_or(|mirror| is_same == (mirror == Mirror::Across))
             };
             if belongs(0, false) {

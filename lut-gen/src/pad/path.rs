@@ -53,6 +53,8 @@ pub(super) struct Path<'a> {
     /// Residual that would have ended the last solve.
     wanted_n: f64,
     now: Now,
+    /// Force now (N).
+    force_n: f64,
     /// Displacements now, and those of a moment before.
     u: Vec<f64>,
     before: Option<(Now, Vec<f64>)>,
@@ -78,6 +80,7 @@ impl<'a> Path<'a> {
             u: vec![0.0; 2 * model.nodes.len()],
             before: None,
             now: Now::default(),
+            force_n: 0.0,
             last: (memory.clone(), 0.0),
             grips: Vec::new(),
             memory,
@@ -105,6 +108,7 @@ impl<'a> Path<'a> {
             let next = Now {
                 time_s: at(from.time_s, time_s, to.time_s),
                 travel_mm: at(from.travel_mm, travel_mm, to.travel_mm),
+                force_n: self.force_n,
             };
             self.hardest = 0;
             match self.step(next)? {
@@ -122,8 +126,12 @@ impl<'a> Path<'a> {
                 }
             }
         }
-        let moment =
-            Moment { travel_mm: to.travel_mm, yield_mpa: (self.yields)(to), step_s: self.last.1, old: &self.last.0 };
+        let moment = Moment {
+            travel_mm: to.travel_mm,
+            yield_mpa: (self.yields)(self.now),
+            step_s: self.last.1,
+            old: &self.last.0,
+        };
         let x = self.model.values(&self.u);
         let mut state = State::of(&self.model, &x, &moment, &self.memory, &self.grips);
         (state.time_s, state.steps) = (to.time_s, self.steps);
@@ -189,6 +197,7 @@ impl<'a> Path<'a> {
             let rubbed = self.model.friction.is_none() || (force - before).abs() <= SAME_FORCE * force.abs();
             if self.renew_volume(&mut old, &new) < SAME_VOLUME && rubbed {
                 result = Some(new);
+                self.force_n = force;
                 self.grips = grips;
                 break;
             }

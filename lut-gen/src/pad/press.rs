@@ -27,9 +27,11 @@ pub struct Now {
     pub time_s: f64,
     /// How far the upper side has come down (mm).
     pub travel_mm: f64,
+    /// Force at the end of the step before (N), as a controller knows it. A motion leaves it 0.
+    pub force_n: f64,
 }
 
-/// A yield stress (MPa, Cauchy) over time and travel.
+/// A yield stress (MPa, Cauchy) over time, travel and the force of the step before.
 pub type Programme<'a> = &'a (dyn Fn(Now) -> f64 + Sync);
 
 /// A body pressed on another. At travel 0 they just touch or are apart.
@@ -140,7 +142,8 @@ impl<'a> Press<'a> {
             demand(travel >= before && travel.is_finite(), "a travel (mm)", travel, "numbers that rise from 0")?;
             before = travel;
         }
-        let motion: Vec<Now> = travels_mm.iter().map(|&travel_mm| Now { time_s: travel_mm, travel_mm }).collect();
+        let motion: Vec<Now> =
+            travels_mm.iter().map(|&travel_mm| Now { time_s: travel_mm, travel_mm, force_n: 0.0 }).collect();
         self.follow(&motion)
     }
 

@@ -142,7 +142,7 @@ fn a_held_finger_relaxes() {
         press
     };
     let relaxing = |mu: f64| Relaxing::new(Elastic::Ogden(neo(mu, 1.0)), &[(0.3, 0.5), (0.2, 8.0)]).unwrap();
-    let at = |time_s: f64| Now { time_s, travel_mm: 1.0 };
+    let at = |time_s: f64| Now { time_s, travel_mm: 1.0, force_n: 0.0 };
     let mut soft = finger(&|mu| Material::Relaxing(relaxing(mu)));
     // longer steps for the slow end
     let quick = soft.follow(&[at(0.0), at(0.25), at(0.5), at(2.0)]).unwrap();

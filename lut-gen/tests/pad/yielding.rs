@@ -113,7 +113,7 @@ fn a_block_that_yielded_keeps_a_dent() {
     let block = yielding(-finger.height_mm, 0.5);
     let mut press = Press::new(Section::Ring, Side::Soft(finger.body().unwrap()), Side::Soft(block));
     let motion = [[1.0, 1.0], [1.5, 1.5], [2.0, 1.0], [3.0, 0.0]];
-    let motion = motion.map(|[time_s, travel_mm]| Now { time_s, travel_mm });
+    let motion = motion.map(|[time_s, travel_mm]| Now { time_s, travel_mm, force_n: 0.0 });
     for yields in [false, true] {
         press.yields = if yields { &|_| 0.003 } else { &|_| f64::INFINITY };
         let states = press.follow(&motion).unwrap();

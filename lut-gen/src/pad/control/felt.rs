@@ -1,0 +1,106 @@
+//! What a finger feels, how far that is from what is wanted, and averages of a foam's stress.
+
+use crate::pad::body::section::Section;
+use crate::pad::state::State;
+
+/// What a finger feels: force and area at some travels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Felt {
+    /// Travels (mm), rising.
+    pub travel_mm: Vec<f64>,
+    /// Force (N).
+    pub force_n: Vec<f64>,
+    /// Area of the contact as its print shows it, flat (mm2; in the plane its width, mm).
+    pub area_mm2: Vec<f64>,
+}
+
+/// How far what is felt is from what is wanted: root mean square over that of what is wanted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Error {
+    /// Of the force.
+    pub force: f64,
+    /// Of the area.
+    pub area: f64,
+}
+
+/// Averages of Mises' stress over the nodes of the lower body (MPa).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Averages {
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// Median.
+    pub median: f64,
+    /// Geometric mean over the nodes that bear stress.
+    pub geometric: f64,
+}
+
+impl Felt {
+    /// Of the states of a press in the plane or of a ring.
+    #[must_use]
+    pub fn of(section: Section, states: &[State]) -> Self {
+        let each = |value: fn(&State) -> f64| -> Vec<f64> { states.iter().map(value).collect() };
+        let print = |radius: f64| match section {
+            Section::Plane => 2.0 * radius,
+            Section::Ring => std::f64::consts::PI * radius * radius,
+        };
+        let area_mm2 = each(|s| s.half_width_mm).into_iter().map(print).collect();
+        Self { travel_mm: each(|s| s.travel_mm), force_n: each(|s| s.force_n), area_mm2 }
+    }
+
+    /// How far it is from what is wanted at the same travels.
+    #[must_use]
+    pub fn error(&self, wanted: &Felt) -> Error {
+        let part = |own: &[f64], wanted: &[f64]| {
+            let square: f64 = own.iter().zip(wanted).map(|(a, b)| (a - b).powi(2)).sum();
+            (square / wanted.iter().map(|b| b * b).sum::<f64>()).sqrt()
+        };
+        Error { force: part(&self.force_n, &wanted.force_n), area: part(&self.area_mm2, &wanted.area_mm2) }
+    }
+
+    /// Differences to what is wanted, both kinds alike in size.
+    pub(super) fn left(&self, wanted: &Felt) -> Vec<f64> {
+        let each = |own: &[f64], wanted: &[f64]| -> Vec<f64> {
+            let size = wanted.iter().map(|b| b * b).sum::<f64>().sqrt();
+            own.iter().zip(wanted).map(|(a, b)| (b - a) / size).collect()
+        };
+        let mut left = each(&self.force_n, &wanted.force_n);
+        left.extend(each(&self.area_mm2, &wanted.area_mm2));
+        left
+    }
+}
+
+impl Error {
+    /// Both together.
+    #[must_use]
+    pub fn combined(&self) -> f64 {
+        (0.5 * (self.force * self.force + self.area * self.area)).sqrt()
+    }
+}
+
+impl Averages {
+    /// Over the nodes of a state's lower body; `None` where that is rigid.
+    #[must_use]
+    pub fn of(state: &State) -> Option<Self> {
+        let mut stresses: Vec<f64> = state.mises_mpa.get(state.lower..)?.to_vec();
+        stresses.sort_by(f64::total_cmp);
+        let count = stresses.len();
+        let median = 0.5 * (stresses.get(count.checked_sub(1)? / 2)? + stresses.get(count / 2)?);
+        let bearing: Vec<f64> = stresses.iter().copied().filter(|s| *s > 0.0).collect();
+        let logarithm = bearing.iter().map(|s| s.ln()).sum::<f64>() / bearing.len().max(1) as f64;
+        let geometric = if bearing.is_empty() { 0.0 } else { logarithm.exp() };
+        Some(Self { mean: stresses.iter().sum::<f64>() / count as f64, median, geometric })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_a_part_of_what_is_wanted() {
+        let felt = |f: f64| Felt { travel_mm: vec![1.0, 2.0], force_n: vec![f, 2.0 * f], area_mm2: vec![5.0, 8.0] };
+        let error = felt(1.1).error(&felt(1.0));
+        assert!((error.force - 0.1).abs() < 1e-12 && error.area == 0.0);
+        assert!((error.combined() - 0.1 / 2_f64.sqrt()).abs() < 1e-12);
+    }
+}
