@@ -72,6 +72,13 @@ pub const MATERIAL_LEN: usize = 64;
 /// Most axes of a table.
 pub const MAX_AXES: usize = 8;
 
+/// Most force nodes of a display curve.
+pub const MAX_NODES: usize = 256;
+
+/// Largest coil current of a curve, A: the thesis' measurements end there (Table 6), and the board asks
+/// for no more.
+pub const CURRENT_MAX_A: f32 = 2.5;
+
 /// True for a factor of counts that no count makes infinite: above zero, and finite times the largest count.
 fn is_scale(scale: f32) -> bool {
     scale > 0.0 && (scale * f32::from(u16::MAX)).is_finite()
