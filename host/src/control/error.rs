@@ -63,4 +63,40 @@ pub enum CurveError {
         /// What was expected.
         expected: String,
     },
+    /// A curve of a material that the library does not have.
+    #[error("{}: material \"{material}\" is not in the library; expected one of {known}", file.display())]
+    Stranger {
+        /// The file.
+        file: PathBuf,
+        /// Its material.
+        material: String,
+        /// What the library has.
+        known: String,
+    },
+    /// Two curves of one material.
+    #[error(
+        "{}: material \"{material}\" has a curve already, {}; expected one file a material",
+        file.display(),
+        other.display()
+    )]
+    Twice {
+        /// The second file.
+        file: PathBuf,
+        /// The first.
+        other: PathBuf,
+        /// The material.
+        material: String,
+    },
+    /// Curves of two displays.
+    #[error("{}: for {is}; expected {was}, as {}: a display has one magnet and one fluid", file.display(), other.display())]
+    OtherDisplay {
+        /// The second file.
+        file: PathBuf,
+        /// Its magnet and fluid.
+        is: String,
+        /// The first file.
+        other: PathBuf,
+        /// Magnet and fluid of the first.
+        was: String,
+    },
 }

@@ -3,9 +3,13 @@
 
 mod curve;
 mod error;
+mod library;
+mod ticks;
 
 pub use curve::{COLUMNS, ControlCurve, MOST_ROWS, Row};
 pub use error::CurveError;
+pub use library::{Curves, actuator_only};
+pub use ticks::ShownTicks;
 
 #[cfg(test)]
 mod tests;
