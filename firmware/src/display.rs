@@ -1,11 +1,10 @@
 //! The softness display: finger force to shaft position and coil current.
 
-use crate::coil;
 use crate::coil::thermal::{ThermalConfig, allowed_fraction};
 use crate::number::limit;
 use crate::pid::{Pid, PidState};
-use protocol::lut::Material;
-use protocol::message::Fitted;
+use protocol::lut::{Current, Material};
+use protocol::message::{Fitted, Shown};
 
 /// Limits of the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +18,7 @@ pub struct DisplayConfig {
     /// Within this of the end of the stroke the shaft counts as at its stop, mm: three times the zero error
     /// that the bring-up accepts. Nothing is integrated into the stop (`docs/decisions/0011-end-stop.md`).
     pub end_zone_mm: f32,
-    /// Highest coil current, A (thesis Table 6 ends there).
+    /// Highest coil current, A.
     pub coil_max_a: f32,
 }
 
@@ -30,7 +29,7 @@ impl Default for DisplayConfig {
             target_rate_mm_s: 40.0,
             homing_rate_mm_s: 5.0,
             end_zone_mm: 0.3,
-            coil_max_a: 2.5,
+            coil_max_a: protocol::lut::CURRENT_MAX_A,
         }
     }
 }
@@ -51,6 +50,8 @@ pub struct DisplayOutput {
     pub actuator_v: f32,
     /// Desired coil current, A.
     pub coil_target_a: f32,
+    /// What of the material is not displayed.
+    pub shown: Shown,
 }
 
 /// What the display looks at.
@@ -68,11 +69,12 @@ impl DisplayOutput {
     /// The same with what is not fitted not driven.
     #[must_use]
     pub fn fitted(self, fitted: &Fitted) -> Self {
-        DisplayOutput {
-            actuator_v: if fitted.actuator { self.actuator_v } else { 0.0 },
-            coil_target_a: if fitted.coil { self.coil_target_a } else { 0.0 },
-            ..self
+        let rest = DisplayOutput { actuator_v: if fitted.actuator { self.actuator_v } else { 0.0 }, ..self };
+        if fitted.coil {
+            return rest;
         }
+        let shown = Shown { unreachable: false, coil_limited: false, actuator_only: true, ..self.shown };
+        DisplayOutput { coil_target_a: 0.0, shown, ..rest }
     }
 }
 
@@ -91,7 +93,8 @@ impl Display {
         material: &Material<'_>,
         input: &DisplayInput,
     ) -> DisplayOutput {
-        let wanted_mm = limit(material.displacement_mm(input.force_n), 0.0, config.target_max_mm);
+        let asked_mm = material.shaft_mm(input.force_n);
+        let wanted_mm = limit(asked_mm, 0.0, config.target_max_mm);
         let displayed = self.target_mm <= config.target_max_mm;
         let rate_mm_s = if displayed { config.target_rate_mm_s } else { config.homing_rate_mm_s };
         let step_mm = rate_mm_s * protocol::TICK_S;
@@ -102,9 +105,41 @@ impl Display {
         } else {
             pid.step(&mut self.pid, error_mm)
         };
-        // Hyperfoam with nu = 0: E = 2 mu.
-        let current_a = coil::control_curve_a(input.force_n, 2.0 * material.mu_mpa);
         let allowed_a = config.coil_max_a * allowed_fraction(thermal, input.coil_c);
-        DisplayOutput { target_mm: self.target_mm, actuator_v, coil_target_a: limit(current_a, 0.0, allowed_a) }
+        let (coil_target_a, shown) = coil(material.current(input.force_n), allowed_a);
+        let shown = Shown { shaft_limited: asked_mm > config.target_max_mm, ..shown };
+        DisplayOutput { target_mm: self.target_mm, actuator_v, coil_target_a, shown }
+    }
+}
+
+/// Current of the coil, A, and what of the material is not displayed with it.
+fn coil(wanted: Option<Current>, allowed_a: f32) -> (f32, Shown) {
+    let Some(Current { a, unreachable }) = wanted else {
+        return (0.0, Shown { actuator_only: true, ..Shown::default() });
+    };
+    let coil_limited = !(a <= allowed_a);
+    (limit(a, 0.0, allowed_a), Shown { unreachable, coil_limited, ..Shown::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_current_that_is_cut_is_told_and_no_other() {
+        let wanted = |a, unreachable| Some(Current { a, unreachable });
+        let shown = |unreachable, coil_limited, actuator_only| Shown {
+            unreachable,
+            coil_limited,
+            shaft_limited: false,
+            actuator_only,
+        };
+        assert_eq!(coil(wanted(1.0, false), 2.5), (1.0, shown(false, false, false)));
+        assert_eq!(coil(wanted(2.5, false), 2.5), (2.5, shown(false, false, false)));
+        assert_eq!(coil(wanted(2.0, true), 2.5), (2.0, shown(true, false, false)));
+        assert_eq!(coil(wanted(2.0, false), 1.25), (1.25, shown(false, true, false)));
+        assert_eq!(coil(wanted(2.0, true), 0.0), (0.0, shown(true, true, false)));
+        assert_eq!(coil(wanted(f32::NAN, false), 2.5), (0.0, shown(false, true, false)));
+        assert_eq!(coil(None, 2.5), (0.0, shown(false, false, true)));
     }
 }

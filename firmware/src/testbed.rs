@@ -3,7 +3,7 @@
 
 use crate::coil::winding::{LINKAGE_STEP_A, LINKAGES, Winding};
 use crate::contact::Sample;
-use protocol::lut::{AxisSpec, MaterialSpec, Role, Scale, TableSpec, axis_name};
+use protocol::lut::{AxisSpec, CoilSpec, DisplaySpec, MaterialSpec, Role, Scale, TableSpec, axis_name};
 
 /// Force over mu, mm^2: Hertz for E = 2 mu and a 4 mm ball times a factor that imitates how Hyperfoams soften with alpha.
 /// It is no physics; it has the shape that makes contact point, mu and alpha hard to tell apart.
@@ -64,6 +64,19 @@ fn axis(name: &str, unit: &str, role: Role, values: Vec<f64>) -> AxisSpec {
     AxisSpec::new(name, unit, role, Scale::Listed, values)
 }
 
+/// Displacement at every 0.1 N to 5 N, and half an ampere a newton, which the magnet makes from 0.1 to 4 N; the dummies have
+/// no control curve.
+fn display(foam: &Foam) -> DisplaySpec {
+    let displacement_mm: Vec<f64> = (1..=50).map(|i| 0.02 * f64::from(i) / foam.mu_mpa.sqrt()).collect();
+    let even = DisplaySpec::even(0.1, &displacement_mm);
+    let current_a = even.force_n.iter().map(|force_n| 0.5 * force_n).collect();
+    let coil = CoilSpec { current_a, reachable_n: REACHABLE_N, bound_a: 0.02 };
+    DisplaySpec { coil: (!foam.name.starts_with("dummy")).then_some(coil), ..even }
+}
+
+/// Forces between which the made-up magnet makes what is wanted, N.
+pub const REACHABLE_N: (f64, f64) = (0.1, 4.0);
+
 fn library(foams: &[Foam]) -> Vec<MaterialSpec> {
     foams
         .iter()
@@ -75,8 +88,7 @@ fn library(foams: &[Foam]) -> Vec<MaterialSpec> {
             acceptance: 0.03,
             rate_mm_s: 0.0,
             force_n: depths().iter().map(|d| foam.force_n(*d)).collect(),
-            display_step_n: 0.1,
-            displacement_mm: (1..=50).map(|i| 0.02 * f64::from(i) / foam.mu_mpa.sqrt()).collect(),
+            display: display(foam),
         })
         .collect()
 }

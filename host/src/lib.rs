@@ -7,6 +7,7 @@ mod print;
 
 pub mod calibration;
 pub mod cli;
+pub mod control;
 pub mod demo;
 pub mod diagnose;
 pub mod experiment;

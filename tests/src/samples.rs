@@ -1,7 +1,7 @@
 //! One sample of every message, with a different value in every field, and a small table.
 
 use protocol::fault::{Fault, FaultSet};
-use protocol::lut::{AxisSpec, MaterialSpec, Role, Scale, TableSpec, axis_name};
+use protocol::lut::{AxisSpec, CoilSpec, DisplaySpec, MaterialSpec, Role, Scale, TableSpec, axis_name};
 use protocol::message::*;
 
 /// Every request of the table, in its order.
@@ -106,6 +106,7 @@ fn telemetry(faults: FaultSet) -> Telemetry {
         search_error_n: 0.0625,
         tick_us: 90,
         raw: Raw { load_cell: 6_554, fsr: 17, potentiometer: 40_000, probe_position: 30_001, coil_current: 3_277 },
+        shown: Shown { unreachable: true, coil_limited: false, shaft_limited: true, actuator_only: false },
     }
 }
 
@@ -172,8 +173,11 @@ pub fn small_table() -> TableSpec {
             acceptance: 0.05,
             rate_mm_s: 0.0,
             force_n: vec![0.1, 0.2, 0.3, 0.4],
-            display_step_n: 1.0,
-            displacement_mm: vec![2.0, 3.0, 3.5],
+            display: DisplaySpec {
+                force_n: vec![0.0, 1.0, 2.0, 3.0],
+                shaft_mm: vec![0.0, 2.0, 3.0, 3.5],
+                coil: Some(CoilSpec { current_a: vec![0.0, 1.0, 1.5, 1.75], reachable_n: (0.5, 2.5), bound_a: 0.125 }),
+            },
         }],
         discretisation: 0.002,
         interpolation: 0.001,

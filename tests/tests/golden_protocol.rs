@@ -1,4 +1,4 @@
-//! The bytes of protocol version 2 and of table layout version 1. A released board depends on them.
+//! The bytes of protocol version 2 and of table layouts 1 and 2. A released board depends on them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use protocol::frame::{Decoder, MAX_FRAME, encode, encode_report, encode_request};
@@ -89,7 +89,41 @@ fn no_flipped_bit_is_accepted() {
 fn the_table_keeps_its_bytes() {
     let bytes = samples::small_table().to_bytes().unwrap();
     let text: String = bytes.chunks(32).map(|row| golden::hex(row) + "\n").collect();
-    golden::compare("table-v1.txt", &text).unwrap();
+    golden::compare("table-v2.txt", &text).unwrap();
     let table = Table::parse(&bytes).unwrap();
     assert_eq!(table.column_value(4, "alpha"), Some(2.0));
+}
+
+/// A table of the version before, as it was written then: all that it holds is read, and it has no coil curve.
+#[test]
+fn a_table_of_version_1_is_read() {
+    let text = std::fs::read_to_string(golden::path("table-v1.txt")).unwrap();
+    let digits: Vec<u8> = text.bytes().filter(u8::is_ascii_hexdigit).collect();
+    let byte = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).unwrap(), 16).unwrap();
+    let bytes: Vec<u8> = digits.chunks(2).map(byte).collect();
+    let (old, new) = (Table::parse(&bytes).unwrap(), samples::small_table().to_bytes().unwrap());
+    let new = Table::parse(&new).unwrap();
+    assert_eq!((old.version(), new.version()), (1, 2));
+    assert_eq!(old.material_count(), 1);
+    let (foam, same) = (old.material(0).unwrap(), new.material(0).unwrap());
+    assert_eq!((foam.name, foam.mu_mpa, foam.alpha, foam.height_mm), ("foam", 0.2, 2.0, 10.0));
+    for depth_mm in [0.25, 0.5, 1.3, 2.0] {
+        let (at, same_at) = (old.locate(depth_mm).unwrap(), new.locate(depth_mm).unwrap());
+        assert_eq!(foam.force_n(at), same.force_n(same_at));
+        assert_eq!(old.force_n(at, 4), new.force_n(same_at, 4));
+    }
+    // The points of version 1 are nodes of version 2, whose forces are rounded to 65,535ths of 3 N.
+    for force_n in [0.0, 0.5, 1.0, 2.5, 3.0, 9.0, f32::NAN] {
+        let off_mm = (foam.shaft_mm(force_n) - same.shaft_mm(force_n)).abs();
+        assert!(off_mm < 1e-4, "{force_n} N: {off_mm} mm");
+    }
+    assert_eq!((foam.current(1.0), foam.coil()), (None, None), "the actuator alone");
+    assert_eq!(foam.display_force_max_n(), 3.0);
+    let again = old.checked().open(&bytes).unwrap();
+    assert_eq!(again.material(0).unwrap().shaft_mm(2.5), foam.shaft_mm(2.5));
+    for bit in 0..bytes.len() * 8 {
+        let mut broken = bytes.clone();
+        broken[bit / 8] ^= 1 << (bit % 8);
+        assert!(Table::parse(&broken).is_err(), "bit {bit}");
+    }
 }

@@ -69,6 +69,7 @@ fn record(tick: u32, state: State, faults: FaultSet) -> Telemetry {
         search_error_n: 0.0,
         tick_us: 180 + (tick % 7) as u16 * 10,
         raw: Raw { load_cell: 6_600, fsr: 900, potentiometer: 41_000, probe_position: 20_000, coil_current: 3_300 },
+        shown: Shown::default(),
     }
 }
 

@@ -21,7 +21,7 @@ use crate::sensor::{Measured, RawSamples};
 use protocol::TICK_S;
 use protocol::lut::Table;
 use protocol::message::{
-    Calibration, CalibrationState, FaultReport, Fitted, Mode, Outcome, Raw, Report, State, Telemetry,
+    Calibration, CalibrationState, FaultReport, Fitted, Mode, Outcome, Raw, Report, Shown, State, Telemetry,
 };
 
 /// The machine; `S` is its flash.
@@ -61,6 +61,7 @@ pub struct Machine<S> {
     pub(super) coil_c: f32,
     outputs: Outputs,
     pub(super) shaft_target_mm: f32,
+    shown: Shown,
     not_finite: bool,
     pub(super) stop_pressed: bool,
 }
@@ -102,6 +103,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             measured: Measured::default(),
             outputs: Outputs::default(),
             shaft_target_mm: 0.0,
+            shown: Shown::default(),
             not_finite: false,
             stop_pressed: false,
         }
@@ -247,6 +249,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
     fn drive(&mut self) -> Outputs {
         let mut outputs = Outputs::default();
         self.shaft_target_mm = 0.0;
+        self.shown = Shown::default();
         match (self.mode.state, self.mode.commanded) {
             (State::Approach | State::Contact, Mode::Palpate { rate_mm_s, .. }) => {
                 outputs.power = Power::Arm;
@@ -257,6 +260,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
                 outputs.power = Power::Display;
                 let wanted = self.show(material);
                 self.shaft_target_mm = wanted.target_mm;
+                self.shown = wanted.shown;
                 outputs.actuator_v = wanted.actuator_v;
                 outputs.coil_target_a = wanted.coil_target_a;
                 outputs.coil_duty = self.coil_pi.steady_duty(wanted.coil_target_a);
@@ -299,6 +303,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             search_error_n: if self.mode.state == State::Contact { self.palpation.error_n() } else { 0.0 },
             tick_us: inputs.tick_us,
             raw: Raw::from(&self.raw),
+            shown: self.shown,
         }
     }
 }

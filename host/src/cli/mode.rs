@@ -10,6 +10,7 @@ use protocol::message::{Estimate, FaultReport, Mode, State, Verdict};
 use serde_json::{Value, json};
 
 use super::answer::Answer;
+use crate::control::ShownTicks;
 use crate::link::Link;
 use crate::log::{LogError, Recorder, estimate_text, verdict_text};
 use crate::session::{Event, Gap, Session, SessionError, fault_text, gap_text};
@@ -237,11 +238,16 @@ fn display<L: Link>(
     if let Mode::Display { material } = mode {
         errln!("displaying material {material}; Ctrl-C switches the outputs off");
     }
-    while outputs.next(began_s + seconds.unwrap_or(f64::INFINITY), stop)?.is_some() {}
+    let mut ticks = ShownTicks::default();
+    while let Some(event) = outputs.next(began_s + seconds.unwrap_or(f64::INFINITY), stop)? {
+        if let Event::Telemetry(record) = event {
+            ticks.add(&record);
+        }
+    }
     let displayed_s = outputs.session.link().now_s() - began_s;
     drop(outputs);
-    let answer: Value = json!({ "mode": mode, "seconds": displayed_s });
-    Ok((answer, format!("displayed for {displayed_s:.1} s, outputs off")))
+    let answer: Value = json!({ "mode": mode, "seconds": displayed_s, "ticks": ticks.json() });
+    Ok((answer, format!("displayed for {displayed_s:.1} s, outputs off; {ticks}")))
 }
 
 #[cfg(test)]

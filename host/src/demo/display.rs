@@ -70,7 +70,7 @@ pub(super) fn display(
 ) -> Result<Displayed, DemoError> {
     let within_stroke = |p: &&Palpated| {
         let material = table.material(usize::from(p.verdict.material.index));
-        material.is_some_and(|m| m.displacement_mm(TOUCH.peak_n as f32) <= STROKE_MM)
+        material.is_some_and(|m| m.shaft_mm(TOUCH.peak_n as f32) <= STROKE_MM)
     };
     let last = palpated.iter().rev().filter(|p| p.recognised()).find(within_stroke);
     let index = last.map_or(0, |p| p.verdict.material.index);
@@ -97,7 +97,7 @@ pub(super) fn display(
             sensor_a: f64::from(t.coil_a),
             true_a: truth.coil_a,
             true_flux_t: truth.flux_t,
-            material_mm: f64::from(material.displacement_mm(truth.finger_n as f32)),
+            material_mm: f64::from(material.shaft_mm(truth.finger_n as f32)),
         });
     }
     listening.board().touch(None);

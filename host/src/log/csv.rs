@@ -15,11 +15,13 @@ use crate::session::Traffic;
 /// Columns of the file. `time_s`: the board's time, which goes on by the host's clock when the board restarts, so that it
 /// never goes back; `tick` begins again then. `utc` is the same moment on the host's wall clock. `sensor_`: as read; `belief_`: as the
 /// controller thinks; `raw_`: the converter, 65,535ths of the reference voltage; `true_`: physics of a simulated board, empty for a real
-/// one. Units are in the names; `faults` is the bit set of latched faults. `note` says what happened since the row before: verdicts,
+/// one. Units are in the names; `faults` is the bit set of latched faults. `belief_unreachable` and the three after it are 1 in ticks whose
+/// display departs from the material ([`protocol::message::Shown`]), else 0. `note` says what happened since the row before: verdicts,
 /// faults, gaps; in the first row, whose recording it is. A row that repeats the tick before it only carries its note.
 pub const COLUMNS: &str = "time_s,tick,state,faults,\
 sensor_probe_mm,sensor_load_cell_n,sensor_fsr_n,sensor_shaft_mm,sensor_coil_a,\
 belief_depth_mm,belief_shaft_target_mm,belief_coil_target_a,belief_coil_c,belief_search_error_n,\
+belief_unreachable,belief_coil_limited,belief_shaft_limited,belief_actuator_only,\
 drive_actuator_v,drive_coil_duty,tick_us,\
 raw_load_cell,raw_fsr,raw_potentiometer,raw_probe_position,raw_coil_current,\
 true_specimen,true_probe_mm,true_depth_mm,true_force_n,true_finger_n,true_shaft_mm,true_coil_a,true_coil_c,true_flux_t,true_yield_kpa,\
@@ -81,7 +83,7 @@ impl CsvLog {
         // Writing to a string cannot fail.
         let _ = write!(
             line,
-            "{:.2},{},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},",
+            "{:.2},{},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},",
             at.board_s,
             t.tick,
             t.state,
@@ -96,6 +98,10 @@ impl CsvLog {
             t.coil_target_a,
             t.coil_c,
             t.search_error_n,
+            u8::from(t.shown.unreachable),
+            u8::from(t.shown.coil_limited),
+            u8::from(t.shown.shaft_limited),
+            u8::from(t.shown.actuator_only),
             t.actuator_v,
             t.coil_duty,
             t.tick_us,

@@ -59,6 +59,7 @@ fn head_line(monitor: &Monitor, palette: Palette, width: u16) -> Line<'static> {
             let style =
                 if t.state == State::Fault || !t.faults.is_empty() { palette.alarm() } else { palette.strong() };
             left.push(Span::styled(state_word(t), style));
+            left.extend(t.shown.words().map(|word| Span::styled(format!(", {word}"), palette.armed())));
         }
     }
     let right = match (&monitor.upload, monitor.armed) {

@@ -3,7 +3,7 @@ use super::*;
 use crate::session::{Event, Traffic};
 use protocol::fault::{Fault, FaultSet};
 use protocol::message::{
-    Build, CalibrationState, FaultReport, Fitted, Hello, Holder, Mode, Raw, ResetCause, State, Status, Telemetry,
+    Build, CalibrationState, FaultReport, Fitted, Hello, Holder, Mode, Raw, ResetCause, Shown, State, Status, Telemetry,
 };
 
 fn record(tick: u32, state: State, faults: &[Fault]) -> Telemetry {
@@ -27,6 +27,7 @@ fn record(tick: u32, state: State, faults: &[Fault]) -> Telemetry {
         search_error_n: 0.0,
         tick_us: 400,
         raw: Raw { load_cell: 0, fsr: 0, potentiometer: 0, probe_position: 0, coil_current: 0 },
+        shown: Shown::default(),
     }
 }
 

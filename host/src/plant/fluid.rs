@@ -1,10 +1,20 @@
 //! The magnetorheological fluid between finger and coil.
 
+use lut_gen::magnet::fluid::{Fluid as FluidLaw, Oil};
+
 /// Flux density and yield stress with the fluid's response time.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Fluid {
     flux_t: f64,
     core: Core,
+    /// Carlson's; never absent, because its fraction of iron is one of a fluid.
+    law: Option<FluidLaw>,
+}
+
+impl Default for Fluid {
+    fn default() -> Self {
+        Self::with(Core::default())
+    }
 }
 
 /// What the steel of the core and the gap add to the measured law.
@@ -66,13 +76,10 @@ const KNEE_A: f64 = 0.4;
 /// Response time, s (1 to 6 ms).
 const RESPONSE_S: f64 = 3e-3;
 
-/// Vacuum permeability, T m/A.
-const MU0: f64 = 4e-7 * std::f64::consts::PI;
-
 impl Fluid {
     /// A fluid in a core that is not ideal.
     pub fn with(core: Core) -> Self {
-        Fluid { flux_t: 0.0, core }
+        Fluid { flux_t: 0.0, core, law: FluidLaw::carlson(PHI, Oil::Hydrocarbon).ok() }
     }
 
     /// Flux density in the gap, T.
@@ -87,17 +94,9 @@ impl Fluid {
         self.flux_t += (rest - self.flux_t) * (1.0 - (-dt_s / RESPONSE_S).exp());
     }
 
-    /// Yield stress, kPa: Carlson's fits for a hydrocarbon fluid, `B(H)` inverted by Newton's method.
+    /// Yield stress, kPa, of Carlson's fits for a hydrocarbon fluid.
     pub fn yield_kpa(&self) -> f64 {
-        let saturation = 1.91 * PHI.powf(1.133);
-        let b = |h: f64| saturation * (1.0 - (-10.97 * MU0 * h).exp()) + MU0 * h;
-        let slope = |h: f64| MU0 * (1.0 + 10.97 * saturation * (-10.97 * MU0 * h).exp());
-        // B is concave in H, so that Newton from zero rises without overshoot.
-        let mut h = 0.0;
-        for _ in 0..30 {
-            h += (self.flux_t - b(h)) / slope(h);
-        }
-        271.7 * PHI.powf(1.5239) * (6.33e-6 * h).tanh()
+        self.law.as_ref().map_or(0.0, |law| law.yield_at_flux(self.flux_t))
     }
 }
 

@@ -1,6 +1,6 @@
 //! A small table and its foam, for tests.
 
-use protocol::lut::{AxisSpec, MaterialSpec, Role, Scale, TableSpec, axis_name};
+use protocol::lut::{AxisSpec, DisplaySpec, MaterialSpec, Role, Scale, TableSpec, axis_name};
 
 use crate::plant::{Curve, Foam};
 
@@ -34,8 +34,7 @@ pub(crate) fn press_table() -> TableSpec {
             height_mm: foam.height_mm,
             acceptance: 0.036,
             rate_mm_s: 0.0,
-            display_step_n: 1.0,
-            displacement_mm: vec![2.0, 3.0, 3.5],
+            display: DisplaySpec::even(1.0, &[2.0, 3.0, 3.5]),
         }],
         discretisation: 0.001,
         interpolation: 0.001,

@@ -1,6 +1,6 @@
 //! From grids to the bytes the board reads (format: `protocol::lut`).
 
-use protocol::lut::{AxisSpec, MaterialSpec, Role, Scale, TableSpec, WriteError, axis_name};
+use protocol::lut::{AxisSpec, DisplaySpec, MaterialSpec, Role, Scale, TableSpec, WriteError, axis_name};
 use rayon::prelude::*;
 
 use super::grid::{forces_n, problem};
@@ -102,8 +102,7 @@ fn material(foam: &Foam, spec: &GridSpec) -> Result<MaterialSpec, SolveError> {
         acceptance: ACCEPTANCE,
         rate_mm_s: if spec.relaxation.is_empty() { 0.0 } else { spec.rate_mm_s },
         force_n,
-        display_step_n: DISPLAY_STEP_N,
-        displacement_mm: displacement?,
+        display: DisplaySpec::even(DISPLAY_STEP_N, &displacement?),
     })
 }
 

@@ -63,7 +63,7 @@ impl core::fmt::Display for TableError {
             TableError::NotATable => f.write_str("not a Palpate table: the first 8 bytes are not PALPLUT"),
             TableError::WrongVersion { found } => write!(
                 f,
-                "table layout version {found}, this build reads version {}: make the table again with `palpate lut`",
+                "table layout version {found}, this build reads versions 1 to {}: make the table again with `palpate lut`",
                 super::VERSION
             ),
             TableError::Truncated { expected, found } => {

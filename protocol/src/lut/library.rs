@@ -1,8 +1,9 @@
 //! The library: named materials with their own force curve and display curve.
 
 use super::bytes::{f32_at, name_at, u16_at, u32_at};
+use super::display::{CoilLimits, Current, DisplayCurve};
 use super::reader::DepthPosition;
-use super::{MATERIAL_LEN, TableError};
+use super::{TableError, material_len};
 
 /// One named material, borrowed from the table.
 #[derive(Debug, Clone, Copy)]
@@ -22,22 +23,25 @@ pub struct Material<'a> {
     /// of the same name, for every rate of the table.
     pub rate_mm_s: f32,
     n_per_count: f32,
-    n_per_display_point: f32,
-    mm_per_count: f32,
     curve: &'a [u8],
-    display: &'a [u8],
+    display: DisplayCurve<'a>,
+}
+
+/// Where a table's materials are, and how they are laid out.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub version: u16,
+    pub library_at: usize,
+    pub rows: usize,
+    /// Points of a display curve, in version 1.
+    pub points: usize,
 }
 
 impl<'a> Material<'a> {
-    pub(super) fn parse(
-        data: &'a [u8],
-        library_at: usize,
-        material: u8,
-        rows: usize,
-        points: usize,
-    ) -> Result<Self, TableError> {
+    /// Reads a record; what is in its curves is looked at by [`Material::check`].
+    pub(super) fn parse(data: &'a [u8], place: &Place, material: u8) -> Result<Self, TableError> {
         let bad = |rule| TableError::BadMaterial { material, rule };
-        let at = library_at + usize::from(material) * MATERIAL_LEN;
+        let at = place.library_at + usize::from(material) * material_len(place.version);
         let counts = |offset_at: usize, n: usize| {
             let from = u32_at(data, offset_at) as usize;
             from.checked_add(n * 2)
@@ -53,27 +57,25 @@ impl<'a> Material<'a> {
                 return Err(bad("a number is not positive and finite"));
             }
         }
-        let [mu_mpa, alpha, height_mm, n_per_count, n_per_display_point, mm_per_count, acceptance] = fields;
-        if ![n_per_count, n_per_display_point, mm_per_count].into_iter().all(super::is_scale) {
+        let [mu_mpa, alpha, height_mm, n_per_count, n_per_display_count, mm_per_count, acceptance] = fields;
+        if ![n_per_count, n_per_display_count, mm_per_count].into_iter().all(super::is_scale) {
             return Err(bad("a scale is so large that forces or displacements are not finite"));
         }
         let rate_mm_s = f32_at(data, at + 52);
         if !(rate_mm_s.is_finite() && rate_mm_s >= 0.0) {
             return Err(bad("its rate is negative or not finite"));
         }
-        Ok(Material {
-            name,
-            mu_mpa,
-            alpha,
-            height_mm,
-            acceptance,
-            rate_mm_s,
-            n_per_count,
-            n_per_display_point,
-            mm_per_count,
-            curve: counts(at + 44, rows)?,
-            display: counts(at + 48, points)?,
-        })
+        let display = match place.version {
+            1 => DisplayCurve::even(n_per_display_count, mm_per_count, counts(at + 48, place.points)?),
+            _ => DisplayCurve::listed(data, at, n_per_display_count, mm_per_count).map_err(bad)?,
+        };
+        let curve = counts(at + 44, place.rows)?;
+        Ok(Material { name, mu_mpa, alpha, height_mm, acceptance, rate_mm_s, n_per_count, curve, display })
+    }
+
+    /// Looks at every node of the display curve.
+    pub(super) fn check(&self, material: u8) -> Result<(), TableError> {
+        self.display.check().map_err(|rule| TableError::BadMaterial { material, rule })
     }
 
     /// True for a press at a table's slice of rate `slice_mm_s` (0 for a table without rates).
@@ -91,27 +93,26 @@ impl<'a> Material<'a> {
         f32::from(u16_at(self.curve, self.curve.len().saturating_sub(2))) * self.n_per_count
     }
 
-    /// Displacement of the display's cap under a finger's force, mm: linear between points; 0 for no force
-    /// or NaN, and the last point beyond the curve.
-    pub fn displacement_mm(&self, force_n: f32) -> f32 {
-        let points = self.display.len() / 2;
-        let at = force_n / self.n_per_display_point;
-        if points == 0 || at.is_nan() || at <= 0.0 {
-            return 0.0;
-        }
-        // Point i is the displacement at (i + 1) steps of force; below the first point, from zero.
-        let value = |i: usize| f32::from(u16_at(self.display, i * 2));
-        if at >= points as f32 {
-            return value(points - 1) * self.mm_per_count;
-        }
-        let below = at as usize;
-        let w = at - below as f32;
-        let lower = if below == 0 { 0.0 } else { value(below - 1) };
-        (lower + w * (value(below) - lower)) * self.mm_per_count
+    /// Where the display's shaft must be under a finger's force, mm: linear between nodes; the first
+    /// node without force and for NaN, the last beyond the curve.
+    pub fn shaft_mm(&self, force_n: f32) -> f32 {
+        self.display.shaft_mm(force_n)
+    }
+
+    /// Coil current under a finger's force, linear between nodes: 0 without force and for NaN, held at
+    /// its limit where the force is not reachable. `None` for a material without control curve, which
+    /// is displayed with the actuator only.
+    pub fn current(&self, force_n: f32) -> Option<Current> {
+        self.display.current(force_n)
+    }
+
+    /// Limits of the coil's control curve, where there is one.
+    pub fn coil(&self) -> Option<CoilLimits> {
+        self.display.coil()
     }
 
     /// Force at which the display curve ends, N.
     pub fn display_force_max_n(&self) -> f32 {
-        (self.display.len() / 2) as f32 * self.n_per_display_point
+        self.display.force_max_n()
     }
 }

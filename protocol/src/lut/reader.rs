@@ -4,8 +4,8 @@ use core::ops::Range;
 
 use super::axis::{Axis, Role};
 use super::bytes::{array, f32_at, u16_at, u32_at};
-use super::library::Material;
-use super::{AXIS_LEN, HEADER_LEN, MAGIC, MATERIAL_LEN, MAX_AXES, TableError, VERSION, axis_name};
+use super::library::{Material, Place};
+use super::{AXIS_LEN, HEADER_LEN, MAGIC, MAX_AXES, TableError, VERSION, axis_name, material_len};
 use crate::frame::CRC32;
 
 /// Error bound of a table, each relative to a curve's peak force.
@@ -55,9 +55,8 @@ pub struct Table<'a> {
     columns: usize,
     scales: &'a [u8],
     counts: &'a [u8],
-    library_at: usize,
+    library: Place,
     material_count: u8,
-    display_points: usize,
     provenance: &'a str,
     depth_step_mm: f32,
 }
@@ -123,7 +122,7 @@ impl<'a> Table<'a> {
         let columns = u32_at(data, 60) as usize;
         let axis_count = data[52];
         let material_count = data[53];
-        let display_points = usize::from(u16_at(data, 54));
+        let version = u16_at(data, 8);
         let section = |name: &'static str, offset_at: usize, len: Option<usize>| {
             let from = u32_at(data, offset_at) as usize;
             len.and_then(|n| from.checked_add(n))
@@ -132,7 +131,7 @@ impl<'a> Table<'a> {
                 .ok_or(TableError::BadSection { section: name })
         };
         section("axes", 64, Some(usize::from(axis_count) * AXIS_LEN))?;
-        section("library", 76, Some(usize::from(material_count) * MATERIAL_LEN))?;
+        section("library", 76, Some(usize::from(material_count) * material_len(version)))?;
         let provenance = section("provenance", 80, Some(u32_at(data, 84) as usize))?;
         Ok(Table {
             data,
@@ -142,9 +141,13 @@ impl<'a> Table<'a> {
             columns,
             scales: section("scales", 68, columns.checked_mul(4))?,
             counts: section("counts", 72, columns.checked_mul(rows).and_then(|n| n.checked_mul(2)))?,
-            library_at: u32_at(data, 76) as usize,
+            library: Place {
+                version,
+                library_at: u32_at(data, 76) as usize,
+                rows,
+                points: usize::from(u16_at(data, 54)),
+            },
             material_count,
-            display_points,
             provenance: core::str::from_utf8(provenance)
                 .map_err(|_| TableError::BadSection { section: "provenance" })?,
             depth_step_mm: 0.0,
@@ -163,7 +166,7 @@ impl<'a> Table<'a> {
             }
         }
         for material in 0..self.material_count {
-            Material::parse(self.data, self.library_at, material, self.rows, self.display_points)?;
+            Material::parse(self.data, &self.library, material)?.check(material)?;
         }
         Ok(self)
     }
@@ -211,6 +214,11 @@ impl<'a> Table<'a> {
     /// Identity: SHA-256 of everything after the header, first 16 bytes.
     pub fn hash(&self) -> [u8; 16] {
         array(self.data, 24)
+    }
+
+    /// Version of its layout.
+    pub fn version(&self) -> u16 {
+        self.library.version
     }
 
     /// The error bound that travels with the table.
@@ -344,7 +352,7 @@ impl<'a> Table<'a> {
     /// Library material number `index`.
     pub fn material(&self, index: usize) -> Option<Material<'a>> {
         let index = u8::try_from(index).ok().filter(|i| *i < self.material_count)?;
-        Material::parse(self.data, self.library_at, index, self.rows, self.display_points).ok()
+        Material::parse(self.data, &self.library, index).ok()
     }
 
     /// All library materials.
@@ -364,7 +372,7 @@ fn check_envelope(bytes: &[u8]) -> Result<&[u8], TableError> {
         return Err(TableError::Truncated { expected: HEADER_LEN as u32, found });
     }
     let version = u16_at(bytes, 8);
-    if version != VERSION {
+    if !(1..=VERSION).contains(&version) {
         return Err(TableError::WrongVersion { found: version });
     }
     let mut header: [u8; HEADER_LEN] = array(bytes, 0);

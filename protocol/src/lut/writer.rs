@@ -2,7 +2,7 @@
 
 use super::axis::{Role, Scale};
 use super::reader::ErrorBound;
-use super::{AXIS_LEN, HEADER_LEN, MAGIC, MATERIAL_LEN, Table, TableError, VERSION};
+use super::{AXIS_LEN, HEADER_LEN, MAGIC, Table, TableError, VERSION, material_len};
 use crate::frame::CRC32;
 use sha2::{Digest, Sha256};
 
@@ -45,10 +45,38 @@ pub struct MaterialSpec {
     pub rate_mm_s: f64,
     /// Indentation force at every row, N.
     pub force_n: Vec<f64>,
-    /// Force between points of the display curve, N.
-    pub display_step_n: f64,
-    /// Displacement of the display at 1, 2, ... steps of force, mm.
-    pub displacement_mm: Vec<f64>,
+    /// How it is displayed.
+    pub display: DisplaySpec,
+}
+
+/// A display curve to write.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DisplaySpec {
+    /// Force of the finger at every node, N: 2 to [`super::MAX_NODES`], rising from 0.
+    pub force_n: Vec<f64>,
+    /// Shaft position at every node, mm.
+    pub shaft_mm: Vec<f64>,
+    /// Control curve of the coil; without it the actuator displays alone.
+    pub coil: Option<CoilSpec>,
+}
+
+impl DisplaySpec {
+    /// A curve without coil: shaft positions, mm, at 1, 2, ... steps of force, N; 0 without force.
+    pub fn even(step_n: f64, shaft_mm: &[f64]) -> Self {
+        let force_n = (0..=shaft_mm.len()).map(|i| step_n * i as f64).collect();
+        DisplaySpec { force_n, shaft_mm: [&[0.0], shaft_mm].concat(), coil: None }
+    }
+}
+
+/// A control curve of the coil to write.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoilSpec {
+    /// Current at every node, A, 0 to [`super::CURRENT_MAX_A`].
+    pub current_a: Vec<f64>,
+    /// Forces, N, between which the magnet can make what is wanted.
+    pub reachable_n: (f64, f64),
+    /// Largest error of the current, A, without that of rounding to counts, which is added.
+    pub bound_a: f64,
 }
 
 /// A table to write.
@@ -58,7 +86,7 @@ pub struct TableSpec {
     pub axes: Vec<AxisSpec>,
     /// Force of each stored column at each row, N: `columns[column][row]`, columns in the order of the axes, last axis fastest.
     pub columns: Vec<Vec<f64>>,
-    /// Library; all display curves have the same number of points.
+    /// Library.
     pub library: Vec<MaterialSpec>,
     /// Largest relative error of the finite elements.
     pub discretisation: f64,
@@ -124,7 +152,6 @@ impl TableSpec {
     /// [`WriteError`] names what does not fit the layout.
     pub fn to_bytes(&self) -> Result<Vec<u8>, WriteError> {
         let rows = self.axes.first().map_or(0, |a| a.values.len());
-        let points = self.library.first().map_or(0, |m| m.displacement_mm.len());
         let mut out = vec![0u8; HEADER_LEN];
         let mut quantisation = 0f64;
 
@@ -158,26 +185,12 @@ impl TableSpec {
         }
 
         let library_at = out.len();
-        let mut curves_at = library_at + self.library.len() * MATERIAL_LEN;
+        let mut curves_at = library_at + self.library.len() * material_len(VERSION);
         let mut curves = Vec::new();
         for material in &self.library {
-            let (n_per_count, force) = quantise(&material.name, &material.force_n, rows, &mut quantisation)?;
-            // A display curve is felt, not compared: its rounding stays out of the force bound.
-            let what = format!("display curve of {}", material.name);
-            let (mm_per_count, display) = quantise(&what, &material.displacement_mm, points, &mut 0.0)?;
-            put_name(&mut out, &material.name, 16)?;
-            for value in [material.mu_mpa, material.alpha, material.height_mm] {
-                out.extend((value as f32).to_le_bytes());
-            }
-            for value in [n_per_count, material.display_step_n as f32, mm_per_count, material.acceptance as f32] {
-                out.extend(value.to_le_bytes());
-            }
-            out.extend((curves_at as u32).to_le_bytes());
-            out.extend(((curves_at + rows * 2) as u32).to_le_bytes());
-            out.extend((material.rate_mm_s as f32).to_le_bytes());
-            out.extend([0; 8]);
-            curves_at += (rows + points) * 2;
-            curves.extend(force.into_iter().chain(display));
+            let counts = material.put(&mut out, curves_at, rows, &mut quantisation)?;
+            curves_at += 2 * counts.len();
+            curves.extend(counts);
         }
         out.extend(curves.into_iter().flat_map(u16::to_le_bytes));
 
@@ -189,12 +202,12 @@ impl TableSpec {
             quantisation: quantisation as f32,
         };
         let offsets = [axes_at, scales_at, counts_at, library_at, provenance_at, self.provenance.len()];
-        self.put_header(&mut out, bound, rows, points, offsets);
+        self.put_header(&mut out, bound, rows, offsets);
         Table::parse(&out).map_err(WriteError::Layout)?;
         Ok(out)
     }
 
-    fn put_header(&self, out: &mut [u8], bound: ErrorBound, rows: usize, points: usize, offsets: [usize; 6]) {
+    fn put_header(&self, out: &mut [u8], bound: ErrorBound, rows: usize, offsets: [usize; 6]) {
         let total = out.len() as u32;
         let (header, payload) = out.split_at_mut(HEADER_LEN);
         let mut put = |at: usize, bytes: &[u8]| header[at..at + bytes.len()].copy_from_slice(bytes);
@@ -208,7 +221,6 @@ impl TableSpec {
         put(44, &bound.interpolation.to_le_bytes());
         put(48, &bound.quantisation.to_le_bytes());
         put(52, &[self.axes.len() as u8, self.library.len() as u8]);
-        put(54, &(points as u16).to_le_bytes());
         put(56, &(rows as u32).to_le_bytes());
         put(60, &(self.columns.len() as u32).to_le_bytes());
         for (i, offset) in offsets.iter().enumerate() {
@@ -216,6 +228,56 @@ impl TableSpec {
         }
         let crc = CRC32.checksum(&header[..]);
         header[20..24].copy_from_slice(&crc.to_le_bytes());
+    }
+}
+
+impl MaterialSpec {
+    /// Appends the record, whose counts will stand at `counts_at`; returns these counts.
+    fn put(
+        &self,
+        out: &mut Vec<u8>,
+        counts_at: usize,
+        rows: usize,
+        quantisation: &mut f64,
+    ) -> Result<Vec<u16>, WriteError> {
+        let DisplaySpec { force_n, shaft_mm, coil } = &self.display;
+        let nodes = force_n.len();
+        let (n_per_count, force) = quantise(&self.name, &self.force_n, rows, quantisation)?;
+        // A display curve is felt, not compared: its rounding stays out of the force bound.
+        let mut rounding = 0.0;
+        let mut curve = |what: &str, values: &[f64]| {
+            let what = format!("{what} of {}", self.name);
+            rounding = 0.0;
+            // Without an unlike value there is nothing to scale: of a curve of zeros every count is 0.
+            let zero = values.len() == nodes && values.iter().all(|v| *v == 0.0);
+            let made =
+                if zero { (f32::MIN_POSITIVE, vec![0; nodes]) } else { quantise(&what, values, nodes, &mut rounding)? };
+            Ok::<_, WriteError>((made.0, made.1, rounding))
+        };
+        let (n_per_node, nodes_n, _) = curve("forces of the display curve", force_n)?;
+        let (mm_per_count, shaft, _) = curve("shaft positions", shaft_mm)?;
+        let mut counts = [force, nodes_n, shaft].concat();
+        let mut coil_fields = [0.0; 4];
+        if let Some(CoilSpec { current_a, reachable_n: (from, to), bound_a }) = coil {
+            let (a_per_count, current, rounding) = curve("coil currents", current_a)?;
+            let most_a = current_a.iter().copied().fold(0.0, f64::max);
+            coil_fields = [a_per_count, (bound_a + rounding * most_a) as f32, *from as f32, *to as f32];
+            counts.extend(current);
+        }
+        put_name(out, &self.name, 16)?;
+        for value in [self.mu_mpa, self.alpha, self.height_mm] {
+            out.extend((value as f32).to_le_bytes());
+        }
+        for value in [n_per_count, n_per_node, mm_per_count, self.acceptance as f32] {
+            out.extend(value.to_le_bytes());
+        }
+        out.extend((counts_at as u32).to_le_bytes());
+        out.extend(((counts_at + 2 * rows) as u32).to_le_bytes());
+        out.extend((self.rate_mm_s as f32).to_le_bytes());
+        out.extend(coil_fields.into_iter().flat_map(f32::to_le_bytes));
+        out.extend((nodes as u16).to_le_bytes());
+        out.extend([0; 6]);
+        Ok(counts)
     }
 }
 
@@ -284,8 +346,15 @@ mod tests {
                 acceptance: 0.05,
                 rate_mm_s: 0.0,
                 force_n: vec![0.1, 0.2, 0.3, 0.4],
-                display_step_n: 1.0,
-                displacement_mm: vec![2.0, 3.0, 3.5],
+                display: DisplaySpec {
+                    force_n: vec![0.0, 1.0, 2.0, 3.0],
+                    shaft_mm: vec![0.0, 2.0, 3.0, 3.5],
+                    coil: Some(CoilSpec {
+                        current_a: vec![0.0, 1.0, 1.5, 1.75],
+                        reachable_n: (0.5, 2.5),
+                        bound_a: 0.125,
+                    }),
+                },
             }],
             discretisation: 0.002,
             interpolation: 0.001,
@@ -323,11 +392,110 @@ mod tests {
         assert_eq!(table.locate(f32::NAN), None);
         let foam = table.material(0).unwrap();
         assert!((foam.force_n(table.locate(1.25).unwrap()) - 0.25).abs() < 1e-5);
-        assert!((foam.displacement_mm(0.5) - 1.0).abs() < 1e-4, "below the first point, from zero");
-        assert!((foam.displacement_mm(2.5) - 3.25).abs() < 1e-4);
-        assert!((foam.displacement_mm(99.0) - 3.5).abs() < 1e-4);
-        assert_eq!(foam.displacement_mm(f32::NAN), 0.0);
+        assert!((foam.shaft_mm(0.5) - 1.0).abs() < 1e-4, "below the first point, from zero");
+        assert!((foam.shaft_mm(2.5) - 3.25).abs() < 1e-4);
+        assert!((foam.shaft_mm(99.0) - 3.5).abs() < 1e-4);
+        assert_eq!(foam.shaft_mm(f32::NAN), 0.0);
+        assert!((foam.display_force_max_n() - 3.0).abs() < 1e-5);
         assert!(table.material(1).is_none());
+    }
+
+    #[test]
+    fn a_coil_curve_is_read_between_its_nodes_and_held_where_the_magnet_cannot_follow() {
+        let bytes = small().to_bytes().unwrap();
+        let foam = Table::parse(&bytes).unwrap().material(0).unwrap();
+        let limits = foam.coil().unwrap();
+        assert_eq!(limits.reachable_n, (0.5, 2.5));
+        // Rounding to counts is half of 1.75 A in 65,535.
+        assert!(limits.bound_a > 0.125 && limits.bound_a < 0.125 + 1.4e-5, "{}", limits.bound_a);
+        let told = [(0.5, 0.5, false), (1.0, 1.0, false), (1.5, 1.25, false), (2.5, 1.625, false)];
+        let held = [(0.25, 0.5, true), (2.6, 1.625, true), (9.0, 1.625, true), (f32::INFINITY, 1.625, true)];
+        let none = [(0.0, 0.0, false), (-1.0, 0.0, false), (f32::NAN, 0.0, false)];
+        for (force_n, a, unreachable) in told.into_iter().chain(held).chain(none) {
+            let current = foam.current(force_n).unwrap();
+            assert!((current.a - a).abs() < 2e-5, "{force_n} N: {current:?}");
+            assert_eq!(current.unreachable, unreachable, "{force_n} N");
+        }
+    }
+
+    #[test]
+    fn a_material_without_coil_curve_has_no_current_and_may_be_displayed() {
+        let mut spec = small();
+        spec.library[0].display = DisplaySpec::even(1.0, &[2.0, 3.0, 3.5]);
+        let bytes = spec.to_bytes().unwrap();
+        let foam = Table::parse(&bytes).unwrap().material(0).unwrap();
+        assert_eq!((foam.current(1.0), foam.coil()), (None, None));
+        assert!((foam.shaft_mm(2.5) - 3.25).abs() < 1e-4);
+        // A magnet, or an actuator, that has nothing to do.
+        let coil = CoilSpec { current_a: vec![0.0; 4], reachable_n: (0.0, 3.0), bound_a: 0.0 };
+        let idle = DisplaySpec { coil: Some(coil), shaft_mm: vec![0.0; 4], ..DisplaySpec::even(1.0, &[0.0; 3]) };
+        spec.library[0].display = idle;
+        let bytes = spec.to_bytes().unwrap();
+        let foam = Table::parse(&bytes).unwrap().material(0).unwrap();
+        assert_eq!((foam.shaft_mm(2.0), foam.current(2.0).map(|c| c.a)), (0.0, Some(0.0)));
+    }
+
+    /// The small table with other bytes, both CRCs made right again.
+    fn changed(bytes: &[u8], at: usize, to: &[u8]) -> Vec<u8> {
+        let mut bytes = bytes.to_vec();
+        bytes[at..at + to.len()].copy_from_slice(to);
+        let payload = CRC32.checksum(&bytes[HEADER_LEN..]);
+        bytes[16..20].copy_from_slice(&payload.to_le_bytes());
+        bytes[20..24].fill(0);
+        let header = CRC32.checksum(&bytes[..HEADER_LEN]);
+        bytes[20..24].copy_from_slice(&header.to_le_bytes());
+        bytes
+    }
+
+    #[test]
+    fn what_breaks_a_rule_of_a_display_curve_is_refused_with_the_rule() {
+        let bytes = small().to_bytes().unwrap();
+        let offset = |at: usize| crate::lut::bytes::u32_at(&bytes, at) as usize;
+        let record = offset(76);
+        let nodes = offset(record + 48);
+        let number = |field: usize, value: f32| changed(&bytes, record + field, &value.to_le_bytes());
+        let count = |field: usize, value: u16| changed(&bytes, field, &value.to_le_bytes());
+        let refused = [
+            (count(record + 72, 1), "a display curve has 2 to 256 nodes"),
+            (count(record + 72, 257), "a display curve has 2 to 256 nodes"),
+            (count(record + 72, 256), "a curve lies outside the table"),
+            (number(56, 2.6 / 65535.0), "a coil current is beyond 2.5 A"),
+            (number(56, f32::NAN), "a coil current is beyond 2.5 A"),
+            (number(56, -1e-6), "a coil current is beyond 2.5 A"),
+            (number(56, 0.0), "limits of a coil curve that is not there"),
+            (number(60, -0.1), "the error bound of the coil current is not 0 to 2.5 A"),
+            (number(60, f32::INFINITY), "the error bound of the coil current is not 0 to 2.5 A"),
+            (number(64, -0.1), "forces that are reachable are not a stretch of the display curve"),
+            (number(64, 2.6), "forces that are reachable are not a stretch of the display curve"),
+            (number(68, 3.1), "forces that are reachable are not a stretch of the display curve"),
+            (number(68, f32::NAN), "forces that are reachable are not a stretch of the display curve"),
+            (count(nodes, 1), "the first node of the display curve is not without force"),
+            (count(nodes + 4, 1000), "forces of the display curve do not rise"),
+            (number(32, f32::MAX), "a scale is so large that forces or displacements are not finite"),
+        ];
+        for (bytes, rule) in refused {
+            assert_eq!(Table::parse(&bytes).unwrap_err(), TableError::BadMaterial { material: 0, rule });
+        }
+    }
+
+    #[test]
+    fn curves_that_do_not_fit_are_not_written() {
+        let text = |change: fn(&mut MaterialSpec)| {
+            let mut spec = small();
+            change(&mut spec.library[0]);
+            spec.to_bytes().unwrap_err().to_string()
+        };
+        assert_eq!(text(|m| m.display.shaft_mm.truncate(3)), "shaft positions of foam has 3 values, expected 4");
+        let coil = |change: fn(&mut CoilSpec)| {
+            let mut spec = small();
+            spec.library[0].display.coil.as_mut().map(change);
+            spec.to_bytes().unwrap_err().to_string()
+        };
+        assert_eq!(coil(|c| c.current_a[3] = 2.6), "table library material 0: a coil current is beyond 2.5 A");
+        assert_eq!(
+            coil(|c| c.current_a[3] = -0.1),
+            "coil currents of foam: -0.1 is not a finite number >= 0, or the whole curve is zero"
+        );
     }
 
     /// The small table at three rates, twice and thrice the force at the later ones.
@@ -401,7 +569,7 @@ mod tests {
         newer[8] = 9;
         assert_eq!(
             text(&newer),
-            "table layout version 9, this build reads version 1: make the table again with `palpate lut`"
+            "table layout version 9, this build reads versions 1 to 2: make the table again with `palpate lut`"
         );
 
         let mut spec = small();
@@ -449,7 +617,11 @@ mod tests {
                         let all: Vec<f32> = table.forces_n(position, table.slice(0, step)).collect();
                         proptest::prop_assert_eq!(all.len(), table.slice(0, step).len());
                         for material in table.materials() {
-                            let _ = (material.force_n(position), material.displacement_mm(step as f32));
+                            let force_n = step as f32;
+                            let _ = (material.force_n(position), material.shaft_mm(force_n));
+                            if let Some(current) = material.current(force_n) {
+                                proptest::prop_assert!((0.0..=crate::lut::CURRENT_MAX_A).contains(&current.a));
+                            }
                         }
                     }
                 }

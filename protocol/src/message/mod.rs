@@ -18,7 +18,7 @@ pub use identification::{Estimate, Outcome, Recognition, Verdict};
 pub use last_run::{CHANGES, FILE_LEN, LastRun, RunEnd, StateChange};
 pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor, Surface};
 pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
-pub use telemetry::{FaultReport, Raw, Telemetry};
+pub use telemetry::{FaultReport, Raw, Shown, Telemetry};
 
 use crate::wire::{FNV_BASIS, Wire, fold, fold_number, messages, wire};
 

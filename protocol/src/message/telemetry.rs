@@ -41,6 +41,22 @@ wire! {
         pub tick_us: u16,
         /// What the converter read, before any calibration.
         pub raw: Raw,
+        /// What of the material is not displayed; all false unless a material is.
+        pub shown: Shown,
+    }
+    /// How the display departs from the material that it shows. None of these is a fault.
+    #[derive(Copy, Eq, Default)]
+    pub struct Shown {
+        /// The table says that the magnet cannot make what is wanted at this force: the current is held
+        /// at the nearest that is reachable.
+        pub unreachable: bool,
+        /// The board allows less current than the table asks for: the winding is warm.
+        pub coil_limited: bool,
+        /// The table asks for a shaft position beyond the actuator's stroke.
+        pub shaft_limited: bool,
+        /// The table has no control curve for this material, or no coil is fitted: the actuator displays
+        /// alone.
+        pub actuator_only: bool,
     }
     /// Mean readings of one tick, 65,535ths of the reference voltage.
     pub struct Raw {
@@ -65,5 +81,19 @@ wire! {
         pub value: f32,
         /// The limit.
         pub limit: f32,
+    }
+}
+
+impl Shown {
+    /// What is not displayed as it should be, in words; empty for a material that is displayed as it is.
+    pub fn words(self) -> impl Iterator<Item = &'static str> {
+        [
+            (self.unreachable, "unreachable"),
+            (self.coil_limited, "coil held back by its heat"),
+            (self.shaft_limited, "shaft at the end of its stroke"),
+            (self.actuator_only, "actuator only"),
+        ]
+        .into_iter()
+        .filter_map(|(is, word)| is.then_some(word))
     }
 }

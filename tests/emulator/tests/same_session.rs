@@ -66,7 +66,7 @@ fn session(table: &[u8], shown: u8) -> Script {
 fn identified_materials_faults_and_outputs_are_the_same() {
     let table = common::table();
     let parsed = Table::parse(table).unwrap();
-    let shown = parsed.materials().position(|m| m.displacement_mm(TOUCH.peak_n as f32) <= STROKE_MM).unwrap() as u8;
+    let shown = parsed.materials().position(|m| m.shaft_mm(TOUCH.peak_n as f32) <= STROKE_MM).unwrap() as u8;
     let script = session(table, shown);
 
     let mut emulated = common::board();

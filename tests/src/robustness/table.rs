@@ -73,7 +73,12 @@ fn read(table: &Table<'_>) -> Held {
     for material in table.materials() {
         finite("a peak force", material.peak_force_n())?;
         for force_n in [0.0, 0.5, 1e9] {
-            finite("a displacement", material.displacement_mm(force_n))?;
+            finite("a shaft position", material.shaft_mm(force_n))?;
+            if let Some(current) = material.current(force_n)
+                && !(0.0..=protocol::lut::CURRENT_MAX_A).contains(&current.a)
+            {
+                return Err(format!("a coil current is {}", current.a));
+            }
         }
     }
     match table.checked().open(table.bytes()) {

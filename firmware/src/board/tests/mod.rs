@@ -209,6 +209,11 @@ impl Bench {
         panic!("not done after {limit} ticks, state {:?}", self.board.state());
     }
 
+    /// The record of the last tick.
+    fn record(&mut self) -> Telemetry {
+        self.board.machine.record(&Inputs::default())
+    }
+
     fn faults(&self) -> Vec<protocol::fault::Fault> {
         self.board.machine.safety.latched().iter().collect()
     }

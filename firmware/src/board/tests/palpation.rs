@@ -1,6 +1,6 @@
 use super::*;
-use crate::testbed::LIBRARY;
-use protocol::message::Surface;
+use crate::testbed::{LIBRARY, REACHABLE_N};
+use protocol::message::{Shown, Surface};
 
 fn palpate(bench: &mut Bench, foam: Foam, rate_mm_s: f32) -> protocol::message::Verdict {
     bench.foam = Some(foam);
@@ -156,10 +156,57 @@ fn display_follows_the_finger_and_lets_go_in_idle() {
     let shown = bench.outputs;
     // The table's displacement at 1 N is 1.709 mm; a second settles the loop to a twentieth of it.
     assert!((bench.shaft_mm - 1.709).abs() < 0.085 && shown.actuator_v > 0.0, "{} mm", bench.shaft_mm);
-    assert!(shown.coil_target_a > 0.0 && shown.coil_target_a <= 2.5 && shown.coil_duty > 0.0);
+    // Half an ampere a newton; the FSR reads the force within 2 %.
+    assert!((shown.coil_target_a - 0.5).abs() < 0.01 && shown.coil_duty > 0.0, "{}", shown.coil_target_a);
     bench.mode(Mode::Idle);
     bench.tick();
     assert_eq!(bench.outputs, Outputs::default());
+}
+
+#[test]
+fn beyond_what_the_magnet_reaches_the_current_is_held_and_every_tick_says_so() {
+    let mut bench = Bench::new();
+    bench.mode(Mode::Display { material: 2 });
+    let (mut within, mut beyond) = (0, 0);
+    for i in 0..100 {
+        bench.finger_n = 0.05 * i as f32;
+        if i % 25 == 0 {
+            bench.send(&Request::Status(Empty {}));
+        }
+        bench.tick();
+        let record = bench.record();
+        let (from, to) = REACHABLE_N;
+        // 1e-4 A is far above the rounding of the table's counts.
+        let wanted_a = 0.5 * record.fsr_n.clamp(from as f32, to as f32);
+        if record.fsr_n > 0.0 {
+            assert!((record.coil_target_a - wanted_a).abs() < 1e-4, "{record:?}");
+            let outside = !(from as f32..=to as f32).contains(&record.fsr_n);
+            // 1.709 mm a newton, and a stroke of 4.5 mm.
+            let shaft_limited = 1.709 * record.fsr_n > 4.5;
+            let shown = Shown { unreachable: outside, shaft_limited, ..Shown::default() };
+            assert_eq!(record.shown, shown, "{record:?}");
+            if outside { beyond += 1 } else { within += 1 }
+        } else {
+            assert_eq!((record.coil_target_a, record.shown), (0.0, Shown::default()));
+        }
+        assert!(bench.faults().is_empty(), "it is no fault");
+    }
+    assert!(within > 50 && beyond > 10, "{within} within, {beyond} beyond");
+    bench.mode(Mode::Idle);
+    bench.tick();
+    assert_eq!(bench.record().shown, Shown::default());
+}
+
+#[test]
+fn a_material_without_control_curve_is_displayed_by_the_actuator_alone_and_the_ticks_say_so() {
+    let mut bench = Bench::new();
+    bench.finger_n = 1.0;
+    bench.mode(Mode::Display { material: 6 });
+    bench.ticks(45);
+    let record = bench.record();
+    assert_eq!(record.shown, Shown { actuator_only: true, ..Shown::default() });
+    assert_eq!((record.coil_target_a, bench.outputs.coil_duty), (0.0, 0.0));
+    assert!(bench.outputs.actuator_v > 0.0 && record.shaft_target_mm > 0.0);
 }
 
 #[test]

@@ -16,6 +16,7 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 use protocol::lut::{MaterialSpec, Table};
 use serde_json::json;
 
+use crate::control::{Curves, actuator_only};
 use crate::extended::{self, ExtendedModel};
 use crate::report::number;
 use crate::report::table::{middle_field, sample_curves};
@@ -57,6 +58,10 @@ pub struct Arguments {
     /// `palpate diagnose`. They stand in the place of the thesis' foams
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "model")]
     material: Vec<PathBuf>,
+    /// Control curves of the display's coil, a file a material, for materials of the library by their names. The thesis'
+    /// foams have curves of their own; a material without one is displayed by the actuator alone
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    control: Vec<PathBuf>,
     /// Number of the press on its spot, for materials that soften: from 2 on the table is of a used spot
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
     cycle: u8,
@@ -106,6 +111,7 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     }
     let model = arguments.model.as_deref().map(ExtendedModel::read).transpose()?;
     let own = Own::read(arguments)?;
+    let curves = Curves::read(&arguments.control).into_diagnostic()?;
     let heights = match &own {
         Some(own) => own.heights_mm(),
         None => sorted(if arguments.height_mm.is_empty() { &USUAL_MM } else { &arguments.height_mm }),
@@ -134,10 +140,15 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
         FormArgument::Rows => Form::Factored,
         FormArgument::Columns => Form::Expanded,
     };
-    let library = match &own {
+    let mut library = match &own {
         Some(own) => own.library(&grids, &rates)?,
-        None => library(&grids, &heights, model.as_ref())?,
+        None => library(&grids, &heights, model.as_ref(), &curves)?,
     };
+    curves.give(&mut library).into_diagnostic()?;
+    let alone = actuator_only(&library).join(", ");
+    if !alone.is_empty() {
+        errln!("without control curve, displayed by the actuator alone: {alone}; --control gives curves");
+    }
     let bytes = table::write(&grids, form, library).into_diagnostic()?;
     save(&arguments.out, &bytes)?;
     let picture = arguments.out.with_extension("svg");
@@ -175,7 +186,12 @@ fn sorted(values: &[f64]) -> Vec<f64> {
 }
 
 /// The thesis' foams, and the material of a model beside them.
-fn library(grids: &[ForceGrid], heights: &[f64], model: Option<&ExtendedModel>) -> miette::Result<Vec<MaterialSpec>> {
+fn library(
+    grids: &[ForceGrid],
+    heights: &[f64],
+    model: Option<&ExtendedModel>,
+    curves: &Curves,
+) -> miette::Result<Vec<MaterialSpec>> {
     // Only foams the table has a section for can be recognised with it.
     let mut foams = table::foams();
     foams.retain(|foam| heights.iter().any(|height| (height - foam.height_mm).abs() < 1e-6));
@@ -183,6 +199,7 @@ fn library(grids: &[ForceGrid], heights: &[f64], model: Option<&ExtendedModel>) 
     for grid in grids.iter().step_by(heights.len()) {
         library.extend(table::library(&foams, &grid.spec).into_diagnostic()?);
     }
+    curves.give_built_in(&mut library).iter().for_each(|sentence| errln!("{sentence}"));
     if let Some(model) = model {
         let own = extended::board::library(model, grids).into_diagnostic()?;
         if own.is_empty() {

@@ -22,7 +22,7 @@ pub(super) fn described(table: &Table<'_>, length: usize) -> Value {
         .collect();
     let error = table.error_bound();
     json!({
-        "bytes": length, "hash": hash(table), "version": protocol::lut::VERSION, "axes": axes,
+        "bytes": length, "hash": hash(table), "version": table.version(), "axes": axes,
         "rows": table.rows(), "columns": table.columns(), "provenance": table.provenance(),
         "error_bound": {"discretisation": error.discretisation, "interpolation": error.interpolation,
                         "quantisation": error.quantisation, "total": error.total()},
@@ -36,11 +36,34 @@ fn material(table: &Table<'_>, m: &Material<'_>) -> Value {
     json!({
         "name": m.name, "mu_MPa": m.mu_mpa, "alpha": m.alpha, "height_mm": m.height_mm, "rate_mm_s": m.rate_mm_s,
         "acceptance": m.acceptance, "mu_interval_MPa": intervals.map(|i| i.mu_mpa), "alpha_interval": intervals.map(|i| i.alpha),
+        "display": {
+            "force_max_N": m.display_force_max_n(), "actuator_only": m.coil().is_none(),
+            "reachable_N": m.coil().map(|coil| coil.reachable_n), "current_bound_A": m.coil().map(|coil| coil.bound_a),
+        },
     })
 }
 
+/// What of a material the display can show.
+fn display(m: &Material<'_>) -> String {
+    let force = |n: f32| number(f64::from(n));
+    let shaft = format!("shaft from 0 to {} N", force(m.display_force_max_n()));
+    match m.coil() {
+        None => format!("{shaft}; no control curve: the actuator displays alone"),
+        Some(coil) => {
+            let (from, to) = coil.reachable_n;
+            format!(
+                "{shaft}; coil from {} to {} N within {} A, held at its limit beyond (unreachable)",
+                force(from),
+                force(to),
+                force(coil.bound_a)
+            )
+        }
+    }
+}
+
 pub(super) fn print(table: &Table<'_>, length: usize) {
-    outln!("form        {} rows x {} stored columns, {length} bytes", table.rows(), table.columns());
+    let (rows, columns, version) = (table.rows(), table.columns(), table.version());
+    outln!("form        {rows} rows x {columns} stored columns, {length} bytes, layout version {version}");
     outln!("hash        {}", hash(table));
     for axis in table.axes() {
         let values: Vec<f32> = axis.values().collect();
@@ -72,6 +95,9 @@ pub(super) fn print(table: &Table<'_>, length: usize) {
                 i.mu_mpa.0, i.mu_mpa.1, i.alpha.0, i.alpha.1
             ))
         );
+    }
+    for material in table.materials() {
+        outln!("display     {:10} {}", material.name, display(&material));
     }
     outln!("provenance  {}", table.provenance());
 }

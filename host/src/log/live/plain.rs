@@ -28,7 +28,7 @@ impl LiveView for Plain {
                 self.next_tick = t.tick + TICK_HZ;
                 errln!(
                     "{:8.2} s  {:<8} probe {:7.3} mm  depth {:6.3} mm  load cell {:7.4} N  shaft {:6.3} mm  \
-                     coil {:5.3} A  tick {} us  lost {} of {}",
+                     coil {:5.3} A  tick {} us  lost {} of {}{}",
                     f64::from(t.tick) / f64::from(TICK_HZ),
                     format!("{:?}", t.state).to_lowercase(),
                     t.probe_mm,
@@ -39,6 +39,7 @@ impl LiveView for Plain {
                     t.tick_us,
                     traffic.frames_lost,
                     traffic.frames_received + traffic.frames_lost,
+                    t.shown.words().map(|word| format!("  {word}")).collect::<String>(),
                 );
             }
             Event::Estimate(e) => errln!("{}", estimate_text(e)),

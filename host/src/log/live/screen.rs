@@ -161,6 +161,7 @@ fn draw_head(frame: &mut Frame<'_>, area: Rect, board: &str, newest: Option<&Tel
             let time_s = f64::from(t.tick) / f64::from(TICK_HZ);
             spans.push(Span::from(format!("{time_s:.1} s  ")));
             spans.push(Span::from(format!("{:?}", t.state).to_lowercase()).bold());
+            spans.extend(t.shown.words().map(|word| Span::from(format!(", {word}")).yellow()));
             let faults: Vec<&str> = t.faults.iter().map(Fault::code).collect();
             if !faults.is_empty() {
                 spans.push(Span::from(format!("  {}", faults.join(", "))).red().bold());

@@ -129,7 +129,7 @@ fn share(instructions: f64) -> f64 {
 /// The table of the image's ticks, and those over their budget.
 fn ticks(image: &Path, demo_table: &[u8]) -> Result<(String, Vec<String>), Failed> {
     let parsed = Table::parse(demo_table)?;
-    let shown = parsed.materials().position(|m| m.displacement_mm(TOUCH.peak_n as f32) <= STROKE_MM).unwrap_or(0);
+    let shown = parsed.materials().position(|m| m.shaft_mm(TOUCH.peak_n as f32) <= STROKE_MM).unwrap_or(0);
     let mut board = EmulatedBoard::open(image, 1, Jitter::default())?;
     board.core().set_flash(BANK_2, demo_table)?;
     board.run_to_tick(5.0)?;

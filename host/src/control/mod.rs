@@ -1,0 +1,15 @@
+//! Control curves: what coil and actuator of the display must do under a finger's force so that a
+//! material is felt.
+
+mod curve;
+mod error;
+mod library;
+mod ticks;
+
+pub use curve::{COLUMNS, ControlCurve, MOST_ROWS, Row};
+pub use error::CurveError;
+pub use library::{Curves, actuator_only};
+pub use ticks::ShownTicks;
+
+#[cfg(test)]
+mod tests;
