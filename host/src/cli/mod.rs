@@ -3,6 +3,7 @@
 mod answer;
 pub mod board;
 mod calibrate;
+pub mod control_curve;
 pub mod demo;
 pub mod diagnose;
 pub mod field;
@@ -76,6 +77,8 @@ enum Command {
     Lut(lut::Arguments),
     /// Compute a magnet's field by finite elements: flux density, inductance, heat, maps
     Magnet(magnet::Arguments),
+    /// Find what coil and actuator must do so that a material is felt: control curves by finite elements
+    ControlCurve(control_curve::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
     Field(field::Arguments),
 }
@@ -104,6 +107,7 @@ pub fn main() -> ExitCode {
         Command::Study(arguments) => study::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
+        Command::ControlCurve(arguments) => control_curve::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };
     let printed = crate::print::finish().into_diagnostic().wrap_err("standard output");

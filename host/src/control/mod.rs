@@ -1,9 +1,11 @@
 //! Control curves: what coil and actuator of the display must do under a finger's force so that a
 //! material is felt.
 
+pub mod compose;
 mod curve;
 mod error;
 mod library;
+pub mod study;
 mod ticks;
 
 pub use curve::{COLUMNS, ControlCurve, MOST_ROWS, Row};

@@ -12,7 +12,7 @@ pub mod search;
 pub mod simulated;
 pub mod uncertain;
 
-use lut_gen::magnet::curve::Built;
+use lut_gen::magnet::curve::{Built, FluxCurve};
 use lut_gen::magnet::design::Design;
 use lut_gen::magnet::study::{Flux, State, Wanted};
 
@@ -95,6 +95,19 @@ impl Magnet {
             Control::Point(i) => state.points[i],
             Control::Probe(i) => state.probes[i],
         })
+    }
+
+    /// f3: the flux density of the control curve over current; `None` without a coil, where the file
+    /// does not say where it is read, and where it does not rise.
+    pub fn flux_curve(&self, states: &[State]) -> Option<FluxCurve> {
+        let read: Option<Vec<_>> = states.iter().map(|s| Some((s.ampere, self.controlled(s)?))).collect();
+        let read = read.filter(|_| !self.design.coils.is_empty())?;
+        let error = read.iter().map(|(_, flux)| flux.error_t).fold(0.0, f64::max);
+        let mut points: Vec<(f64, f64)> = read.iter().map(|(ampere, flux)| (*ampere, flux.size_t())).collect();
+        if points.first().is_some_and(|(ampere, _)| *ampere > 0.0) {
+            points.insert(0, (0.0, 0.0));
+        }
+        FluxCurve::new(&points, error, self.built).ok()
     }
 
     /// What is wanted of every field: its points, then those of its lines one after the other, and its probes.

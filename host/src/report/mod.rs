@@ -6,6 +6,7 @@ mod bar;
 mod believed;
 pub mod cloud;
 pub mod compression;
+pub mod control;
 pub mod diagnosis;
 pub mod display;
 pub mod field;

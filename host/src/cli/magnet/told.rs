@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use lut_gen::magnet::curve::FluxCurve;
 use lut_gen::magnet::design::Coil;
 use lut_gen::magnet::field::Geometry;
-use lut_gen::magnet::study::{State, Study};
+use lut_gen::magnet::study::Study;
 use lut_gen::magnet::winding::Fit;
 use serde_json::{Value, json};
 
@@ -45,7 +44,7 @@ pub(super) fn print(magnet: &Magnet, study: &Study) {
         }
         outln!("{row}");
     }
-    if let Some(curve) = curve(magnet, &study.states) {
+    if let Some(curve) = magnet.flux_curve(&study.states) {
         outln!("");
         outln!(
             "Control curve: {} T at {} A, read between the points to {} T",
@@ -171,21 +170,9 @@ pub(super) fn summary(magnet: &Magnet, study: &Study, files: &[PathBuf]) -> Valu
                "window_mm2": window, "filled": w.filled(window), "fits": fits, "lasting_A": w.lasting_a(),
                "largest_current_A": most, "seconds_at_largest": seconds.is_finite().then_some(seconds)})
     });
-    let control = curve(magnet, &study.states)
+    let control = magnet.flux_curve(&study.states)
         .map(|c| json!({"most_A": c.most_a(), "most_T": c.flux_t(c.most_a()), "bound_T": c.bound_t()}));
     let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     json!({"title": magnet.title, "depth": depth_line(magnet), "source": magnet.source, "unknowns": study.field.unknowns(),
            "coils": coils.collect::<Vec<_>>(), "states": states.collect::<Vec<_>>(), "control": control, "files": files})
-}
-
-/// f3: the control curve's flux density over current; `None` without a coil or where it is not told where it is read.
-fn curve(magnet: &Magnet, states: &[State]) -> Option<FluxCurve> {
-    let read: Option<Vec<_>> = states.iter().map(|s| Some((s.ampere, magnet.controlled(s)?))).collect();
-    let read = read.filter(|_| !magnet.design.coils.is_empty())?;
-    let error = read.iter().map(|(_, flux)| flux.error_t).fold(0.0, f64::max);
-    let mut points: Vec<(f64, f64)> = read.iter().map(|(ampere, flux)| (*ampere, flux.size_t())).collect();
-    if points.first().is_some_and(|(ampere, _)| *ampere > 0.0) {
-        points.insert(0, (0.0, 0.0));
-    }
-    FluxCurve::new(&points, error, magnet.built).ok()
 }
