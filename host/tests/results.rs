@@ -174,6 +174,30 @@ fn a_material_goes_from_recordings_onto_the_board() {
     // stored as f32
     assert!((materials[0]["mu_MPa"].as_f64().unwrap() / 0.35 - 1.0).abs() < 0.03, "{materials:?}");
     assert_eq!(materials[0]["height_mm"], HEIGHT_MM);
+    assert_eq!(materials[0]["display"]["actuator_only"], true);
+    assert!(said(&output).contains("without control curve, displayed by the actuator alone: eva"), "{output:?}");
+    // A control curve of its name, which --explain tells again from the table.
+    let keys = ["material = eva", "magnet = m", "finger = f", "fluid = l", "bound_A = 0.0625", "reachable_N = 0.5, 2"];
+    let head: String = keys.iter().map(|key| format!("# {key}\n")).collect();
+    let columns = palpate::control::COLUMNS.join(",");
+    let curve = format!("{head}# provenance = by hand\n{columns}\n0,0,0,0,0,0,0,0\n4,5,40,3,8,0.1,2,0.5\n");
+    fs::write(home.path().join("eva.csv"), &curve).unwrap();
+    let output = palpate(home.path(), &["lut", "--material", "eva.toml", "--control", "eva.csv", "--out", "own.bin"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(!said(&output).contains("without control curve"), "{output:?}");
+    let explained = palpate(home.path(), &["lut", "--explain", "own.bin", "--json"]);
+    let table: Value = serde_json::from_slice(&explained.stdout).unwrap();
+    let display = &table["materials"][0]["display"];
+    assert_eq!(display["reachable_N"], serde_json::json!([0.5, 2.0]));
+    assert!((display["force_max_N"].as_f64().unwrap() - 4.0).abs() < 1e-5, "{display}");
+    // Rounding to counts is half of 2 A in 65,535.
+    let bound_a = display["current_bound_A"].as_f64().unwrap();
+    assert!((0.0625..0.0625 + 1.6e-5).contains(&bound_a), "{bound_a}");
+    fs::write(home.path().join("gel.csv"), curve.replace("= eva", "= gel")).unwrap();
+    let stranger = palpate(home.path(), &["lut", "--material", "eva.toml", "--control", "gel.csv", "--out", "no.bin"]);
+    assert_eq!(stranger.status.code(), Some(2), "{stranger:?}");
+    assert!(said(&stranger).contains("material \"gel\" is not in the library; expected one of eva"), "{stranger:?}");
+    assert!(!home.path().join("no.bin").exists());
     let twice = palpate(home.path(), &["lut", "--material", "eva.toml", "eva.toml"]);
     assert!(said(&twice).contains("two materials are named \"eva\""), "{twice:?}");
 }

@@ -1,5 +1,6 @@
 //! One sample of every message, with a different value in every field, and a small table.
 
+use palpate::control::{ControlCurve, Row};
 use protocol::fault::{Fault, FaultSet};
 use protocol::lut::{AxisSpec, CoilSpec, DisplaySpec, MaterialSpec, Role, Scale, TableSpec, axis_name};
 use protocol::message::*;
@@ -148,6 +149,33 @@ fn verdict() -> Verdict {
         },
         tick_max_us: 120,
         tick_mean_us: 80.5,
+    }
+}
+
+/// A control curve that no finger pad has: 0.9 A a newton, which a magnet makes from 0.2 to 2 N.
+pub fn control_curve(material: &str) -> ControlCurve {
+    let row = |i: usize| {
+        let force_n = 0.1 * i as f64;
+        Row {
+            force_n,
+            travel_mm: 1.25 * force_n,
+            area_mm2: 20.0 * force_n,
+            shaft_mm: force_n,
+            yield_kpa: 2.0 * force_n,
+            flux_t: 0.05 * force_n,
+            current_a: (0.9 * force_n).min(2.5),
+            loop_gain: 0.5,
+        }
+    };
+    ControlCurve {
+        material: material.to_owned(),
+        magnet: "ring".to_owned(),
+        finger: "none".to_owned(),
+        fluid: "MRF-122".to_owned(),
+        bound_a: 0.05,
+        reachable_n: (0.2, 2.0),
+        provenance: "made up for tests".to_owned(),
+        rows: (0..=40).map(row).collect(),
     }
 }
 

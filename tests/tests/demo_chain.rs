@@ -4,10 +4,12 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
+use palpate::control::Curves;
 use palpate::demo::{self, Options, Summary};
 use palpate::link::Disturbance;
 use palpate::log::recover_mcap;
 use protocol::lut::Table;
+use tests::samples;
 
 /// The demo's table, computed once for all tests of this file.
 fn table() -> &'static Path {
@@ -70,6 +72,44 @@ fn the_bench_is_not_the_table_and_jitter_is_really_there() {
         assert_eq!(peaks.len(), 3);
         assert!(peaks.windows(2).all(|w| w[0] != w[1]), "{}: {peaks:?}", foam.name);
     }
+}
+
+/// A hand of 3 N on curves that a magnet can make from 0.2 to 2 N: the coil is at its limit where the table says that it
+/// is, and nowhere else.
+#[test]
+fn ticks_at_the_coils_limit_are_those_that_the_table_marks_unreachable() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str| {
+        let file = folder.path().join(format!("{name}.csv"));
+        std::fs::write(&file, samples::control_curve(name).to_csv().unwrap()).unwrap();
+        file
+    };
+    let curves = Curves::read(&["EVA", "B1", "ICF", "A2"].map(write)).unwrap();
+    let path = folder.path().join("table.lut");
+    std::fs::write(&path, demo::demo_table_with(&curves, &|_| {}).unwrap()).unwrap();
+    let out = folder.path().join("demo");
+    let summary = run(&out, |o| {
+        o.palpations = 4;
+        o.table = Some(path);
+    });
+    let (limits, ticks) = (summary.displayed.limits(), summary.displayed.ticks);
+    println!("{ticks}; {limits}");
+    assert!(limits.agree(), "{limits}");
+    // A hand between 0 and 3 N is above 2 N for a third of its time, and below 0.2 N for some of it.
+    assert!(limits.unreachable > 60 && limits.unreachable < ticks.touched / 2, "{limits}, {ticks}");
+    assert_eq!((ticks.unreachable, ticks.coil_limited, ticks.actuator_only), (limits.unreachable, 0, 0));
+    let json = &summary.json()["display"];
+    assert_eq!(json["touched_ticks_at_coil_limit"], json["touched_ticks_marked_unreachable"]);
+    assert_eq!(json["limit_is_what_is_marked"], true);
+    assert!(summary.to_string().contains(&limits.to_string()), "{summary}");
+    let html = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(html.contains("that the table marks unreachable: the same."), "the report does not count them");
+    // The recording has the same ticks.
+    let csv = std::fs::read_to_string(out.join("telemetry.csv")).unwrap();
+    let head: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let column = head.iter().position(|name| *name == "belief_unreachable").unwrap();
+    let marked = csv.lines().filter(|line| line.split(',').nth(column) == Some("1")).count();
+    assert!(marked >= limits.unreachable, "{marked} in the recording");
 }
 
 #[test]

@@ -5,7 +5,9 @@ use std::sync::Mutex;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use miette::IntoDiagnostic;
 
+use crate::control::Curves;
 use crate::demo::{self, Options, Stage};
 use crate::extended::ExtendedModel;
 use crate::link::Disturbance;
@@ -30,6 +32,9 @@ pub struct Arguments {
     /// Use this table instead of computing one
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
+    /// Control curves of the display's coil, a file a foam, in the place of the program's
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "table")]
+    control: Vec<PathBuf>,
     /// Model file of `palpate diagnose --model`: its effects in table and foams, its material among these
     #[arg(long, value_name = "FILE", conflicts_with = "table")]
     model: Option<PathBuf>,
@@ -66,6 +71,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         seed: arguments.seed,
         out: arguments.out.clone(),
         table: arguments.table.clone(),
+        control: Curves::read(&arguments.control).into_diagnostic()?,
         model: arguments.model.as_deref().map(ExtendedModel::read).transpose()?,
         line: Disturbance { flip: arguments.line_noise, ..Disturbance::default() },
         ..Options::default()

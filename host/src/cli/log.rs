@@ -87,15 +87,19 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let Listening { session, recorder, freeze, view, gaps, .. } = listening;
     // Gives the terminal back before anything is printed.
     drop(view);
+    let display = recorder.shown();
     let finished = recorder.finish();
     let traffic = session.traffic();
     if arguments.json {
         outln!(
             "{}",
-            json!({ "telemetry": traffic, "seconds": seconds, "csv": csv, "mcap": mcap, "gaps": gaps, "faults": freeze.files() })
+            json!({ "telemetry": traffic, "seconds": seconds, "csv": csv, "mcap": mcap, "gaps": gaps, "faults": freeze.files(), "display_ticks": display.json() })
         );
     } else {
         tell(&traffic, &gaps, &[&files, freeze.files()].concat());
+        if display.all > 0 {
+            errln!("display    {display}");
+        }
     }
     outcome.into_diagnostic()?;
     finished.into_diagnostic()

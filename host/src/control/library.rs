@@ -71,8 +71,7 @@ impl Curves {
                 None => foam.display = curve.display(),
             }
         }
-        left_out.dedup();
-        left_out
+        once(left_out)
     }
 
     /// Gives materials of the library the curves of the files.
@@ -108,8 +107,16 @@ impl ControlCurve {
 
 /// Names of the materials of a library that the actuator displays alone, each once.
 pub fn actuator_only(library: &[MaterialSpec]) -> Vec<&str> {
-    let mut names: Vec<&str> =
-        library.iter().filter(|one| one.display.coil.is_none()).map(|one| one.name.as_str()).collect();
-    names.dedup();
-    names
+    once(library.iter().filter(|one| one.display.coil.is_none()).map(|one| one.name.as_str()).collect())
+}
+
+/// Each value once, in the order of its first place: a library has an entry for every rate and height.
+fn once<T: PartialEq>(all: Vec<T>) -> Vec<T> {
+    let mut kept = Vec::new();
+    for one in all {
+        if !kept.contains(&one) {
+            kept.push(one);
+        }
+    }
+    kept
 }

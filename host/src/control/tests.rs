@@ -1,7 +1,9 @@
 #![allow(clippy::unwrap_used)]
 use std::path::Path;
 
-use super::{ControlCurve, Row};
+use protocol::lut::{DisplaySpec, MaterialSpec};
+
+use super::{ControlCurve, Curves, Row, actuator_only};
 
 const SAMPLE: &str = "\
 # A remark.
@@ -166,4 +168,64 @@ fn curves_that_come_with_the_program_are_found_by_name() {
         assert_eq!(ControlCurve::built_in(&curve.material.to_lowercase()), Some(curve));
     }
     assert_eq!(ControlCurve::built_in("granite"), None);
+}
+
+fn material(name: &str) -> MaterialSpec {
+    MaterialSpec {
+        name: name.to_owned(),
+        mu_mpa: 0.1,
+        alpha: 5.0,
+        height_mm: 20.0,
+        acceptance: 0.03,
+        rate_mm_s: 0.0,
+        force_n: vec![1.0, 2.0],
+        display: DisplaySpec::even(1.0, &[1.0, 2.0]),
+    }
+}
+
+/// Files of the sample with some texts in others' places.
+fn files(folder: &Path, changes: &[&[(&str, &str)]]) -> Vec<std::path::PathBuf> {
+    let write = |(number, changes): (usize, &&[(&str, &str)])| {
+        let text = changes.iter().fold(SAMPLE.to_owned(), |text, (from, to)| text.replace(from, to));
+        let file = folder.join(format!("{number}.csv"));
+        std::fs::write(&file, text).unwrap();
+        file
+    };
+    changes.iter().enumerate().map(write).collect()
+}
+
+#[test]
+fn materials_have_the_curves_of_their_names_and_the_others_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let curves = Curves::read(&files(folder.path(), &[&[], &[("= ICF", "= gel")]])).unwrap();
+    let mut library = ["ICF", "granite", "gel", "wood", "gel", "granite"].map(material);
+    curves.give(&mut library).unwrap();
+    assert_eq!(actuator_only(&library), ["granite", "wood"]);
+    assert_eq!(library[1].display, DisplaySpec::even(1.0, &[1.0, 2.0]), "as it was");
+    let display = &library[4].display;
+    assert_eq!((&display.force_n, &display.shaft_mm), (&vec![0.0, 1.0, 2.0], &vec![0.0, 1.25, 2.25]));
+    let coil = display.coil.as_ref().unwrap();
+    assert_eq!((&coil.current_a, coil.reachable_n, coil.bound_a), (&vec![0.0, 1.25, 2.5], (0.1, 1.8), 0.05));
+}
+
+#[test]
+fn curves_that_do_not_fit_together_or_into_the_library_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let refusal = |changes: &[&[(&str, &str)]]| {
+        let files = files(folder.path(), changes);
+        let text = Curves::read(&files).unwrap_err().to_string();
+        text.replace(&folder.path().display().to_string(), "")
+    };
+    assert_eq!(
+        refusal(&[&[], &[]]),
+        "/1.csv: material \"ICF\" has a curve already, /0.csv; expected one file a material"
+    );
+    assert_eq!(
+        refusal(&[&[], &[("= ICF", "= gel"), ("= ring", "= pot")]]),
+        "/1.csv: for magnet pot with fluid MRF-122; expected magnet ring with fluid MRF-122, as /0.csv: a display has \
+         one magnet and one fluid"
+    );
+    let curves = Curves::read(&files(folder.path(), &[&[]])).unwrap();
+    let text = curves.give(&mut [material("EVA"), material("gel")]).unwrap_err().to_string();
+    assert!(text.ends_with("0.csv: material \"ICF\" is not in the library; expected one of EVA, gel"), "{text}");
 }

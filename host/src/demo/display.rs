@@ -1,10 +1,11 @@
 //! A palpated material, displayed to a finger.
 
-use protocol::lut::Table;
-use protocol::message::Mode;
+use protocol::lut::{Material, Table};
+use protocol::message::{Mode, State, Telemetry};
 
 use super::listening::Listening;
 use super::{DemoError, Palpated};
+use crate::control::ShownTicks;
 use crate::plant::Touch;
 use crate::session::Event;
 
@@ -37,8 +38,12 @@ pub struct DisplayTrace {
     pub true_a: f64,
     /// True flux density in the fluid, T.
     pub true_flux_t: f64,
-    /// Displacement of the material's own curve under the true force, mm.
+    /// Where the table wants the shaft under the true force, mm.
     pub material_mm: f64,
+    /// A finger touches, and the board asks for the least or the most current that it gives this material.
+    pub at_limit: bool,
+    /// A finger touches, and the table marks its force as unreachable.
+    pub marked: bool,
 }
 
 /// A displayed material.
@@ -48,6 +53,37 @@ pub struct Displayed {
     pub material: String,
     /// Tick by tick.
     pub trace: Vec<DisplayTrace>,
+    /// What the board says of these ticks.
+    pub ticks: ShownTicks,
+}
+
+/// Ticks of a display at the coil's limit, against those that the table marks unreachable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LimitTicks {
+    /// Touched ticks at the coil's limit.
+    pub at_limit: usize,
+    /// Touched ticks whose force the table marks unreachable.
+    pub unreachable: usize,
+    /// Both at once.
+    pub both: usize,
+}
+
+impl LimitTicks {
+    /// The touched ticks at the coil's limit are those that the table marks unreachable, and no others.
+    pub fn agree(&self) -> bool {
+        self.at_limit == self.both && self.unreachable == self.both
+    }
+}
+
+impl std::fmt::Display for LimitTicks {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let LimitTicks { at_limit, unreachable, both } = self;
+        write!(f, "{at_limit} touched ticks at the coil's limit, {unreachable} that the table marks unreachable: ")?;
+        match self.agree() {
+            true => write!(f, "the same"),
+            false => write!(f, "only {both} are both"),
+        }
+    }
 }
 
 impl Displayed {
@@ -56,6 +92,37 @@ impl Displayed {
         let squares: f64 = self.trace.iter().map(|p| (p.target_mm - p.true_shaft_mm).powi(2)).sum();
         (squares / self.trace.len().max(1) as f64).sqrt()
     }
+
+    /// Ticks at the coil's limit.
+    pub fn limits(&self) -> LimitTicks {
+        let count = |is: fn(&DisplayTrace) -> bool| self.trace.iter().filter(|tick| is(tick)).count();
+        LimitTicks {
+            at_limit: count(|tick| tick.at_limit),
+            unreachable: count(|tick| tick.marked),
+            both: count(|tick| tick.at_limit && tick.marked),
+        }
+    }
+}
+
+/// Least and most current that a material asks for under a finger, A; none without control curve.
+fn current_limits_a(material: &Material<'_>) -> Option<(f32, f32)> {
+    let (from_n, to_n) = material.coil()?.reachable_n;
+    // Without force there is no current, and no least one.
+    let least_a = material.current(from_n).filter(|_| from_n > 0.0).map_or(f32::NEG_INFINITY, |current| current.a);
+    Some((least_a, material.current(to_n)?.a))
+}
+
+/// Whether the board's record is one of a finger at the coil's limit, and whether the table marks it.
+fn at_limit(material: &Material<'_>, record: &Telemetry) -> (bool, bool) {
+    let touched = record.state == State::Display && record.fsr_n > 0.0;
+    let (Some((least_a, most_a)), Some(wanted), true) =
+        (current_limits_a(material), material.current(record.fsr_n), touched)
+    else {
+        return (false, false);
+    };
+    let target_a = record.coil_target_a;
+    // A current that heat cuts is at a limit as well, and the table does not know of it.
+    (target_a >= most_a || target_a <= least_a || target_a < wanted.a, wanted.unreachable)
 }
 
 /// Most that the display's shaft can give way, mm (the board's own limit): softer foams are not displayed to this hand.
@@ -78,7 +145,7 @@ pub(super) fn display(
     listening.session().set_mode(Mode::Display { material: index })?;
     listening.board().touch(Some(TOUCH));
     let began_s = listening.now_s();
-    let mut trace = Vec::new();
+    let (mut trace, mut ticks) = (Vec::new(), ShownTicks::default());
     while let Some((event, truth)) = listening.next(began_s + DURATION_S)? {
         let (Event::Telemetry(t), Some(truth)) = (event, truth) else {
             continue;
@@ -86,6 +153,8 @@ pub(super) fn display(
         if truth.time_s < began_s {
             continue;
         }
+        ticks.add(&t);
+        let (at_limit, marked) = at_limit(&material, &t);
         trace.push(DisplayTrace {
             time_s: truth.time_s - began_s,
             true_force_n: truth.finger_n,
@@ -98,9 +167,11 @@ pub(super) fn display(
             true_a: truth.coil_a,
             true_flux_t: truth.flux_t,
             material_mm: f64::from(material.shaft_mm(truth.finger_n as f32)),
+            at_limit,
+            marked,
         });
     }
     listening.board().touch(None);
     listening.session().set_mode(Mode::Idle)?;
-    Ok(Displayed { material: material.name.to_owned(), trace })
+    Ok(Displayed { material: material.name.to_owned(), trace, ticks })
 }

@@ -31,6 +31,9 @@ pub enum DemoError {
     /// The extended model does not fit the demo.
     #[error(transparent)]
     Model(#[from] crate::extended::ExtendedError),
+    /// A control curve does not fit the library.
+    #[error(transparent)]
+    Control(#[from] crate::control::CurveError),
     /// The conversation with the board failed.
     #[error(transparent)]
     Session(#[from] SessionError),

@@ -7,6 +7,7 @@ use protocol::lut::MaterialSpec;
 
 use super::foams::{BEYOND_MM, STEP_MM};
 use super::{BALL_RADIUS_MM, DemoError, Stage, Watcher};
+use crate::control::Curves;
 use crate::extended::{ExtendedModel, board};
 use crate::plant::{Curve, Foam};
 
@@ -59,7 +60,12 @@ fn entry(one: &Known, spec: &GridSpec) -> Result<MaterialSpec, DemoError> {
 ///
 /// # Errors
 /// [`DemoError`].
-pub(super) fn table(model: &ExtendedModel, rate_mm_s: f64, watch: Watcher<'_>) -> Result<Vec<u8>, DemoError> {
+pub(super) fn table(
+    model: &ExtendedModel,
+    rate_mm_s: f64,
+    control: &Curves,
+    watch: Watcher<'_>,
+) -> Result<Vec<u8>, DemoError> {
     for sentence in told(model, rate_mm_s)? {
         watch(Stage::Note(&sentence));
     }
@@ -79,7 +85,10 @@ pub(super) fn table(model: &ExtendedModel, rate_mm_s: f64, watch: Watcher<'_>) -
         grids.push(grid.map_err(|source| DemoError::Solve { what: what.clone(), source })?);
     }
     let entries = known.iter().map(|one| entry(one, &grid(model, one.height_mm, rate_mm_s)?));
-    Ok(write(&grids, Form::Factored, entries.collect::<Result<_, DemoError>>()?)?)
+    let mut library = entries.collect::<Result<Vec<_>, DemoError>>()?;
+    // The program's own curves are of the foams without the model's effects.
+    control.give(&mut library)?;
+    Ok(write(&grids, Form::Factored, library)?)
 }
 
 /// What of the model is in the demo and what is not.

@@ -21,14 +21,14 @@ use std::time::Instant;
 
 use protocol::lut::Table;
 
-pub use display::{DisplayTrace, Displayed};
+pub use display::{DisplayTrace, Displayed, LimitTicks};
 pub use error::DemoError;
 pub use foams::bench_foams;
 pub use options::Options;
 pub use palpation::{Palpated, TracePoint};
 pub use report::overview_svg;
 pub use summary::{Confusion, Summary};
-pub use table::{BALL_RADIUS_MM, demo_table};
+pub use table::{BALL_RADIUS_MM, demo_table, demo_table_with};
 pub use watcher::{Stage, Watcher};
 
 use crate::link::{Disturbed, InProcess, Pace};
@@ -61,8 +61,8 @@ pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> 
         Some(path) => std::fs::read(path).map_err(|source| DemoError::File { path: path.clone(), source })?,
         None => {
             let bytes = match &options.model {
-                Some(model) => extended::table(model, options.rate_mm_s, watch)?,
-                None => demo_table(watch)?,
+                Some(model) => extended::table(model, options.rate_mm_s, &options.control, watch)?,
+                None => demo_table_with(&options.control, watch)?,
             };
             folder.write(TABLE, &bytes).map_err(failed)?;
             bytes

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::control::Curves;
 use crate::extended::ExtendedModel;
 use crate::link::Disturbance;
 use crate::plant::Jitter;
@@ -25,6 +26,8 @@ pub struct Options {
     pub out: PathBuf,
     /// A table to use instead of computing one.
     pub table: Option<PathBuf>,
+    /// Control curves for materials of a table that is computed, in the place of the program's.
+    pub control: Curves,
     /// An extended model: its effects in the table and in the foams, and its material among these.
     pub model: Option<ExtendedModel>,
 }
@@ -40,6 +43,7 @@ impl Default for Options {
             line: Disturbance::default(),
             out: "out/demo".into(),
             table: None,
+            control: Curves::default(),
             model: None,
         }
     }

@@ -144,11 +144,12 @@ fn display(page: &mut Page, summary: &Summary) {
         summary.displayed.material,
         summary.displayed.tracking_rms_mm()
     ));
+    page.paragraph(&format!("{}. {}.", summary.displayed.ticks, summary.displayed.limits()));
     let captions = [
         "Force of a hand with tremor, and what the FSR makes of it (hysteresis, creep, and a calibration rounded as in the thesis).",
-        "Material: the displacement the material's curve asks for under the true force. Target: what the controller asks for under the \
+        "Material: the position the table asks for under the true force. Target: what the controller asks for under the \
          force it reads.",
-        "First-order chain: force to contact area to stress to yield stress to flux to current.",
+        "The table's control curve from force to current. A material without one is displayed by the actuator alone.",
     ];
     for (figure, caption) in display_over_time(summary).iter().zip(captions) {
         page.figure(&figure.svg(), caption);

@@ -116,13 +116,22 @@ impl Summary {
     pub fn json(&self) -> Value {
         let confusion = self.confusion();
         let (all, mu, alpha) = self.within_two_errors();
+        let limits = self.displayed.limits();
         let file = |name: &str| self.options.out.join(name).display().to_string();
         json!({
             "palpations": self.palpated.iter().map(palpation_json).collect::<Vec<_>>(),
             "recognised": self.recognised(),
             "within_two_errors": { "palpations": all, "mu": mu, "alpha": alpha },
             "confusion": { "truths": confusion.truths, "answers": confusion.answers, "counts": confusion.counts },
-            "display": { "material": self.displayed.material, "tracking_rms_mm": self.displayed.tracking_rms_mm() },
+            "display": {
+                "material": self.displayed.material,
+                "tracking_rms_mm": self.displayed.tracking_rms_mm(),
+                "ticks": self.displayed.ticks.json(),
+                "touched_ticks_at_coil_limit": limits.at_limit,
+                "touched_ticks_marked_unreachable": limits.unreachable,
+                "touched_ticks_both": limits.both,
+                "limit_is_what_is_marked": limits.agree(),
+            },
             "telemetry": self.traffic,
             "telemetry_loss": self.traffic.loss(),
             "table": { "bytes": self.table_bytes, "error_bound": self.error_bound, "slot": format!("{:?}", self.slot) },
@@ -255,6 +264,8 @@ impl fmt::Display for Summary {
             self.displayed.material,
             self.displayed.tracking_rms_mm()
         )?;
+        writeln!(f, "           {}", self.displayed.ticks)?;
+        writeln!(f, "           {}", self.displayed.limits())?;
         writeln!(
             f,
             "time       {:.1} s ({:.1} s finite elements, {:.1} s upload of {} kB) for {:.0} s of board time",

@@ -4,16 +4,26 @@ use lut_gen::solid::contact::Ball;
 use lut_gen::solid::model::Specimen;
 use lut_gen::table::{Foam, ForceGrid, Form, GridSpec, foams, library, write};
 
+use crate::control::Curves;
+
 use super::{DemoError, Stage, Watcher};
 
 /// Radius of the palpation ball, mm (thesis chapter 3 as DESIGN reads it).
 pub const BALL_RADIUS_MM: f64 = 4.0;
 
-/// Computes the table of the four foams' heights.
+/// Computes the table of the four foams' heights, with the control curves that come with the program.
 ///
 /// # Errors
 /// [`DemoError`] when a solve fails.
 pub fn demo_table(watch: Watcher<'_>) -> Result<Vec<u8>, DemoError> {
+    demo_table_with(&Curves::default(), watch)
+}
+
+/// The same, where these control curves take the place of the program's.
+///
+/// # Errors
+/// [`DemoError`] when a solve fails, or a curve is of no foam.
+pub fn demo_table_with(control: &Curves, watch: Watcher<'_>) -> Result<Vec<u8>, DemoError> {
     let materials = foams();
     let ball = Ball { radius_mm: BALL_RADIUS_MM };
     let mut grids = Vec::new();
@@ -27,7 +37,9 @@ pub fn demo_table(watch: Watcher<'_>) -> Result<Vec<u8>, DemoError> {
     let Some(first) = grids.first() else {
         return Err(DemoError::NoLibrary);
     };
-    let named = library(&materials, &first.spec)?;
+    let mut named = library(&materials, &first.spec)?;
+    control.give_built_in(&mut named).iter().for_each(|sentence| watch(Stage::Note(sentence)));
+    control.give(&mut named)?;
     Ok(write(&grids, Form::Factored, named)?)
 }
 

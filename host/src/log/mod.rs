@@ -32,6 +32,7 @@ pub use live::{LiveView, Plain, Screen, estimate_text, library_names, live_view,
 pub use mcap::{Channel, McapLog};
 pub use recovery::{Recovered, recover_mcap};
 
+use crate::control::ShownTicks;
 use crate::plant::Truth;
 use crate::session::{Event, Gap, Traffic, gap_text};
 
@@ -67,6 +68,7 @@ pub struct Recorder {
     /// Time in the recording and wall clock of the last time the files were brought to disk.
     kept_board_s: f64,
     kept: Option<Instant>,
+    shown: ShownTicks,
 }
 
 impl Recorder {
@@ -115,6 +117,12 @@ impl Recorder {
     #[must_use]
     pub fn mcap_path(&self) -> Option<&Path> {
         self.mcap.as_ref().map(McapLog::path)
+    }
+
+    /// How many of the records were of a display, and departed from its material.
+    #[must_use]
+    pub const fn shown(&self) -> ShownTicks {
+        self.shown
     }
 
     /// All files of the recording.
@@ -175,6 +183,7 @@ impl Recorder {
         let at = self.at(self.board_s);
         match event {
             Event::Telemetry(record) => {
+                self.shown.add(record);
                 self.board_s = self.time_of(record.tick);
                 let at = self.at_record(self.board_s);
                 while self.truths.front().is_some_and(|t| t.tick < record.tick) {

@@ -63,7 +63,7 @@ struct Place {
 }
 
 impl<'a> DisplayCurve<'a> {
-    /// Version 1: `points` points every `step_n`.
+    /// Version 1: points every `step_n` newtons.
     pub fn even(step_n: f32, mm_per_count: f32, shaft: &'a [u8]) -> Self {
         DisplayCurve { nodes: Nodes::Even(step_n), mm_per_count, shaft, coil: None }
     }

@@ -305,11 +305,15 @@ fn explain(file: &Path, as_json: bool) -> miette::Result<()> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-    use protocol::lut::{AxisSpec, Role, Scale, TableSpec, axis_name};
+    use protocol::lut::{AxisSpec, CoilSpec, DisplaySpec, Role, Scale, TableSpec, axis_name};
 
     use super::*;
 
     fn small_table() -> Vec<u8> {
+        small_spec().to_bytes().unwrap()
+    }
+
+    fn small_spec() -> TableSpec {
         let axis =
             |name: &str, unit: &str, role, values: &[f64]| AxisSpec::new(name, unit, role, Scale::Linear, values);
         TableSpec {
@@ -324,8 +328,44 @@ mod tests {
             interpolation: 0.0005,
             provenance: "by hand".to_owned(),
         }
-        .to_bytes()
-        .unwrap()
+    }
+
+    /// A material that a coil shows in part, and one that it does not show.
+    fn table_of_two() -> Vec<u8> {
+        let display = DisplaySpec::even(1.0, &[0.5, 1.0, 1.5]);
+        let coil = CoilSpec { current_a: vec![0.0, 0.5, 1.0, 1.5], reachable_n: (0.5, 2.0), bound_a: 0.0625 };
+        let material = |name: &str, display: DisplaySpec| MaterialSpec {
+            name: name.to_owned(),
+            mu_mpa: 0.1,
+            alpha: 2.0,
+            height_mm: 20.0,
+            acceptance: 0.03,
+            rate_mm_s: 0.0,
+            force_n: vec![1.0, 2.0, 3.0],
+            display,
+        };
+        let library =
+            vec![material("ICF", DisplaySpec { coil: Some(coil), ..display.clone() }), material("granite", display)];
+        TableSpec { library, ..small_spec() }.to_bytes().unwrap()
+    }
+
+    #[test]
+    fn what_the_display_can_show_is_told_of_every_material() {
+        let bytes = table_of_two();
+        let table = parsed(Path::new("t"), &bytes).unwrap();
+        let sentences: Vec<String> = table.materials().map(|material| told::display(&material)).collect();
+        assert_eq!(
+            sentences,
+            [
+                "shaft from 0 to 3 N; coil from 0.5 to 2 N within 0.0625 A, held at its limit beyond (unreachable)",
+                "shaft from 0 to 3 N; no control curve: the actuator displays alone"
+            ]
+        );
+        let described = described(&table, bytes.len());
+        let display = |material: usize| &described["materials"][material]["display"];
+        assert_eq!((&display(0)["reachable_N"], &display(0)["actuator_only"]), (&json!([0.5, 2.0]), &json!(false)));
+        assert_eq!((&display(1)["reachable_N"], &display(1)["actuator_only"]), (&json!(null), &json!(true)));
+        assert_eq!(described["version"], 2);
     }
 
     fn refusal(bytes: &[u8]) -> String {

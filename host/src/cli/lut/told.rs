@@ -44,7 +44,7 @@ fn material(table: &Table<'_>, m: &Material<'_>) -> Value {
 }
 
 /// What of a material the display can show.
-fn display(m: &Material<'_>) -> String {
+pub(super) fn display(m: &Material<'_>) -> String {
     let force = |n: f32| number(f64::from(n));
     let shaft = format!("shaft from 0 to {} N", force(m.display_force_max_n()));
     match m.coil() {
