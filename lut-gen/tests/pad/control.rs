@@ -59,8 +59,8 @@ fn the_cubic_of_a_foam_beside_the_best_curve() {
     let states = timed(&press, &travels);
     let wanted = Felt::of(Section::Ring, &states);
     let averages: Vec<Averages> = states.iter().map(|s| Averages::of(s).unwrap()).collect();
-    let kinds: [(&str, fn(&Averages) -> f64); 3] =
-        [("mean", |a| a.mean), ("median", |a| a.median), ("geometric mean", |a| a.geometric)];
+    type Kind = (&'static str, fn(&Averages) -> f64);
+    let kinds: [Kind; 3] = [("mean", |a| a.mean), ("median", |a| a.median), ("geometric mean", |a| a.geometric)];
     for (name, of) in kinds {
         let stresses: Vec<f64> = averages.iter().map(of).collect();
         let curve = Curve::cubic_through(&travels, &stresses).unwrap();
