@@ -11,12 +11,16 @@
 //! | [`contact`] | contact without friction of edges that slide as far as they like |
 //! | [`model`] | the equations of both bodies |
 //! | [`control`] | the yield stress with which a block feels like a foam |
+//! | [`ellipse`] | prints with two radii (thesis Eqs. 28-38) |
+//! | [`hertz`] | the fingertip as an elastic sphere (Eqs. 50-52) |
 //! | [`press`] | the way down, and what was found at every depth ([`state`]) |
 
 pub mod body;
 pub mod contact;
 pub mod control;
+pub mod ellipse;
 pub mod error;
+pub mod hertz;
 pub mod law;
 pub mod model;
 mod path;

@@ -152,6 +152,14 @@ impl<'a> Press<'a> {
     /// # Errors
     /// [`PadError`].
     pub fn follow(&self, motion: &[Now]) -> Result<Vec<State>, PadError> {
+        self.follow_telling(motion, &mut |_| {})
+    }
+
+    /// As [`Press::follow`]; `told` hears of every moment as it is solved.
+    ///
+    /// # Errors
+    /// [`PadError`].
+    pub fn follow_telling(&self, motion: &[Now], told: &mut dyn FnMut(&State)) -> Result<Vec<State>, PadError> {
         demand(self.step_mm > 0.0, "the longest step (mm)", self.step_mm, "more than 0")?;
         demand(self.step_s > 0.0, "the longest step (s)", self.step_s, "more than 0")?;
         let mut before = 0.0;
@@ -168,6 +176,7 @@ impl<'a> Press<'a> {
             model.friction = self.friction.filter(|f| f.coefficient > 0.0);
         }
         let mut path = Path::new(model, self.yields);
-        motion.iter().map(|now| path.go(*now, self.step_mm, self.step_s)).collect()
+        let go = |now: &Now| path.go(*now, self.step_mm, self.step_s).inspect(|state| told(state));
+        motion.iter().map(go).collect()
     }
 }

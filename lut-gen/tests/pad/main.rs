@@ -2,6 +2,7 @@
 //! and 3), closed forms, and itself on other meshes.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod closed;
 mod contact;
 mod control;
 mod finger;

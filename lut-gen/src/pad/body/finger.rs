@@ -75,6 +75,17 @@ impl Finger {
         })
     }
 
+    /// The same finger stretched along x, its bone with it; skin stays as thick (thesis section
+    /// 4.1.2: how much force a print with two radii adds).
+    #[must_use]
+    pub fn stretched(&self, ratio: f64) -> Self {
+        Self {
+            half_width_mm: ratio * self.half_width_mm,
+            bone_half_width_mm: ratio * self.bone_half_width_mm,
+            ..self.clone()
+        }
+    }
+
     fn checked(&self) -> Result<(), PadError> {
         let positive = |value: f64| value > 0.0 && value.is_finite();
         for (name, value) in [
