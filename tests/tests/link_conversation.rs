@@ -198,11 +198,11 @@ fn bad_tables_are_refused_before_anything_is_sent_and_by_the_board() {
     assert_eq!(error.to_string(), expected);
 
     let mut newer = table.clone();
-    newer[8] = 2;
+    newer[8] = 3;
     let error = session.upload(&newer, |_| {}).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "table not sent: table layout version 2, this build reads version 1: make the table again with `palpate lut`"
+        "table not sent: table layout version 3, this build reads versions 1 to 2: make the table again with `palpate lut`"
     );
 
     let mut damaged = table.clone();

@@ -130,7 +130,7 @@ impl<'a> DisplayCurve<'a> {
 
     /// The first node without force and for NaN, the last beyond the curve.
     fn place(&self, force_n: f32) -> Place {
-        if !(force_n > 0.0) {
+        if force_n.is_nan() || force_n <= 0.0 {
             return Place { lower: 0, weight: 0.0 };
         }
         match self.nodes {
@@ -170,7 +170,7 @@ impl<'a> DisplayCurve<'a> {
     /// Coil current under a force; `None` without a control curve.
     pub fn current(&self, force_n: f32) -> Option<Current> {
         let coil = self.coil.as_ref()?;
-        if !(force_n > 0.0) {
+        if force_n.is_nan() || force_n <= 0.0 {
             return Some(Current { a: 0.0, unreachable: false });
         }
         let (from, to) = coil.limits.reachable_n;
