@@ -7,6 +7,7 @@ pub mod demo;
 pub mod diagnose;
 pub mod field;
 mod file;
+pub mod finger;
 pub mod flash;
 pub mod gain;
 pub mod identify;
@@ -23,6 +24,7 @@ pub mod plan;
 pub mod press;
 pub mod progress;
 pub mod selftest;
+mod series;
 pub mod simulate;
 pub mod study;
 pub mod sweep;
@@ -76,6 +78,8 @@ enum Command {
     Lut(lut::Arguments),
     /// Compute a magnet's field by finite elements: flux density, inductance, heat, maps
     Magnet(magnet::Arguments),
+    /// Press a finger on a plate or a foam by finite elements: force, contact, pressure, Mises stress
+    Finger(finger::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
     Field(field::Arguments),
 }
@@ -104,6 +108,7 @@ pub fn main() -> ExitCode {
         Command::Study(arguments) => study::run(&arguments),
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
+        Command::Finger(arguments) => finger::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };
     let printed = crate::print::finish().into_diagnostic().wrap_err("standard output");
