@@ -8,6 +8,7 @@ pub mod demo;
 pub mod diagnose;
 pub mod field;
 mod file;
+pub mod finger;
 pub mod flash;
 pub mod gain;
 pub mod identify;
@@ -24,6 +25,7 @@ pub mod plan;
 pub mod press;
 pub mod progress;
 pub mod selftest;
+mod series;
 pub mod simulate;
 pub mod study;
 pub mod sweep;
@@ -79,6 +81,8 @@ enum Command {
     Magnet(magnet::Arguments),
     /// Find what coil and actuator must do so that a material is felt: control curves by finite elements
     ControlCurve(control_curve::Arguments),
+    /// Press a finger on a plate or a foam by finite elements: force, contact, pressure, Mises stress
+    Finger(finger::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
     Field(field::Arguments),
 }
@@ -108,6 +112,7 @@ pub fn main() -> ExitCode {
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::ControlCurve(arguments) => control_curve::run(&arguments),
+        Command::Finger(arguments) => finger::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };
     let printed = crate::print::finish().into_diagnostic().wrap_err("standard output");

@@ -87,7 +87,8 @@ pub fn compose(
     provenance: &str,
 ) -> Result<ControlCurve, Uncomposed> {
     let on = |what: &'static str, force_n: &[f64]| over(force_n, &study.wanted.travel_mm, what);
-    let (soft, plate) = (on("finger on the material", &study.wanted.force_n)?, on("finger on a plate", &study.plate_n)?);
+    let (soft, plate) =
+        (on("finger on the material", &study.wanted.force_n)?, on("finger on a plate", &study.plate_n)?);
     let area = over(&study.wanted.force_n, &study.wanted.area_mm2, "finger on the material")?;
     let points = study.followed.points();
     let (force, stress): (Vec<f64>, Vec<f64>) = std::iter::once(&(0.0, 0.0)).chain(points).copied().unzip();

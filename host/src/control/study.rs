@@ -58,9 +58,8 @@ pub struct Study {
     pub plate_n: Vec<f64>,
     /// Averages of Mises' stress in the material at every travel.
     pub averages: Vec<Averages>,
-    /// The cubics through mean, median and geometric mean, and what they feel like; `None` where no
-    /// equilibrium was found.
-    pub tried: Vec<(&'static str, Curve, Option<(Felt, Error)>)>,
+    /// The cubics through mean, median and geometric mean.
+    pub tried: Vec<Tried>,
     /// The cubic that feels nearest.
     pub cubic: Found,
     /// The curve of [`PLACES`] knots that feels nearest.
@@ -76,6 +75,21 @@ pub struct Study {
     /// Largest difference of the cubic's force on elements of two thirds of the length, N.
     pub mesh_n: f64,
 }
+
+/// A curve that was not searched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tried {
+    /// The average that it is.
+    pub name: &'static str,
+    /// The curve.
+    pub curve: Curve,
+    /// What it feels like, and how far that is from what is wanted; `None` where no equilibrium was
+    /// found.
+    pub felt: Option<(Felt, Error)>,
+}
+
+/// An average of Mises' stress, with its name.
+type Kind = (&'static str, fn(&Averages) -> f64);
 
 /// Travels of a study, and knots of its best curve.
 pub const PLACES: usize = 12;
@@ -165,29 +179,24 @@ fn block(finger: &Finger, height_mm: f64, radius_mm: f64, material: Material) ->
 }
 
 /// The cubics through the averages, and what they feel like.
-fn tried(
-    display: &Display,
-    wanted: &Felt,
-    averages: &[Averages],
-) -> Result<Vec<(&'static str, Curve, Option<(Felt, Error)>)>, PadError> {
-    let kinds: [(&'static str, fn(&Averages) -> f64); 3] =
-        [("mean", |a| a.mean), ("median", |a| a.median), ("geometric mean", |a| a.geometric)];
-    let each = |(name, of): (&'static str, fn(&Averages) -> f64)| {
+fn tried(display: &Display, wanted: &Felt, averages: &[Averages]) -> Result<Vec<Tried>, PadError> {
+    let kinds: [Kind; 3] = [("mean", |a| a.mean), ("median", |a| a.median), ("geometric mean", |a| a.geometric)];
+    let each = |(name, of): Kind| {
         let stresses: Vec<f64> = averages.iter().map(of).collect();
         let curve = Curve::cubic_through(&wanted.travel_mm, &stresses)?;
         let felt = display.felt(&curve, &wanted.travel_mm).ok();
         let felt = felt.map(|felt| (felt.error(wanted), felt)).map(|(error, felt)| (felt, error));
-        Ok((name, curve, felt))
+        Ok(Tried { name, curve, felt })
     };
     kinds.into_par_iter().map(each).collect()
 }
 
 /// The best of the averages' cubics; a straight line to the largest mean where none was pressed.
-fn begin(tried: &[(&str, Curve, Option<(Felt, Error)>)], travels: &[f64]) -> Result<Curve, PadError> {
-    let pressed = tried.iter().filter_map(|(_, curve, felt)| Some((curve, felt.as_ref()?.1.combined())));
+fn begin(tried: &[Tried], travels: &[f64]) -> Result<Curve, PadError> {
+    let pressed = tried.iter().filter_map(|own| Some((&own.curve, own.felt.as_ref()?.1.combined())));
     let best = pressed.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(curve, _)| curve.clone());
     let last = travels.last().copied().unwrap_or(1.0);
-    let line = || tried.first().map_or(LEAST_MPA, |(_, curve, _)| curve.at(last)).max(LEAST_MPA) / last;
+    let line = || tried.first().map_or(LEAST_MPA, |own| own.curve.at(last)).max(LEAST_MPA) / last;
     Ok(best.unwrap_or_else(|| Curve::Cubic([line(), 0.0, 0.0])))
 }
 

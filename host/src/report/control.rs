@@ -29,7 +29,10 @@ pub fn currents(curves: &[&ControlCurve]) -> Figure {
 /// All figures of a material, each with its caption.
 pub fn figures(study: &Study, curve: &ControlCurve) -> Vec<(Figure, &'static str)> {
     vec![
-        (stresses(study), "Yield stress over travel: the averages of the foam's stress and what was searched (Fig. 57)."),
+        (
+            stresses(study),
+            "Yield stress over travel: the averages of the foam's stress and what was searched (Fig. 57).",
+        ),
         (felt(study, "force (N)", |felt| &felt.force_n), "Force of foam and fluid (Fig. 58)."),
         (felt(study, "area (mm2)", |felt| &felt.area_mm2), "Contact area of foam and fluid (Fig. 58)."),
         (currents(&[curve]), "Current over force; the light part is beyond the magnet (Fig. 61)."),
@@ -40,7 +43,7 @@ pub fn figures(study: &Study, curve: &ControlCurve) -> Vec<(Figure, &'static str
 
 /// What was tried and found, with its stroke: the searched ones unbroken.
 fn all(study: &Study) -> Vec<(&str, &Curve, Option<&Felt>)> {
-    let tried = study.tried.iter().map(|(name, curve, felt)| (*name, curve, felt.as_ref().map(|felt| &felt.0)));
+    let tried = study.tried.iter().map(|own| (own.name, &own.curve, own.felt.as_ref().map(|felt| &felt.0)));
     let best = study.best.as_ref().map(|best| ("twelve knots", &best.curve, Some(&best.felt)));
     tried.chain(best).chain([("cubic", &study.cubic.curve, Some(&study.cubic.felt))]).collect()
 }
@@ -72,8 +75,12 @@ fn stroke(name: &str, i: usize) -> Stroke {
 
 fn gains(curve: &ControlCurve) -> Figure {
     let points = curve.rows.iter().map(|row| (row.force_n, row.loop_gain)).collect();
-    Figure::new("Loop gain, computed", Axis::new("force (N)"), Axis::new("loop gain").over(0.0, 1.0))
-        .with(Series::new("", points, Stroke::Solid, 0))
+    Figure::new("Loop gain, computed", Axis::new("force (N)"), Axis::new("loop gain").over(0.0, 1.0)).with(Series::new(
+        "",
+        points,
+        Stroke::Solid,
+        0,
+    ))
 }
 
 fn cycle(study: &Study) -> Figure {

@@ -11,6 +11,7 @@ pub mod diagnosis;
 pub mod display;
 pub mod field;
 pub mod figure;
+pub mod finger;
 pub mod gain;
 pub mod identification;
 pub mod magnet;

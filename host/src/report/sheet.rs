@@ -1,6 +1,11 @@
 //! A sheet of triangles with a value at each corner, and the regions above a level.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+
+use lut_gen::fem::shape::quad8;
+
+/// Triangles a side of an element of eight nodes is divided into.
+const FINER: usize = 3;
 
 /// A triangulated drawing, mm.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -13,10 +18,59 @@ pub struct Sheet {
     pub triangles: Vec<[usize; 3]>,
 }
 
+/// A node of an element that is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// Where it was, mm; by this neighbours know each other.
+    pub rest: [f64; 2],
+    /// Where it is, mm.
+    pub now: [f64; 2],
+    /// Its value.
+    pub value: f64,
+}
+
+/// Points of a sheet by where they were, to a millionth of a millimetre.
+pub type Known = HashMap<[i64; 2], usize>;
+
 /// A corner of a region: a point of the sheet (twice the same index), or where the level cuts the line between two.
 type Corner = (usize, usize);
 
 impl Sheet {
+    /// Adds an element of eight nodes, or with `side` -1 its image across x = 0. Elements of one call of `known` share their
+    /// points.
+    pub fn add(&mut self, element: &[Node; 8], side: f64, known: &mut Known) {
+        let mut grid = Vec::with_capacity((FINER + 1) * (FINER + 1));
+        for i in 0..=FINER {
+            for j in 0..=FINER {
+                let at = |k: usize| 2.0 * k as f64 / FINER as f64 - 1.0;
+                let (shape, _) = quad8(at(i), at(j));
+                let (mut rest, mut x, mut value) = ([0.0; 2], [0.0; 2], 0.0);
+                for (n, node) in shape.iter().zip(element) {
+                    for k in 0..2 {
+                        rest[k] += n * node.rest[k];
+                        x[k] += n * node.now[k];
+                    }
+                    value += n * node.value;
+                }
+                let key = [side * rest[0], rest[1]].map(|c| (1e6 * c).round() as i64);
+                grid.push(*known.entry(key).or_insert_with(|| {
+                    self.points.push([side * x[0], x[1]]);
+                    self.values.push(value);
+                    self.points.len() - 1
+                }));
+            }
+        }
+        for i in 0..FINER {
+            for j in 0..FINER {
+                let at = |di: usize, dj: usize| grid[(i + di) * (FINER + 1) + j + dj];
+                for [a, b, c] in [[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]] {
+                    // the mirror image runs the other way round
+                    self.triangles.push(if side > 0.0 { [a, b, c] } else { [a, c, b] });
+                }
+            }
+        }
+    }
+
     /// Outlines of the region where the value is at least `level`, as closed loops; holes run the other way.
     ///
     /// Each triangle is cut to the region, and lines that two triangles share cancel.

@@ -108,8 +108,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.json {
         let materials: Vec<_> = made.iter().map(|made| told::summary(made, &links)).collect();
         let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-        outln!("{}", json!({"magnet": links.magnet, "fluid": links.fluid, "finger": finger.title,
-                            "most_yield_kPa": links.most_kpa(), "materials": materials, "files": files}));
+        outln!(
+            "{}",
+            json!({"magnet": links.magnet, "fluid": links.fluid, "finger": finger.title,
+                            "most_yield_kPa": links.most_kpa(), "materials": materials, "files": files})
+        );
         return Ok(());
     }
     for made in &made {
@@ -219,7 +222,10 @@ fn write(folder: &mut OwnFolder, links: &Links, made: &[Made]) -> miette::Result
     let mut files = Vec::new();
     let mut page = crate::report::Page::new("Control curves", &told::subtitle(links));
     page.paragraph(told::ABOUT_FLUIDS);
-    page.figure(&picture::currents(&curves(made)).svg(), "Current of the coil over the finger's force, computed (Fig. 61).");
+    page.figure(
+        &picture::currents(&curves(made)).svg(),
+        "Current of the coil over the finger's force, computed (Fig. 61).",
+    );
     for made in made {
         page.section(&made.block.name);
         told::sentences(made, links).iter().for_each(|line| page.paragraph(line));

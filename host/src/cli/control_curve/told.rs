@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::Made;
 use crate::control::compose::{Links, UNIAXIAL};
+use crate::control::study::Tried;
 use crate::report::number;
 
 /// What no bound of a curve holds.
@@ -65,7 +66,7 @@ pub(super) fn sentences(made: &Made, links: &Links) -> Vec<String> {
             number(own / least.max(f64::MIN_POSITIVE))
         ));
     }
-    for (name, _, felt) in &study.tried {
+    for Tried { name, felt, .. } in &study.tried {
         lines.push(match felt {
             Some((_, error)) => format!(
                 "The {name} of the foam's stress: force {}, area {}, together {}.",
@@ -97,7 +98,17 @@ pub(super) fn print(made: &Made, links: &Links) {
         outln!("  Not in the finger's press: {left_out}.");
     }
     outln!("");
-    outln!("  {:>8}  {:>9}  {:>9}  {:>8}  {:>9}  {:>8}  {:>9}  {:>9}", "force N", "travel mm", "area mm2", "shaft mm", "yield kPa", "flux T", "current A", "loop gain");
+    outln!(
+        "  {:>8}  {:>9}  {:>9}  {:>8}  {:>9}  {:>8}  {:>9}  {:>9}",
+        "force N",
+        "travel mm",
+        "area mm2",
+        "shaft mm",
+        "yield kPa",
+        "flux T",
+        "current A",
+        "loop gain"
+    );
     let step = (made.curve.rows.len() / 12).max(1);
     for row in made.curve.rows.iter().step_by(step) {
         let reached = row.force_n >= made.curve.reachable_n.0 && row.force_n <= made.curve.reachable_n.1;
@@ -120,13 +131,11 @@ pub(super) fn print(made: &Made, links: &Links) {
 /// As JSON.
 pub(super) fn summary(made: &Made, links: &Links) -> Value {
     let Made { block, study, curve } = made;
-    let error = |error: lut_gen::pad::control::felt::Error| {
-        json!({"force": error.force, "area": error.area, "combined": error.combined()})
-    };
+    let error = |error: lut_gen::pad::control::felt::Error| json!({"force": error.force, "area": error.area, "combined": error.combined()});
     let tried: serde_json::Map<String, Value> = study
         .tried
         .iter()
-        .map(|(name, _, felt)| ((*name).to_owned(), felt.as_ref().map_or(Value::Null, |(_, own)| error(*own))))
+        .map(|own| (own.name.to_owned(), own.felt.as_ref().map_or(Value::Null, |(_, of)| error(*of))))
         .collect();
     let rows = curve.rows.iter().map(|row| {
         json!({"force_N": row.force_n, "travel_mm": row.travel_mm, "area_mm2": row.area_mm2, "shaft_mm": row.shaft_mm,

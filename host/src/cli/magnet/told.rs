@@ -170,7 +170,8 @@ pub(super) fn summary(magnet: &Magnet, study: &Study, files: &[PathBuf]) -> Valu
                "window_mm2": window, "filled": w.filled(window), "fits": fits, "lasting_A": w.lasting_a(),
                "largest_current_A": most, "seconds_at_largest": seconds.is_finite().then_some(seconds)})
     });
-    let control = magnet.flux_curve(&study.states)
+    let control = magnet
+        .flux_curve(&study.states)
         .map(|c| json!({"most_A": c.most_a(), "most_T": c.flux_t(c.most_a()), "bound_T": c.bound_t()}));
     let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     json!({"title": magnet.title, "depth": depth_line(magnet), "source": magnet.source, "unknowns": study.field.unknowns(),
