@@ -184,3 +184,119 @@ fn bound(rows: &[Row], row: &dyn Fn(f64) -> Row, links: &Links, mesh_n: f64, (fr
     }
     bound
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use lut_gen::magnet::curve::Built;
+    use lut_gen::magnet::fluid::Oil;
+    use lut_gen::pad::control::curve::Curve;
+    use lut_gen::pad::control::felt::{Error, Felt};
+    use lut_gen::pad::control::latch::Followed;
+    use lut_gen::pad::control::search::Found;
+
+    use super::*;
+
+    /// A magnet that saturates, of some strength, with some remanence.
+    fn links(tesla: f64, remanence_t: f64) -> Links {
+        let points: Vec<(f64, f64)> =
+            (0..=20).map(|i| 0.125 * f64::from(i)).map(|a| (a, tesla * (a / 1.5).tanh())).collect();
+        let built = Built { remanence_t, ..Built::default() };
+        Links {
+            magnet: "bent".to_owned(),
+            flux: FluxCurve::new(&points, 1e-5, built).unwrap(),
+            fluid: "MRF-122EG".to_owned(),
+            law: Fluid::carlson(0.22, Oil::Hydrocarbon).unwrap(),
+            most_a: 2.5,
+        }
+    }
+
+    /// A foam whose force rises with the square of the travel, shown by up to 9 kPa of yield stress.
+    fn study() -> Study {
+        let travel_mm: Vec<f64> = (1..=12).map(|i| f64::from(i) / 3.0).collect();
+        let force_n: Vec<f64> = travel_mm.iter().map(|u| 0.1 * u * u).collect();
+        let felt = Felt { area_mm2: travel_mm.iter().map(|u| 25.0 * u).collect(), force_n, travel_mm };
+        let curve = Curve::Cubic([1e-3, 0.0, 1e-4]);
+        let stress: Vec<f64> = felt.travel_mm.iter().map(|u| curve.at(*u)).collect();
+        let error = Error { force: 0.1, area: 0.2 };
+        let found = Found { curve, felt: felt.clone(), error, rounds: 1, settled: true };
+        Study {
+            plate_n: felt.force_n.iter().map(|f| 3.0 * f).collect(),
+            averages: Vec::new(),
+            tried: Vec::new(),
+            best: None,
+            followed: Followed::new(&felt.force_n, &stress).unwrap(),
+            cut: vec![false; 12],
+            gains: vec![0.3; 12],
+            cycle: [felt.clone(), felt.clone()],
+            mesh_n: 1e-3,
+            wanted: felt,
+            cubic: found,
+        }
+    }
+
+    fn composed(links: &Links) -> ControlCurve {
+        compose(&study(), links, ("foam", "round"), "a test").unwrap()
+    }
+
+    #[test]
+    fn a_current_makes_the_yield_stress_that_is_wanted_within_the_bound() {
+        let (links, study) = (links(0.5, 0.0), study());
+        let curve = composed(&links);
+        assert_eq!(curve.reachable_n, (0.0, 1.6));
+        for row in &curve.rows {
+            let made = links.law.yield_at_flux(links.flux.flux_t(row.current_a));
+            assert!((made - row.yield_kpa).abs() < 1e-6 * row.yield_kpa.max(1.0), "{row:?} {made}");
+        }
+        // straight lines, as the board has them
+        for w in curve.rows.windows(2) {
+            for part in [0.1, 0.5, 0.9] {
+                let force_n = w[0].force_n + part * (w[1].force_n - w[0].force_n);
+                let line = w[0].current_a + part * (w[1].current_a - w[0].current_a);
+                let Current::Made(_, exact) = links.current(1e3 * study.followed.at(force_n) / UNIAXIAL) else {
+                    unreachable!("{force_n} N is reached")
+                };
+                assert!((line - exact).abs() < curve.bound_a, "{force_n} N: {line} {exact} {}", curve.bound_a);
+            }
+        }
+        assert!(curve.bound_a < 0.05, "{}", curve.bound_a);
+        // the shaft gives way by what the finger does not: of three times the force at the same travel
+        let last = curve.rows.last().unwrap();
+        assert!(
+            (last.travel_mm - 4.0).abs() < 1e-9 && (last.shaft_mm - 4.0 * (1.0 - (1.0_f64 / 3.0).sqrt())).abs() < 0.02
+        );
+        assert!(ControlCurve::parse(std::path::Path::new("c.csv"), &curve.to_csv().unwrap()).is_ok());
+    }
+
+    #[test]
+    fn what_a_weak_magnet_cannot_make_is_marked_and_held_at_its_limit() {
+        let links = links(0.1, 0.0);
+        let curve = composed(&links);
+        let (from, to) = curve.reachable_n;
+        assert!(from == 0.0 && to > 0.1 && to < 1.5, "{to}");
+        for row in &curve.rows {
+            assert_eq!(row.current_a >= 2.5 - 1e-6, row.force_n >= to, "{row:?}");
+        }
+        // at its end the magnet makes what it can
+        let end = curve.rows.iter().find(|row| row.force_n == to).unwrap();
+        assert!((end.yield_kpa / links.most_kpa() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn less_than_the_remanence_cannot_be_made_either() {
+        let curve = composed(&links(0.5, 0.02));
+        assert!(curve.reachable_n.0 > 0.0 && curve.reachable_n.1 == 1.6, "{:?}", curve.reachable_n);
+        assert!(curve.rows.iter().filter(|row| row.force_n < curve.reachable_n.0).all(|row| row.current_a == 0.0));
+    }
+
+    #[test]
+    fn a_study_whose_force_falls_is_no_curve() {
+        let mut study = study();
+        study.wanted.force_n[5] = 0.0;
+        let text = compose(&study, &links(0.5, 0.0), ("foam", "round"), "a test").unwrap_err().to_string();
+        assert_eq!(
+            text,
+            "the force of the finger on the material does not rise with its travel; expected one that does"
+        );
+    }
+}

@@ -93,10 +93,10 @@ fn a_yield_stress_that_follows_the_force_does_not_latch() {
     let travels = [1.0, 2.0];
     let [below, above] = [1.9, 2.0].map(|kpa| display.felt(&constant(kpa), &travels).unwrap());
     let per = display.force_per_mpa(&constant(2.0), &travels).unwrap();
-    for k in 0..2 {
-        let wanted = (above.force_n[k] - below.force_n[k]) / 1e-4;
+    for (per, (below, above)) in per.iter().zip(below.force_n.iter().zip(&above.force_n)) {
+        let wanted = (above - below) / 1e-4;
         // the way there had the other stress too: a part of the twentieth
-        assert!((per[k] / wanted - 1.0).abs() < 0.15, "{} of {wanted} N/MPa", per[k]);
+        assert!((per / wanted - 1.0).abs() < 0.15, "{per} of {wanted} N/MPa");
     }
     let curve = Curve::Cubic([1.5e-3, 0.0, 0.0]);
     let travels: Vec<f64> = (1..=4).map(|i| 0.5 * f64::from(i)).collect();
