@@ -10,7 +10,7 @@ use lut_gen::pad::state::State;
 use super::figure::{Axis, Figure, Series, Stroke};
 use super::number;
 use crate::finger::press::Pressed;
-use crate::finger::reading::{BIN_MPA, Reading};
+use crate::finger::reading::{BIN_MPA, Reading, profile};
 
 pub use map::map;
 
@@ -116,15 +116,12 @@ pub fn along(pressed: &Pressed) -> [Figure; 2] {
         let state = &pressed.states[i];
         let name = format!("{} mm", number(state.travel_mm));
         let stroke = Stroke::LINES[style % Stroke::LINES.len()];
-        let of = |value: &dyn Fn(&lut_gen::pad::contact::energy::Touch) -> f64| -> Vec<(f64, f64)> {
-            let mut points: Vec<(f64, f64)> = state.pressure.iter().map(|touch| (touch.at[0], value(touch))).collect();
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            points
-        };
-        pressure = pressure.with(Series::new(&name, of(&|t| 1e3 * t.pressure_mpa), stroke, style));
+        let profile = profile(pressed, state);
+        let points = profile.iter().map(|[x, mpa]| (*x, 1e3 * mpa)).collect();
+        pressure = pressure.with(Series::new(&name, points, stroke, style));
         // of the pressure on the slope its vertical part over the horizontal width: the slope cancels
-        let vertical = of(&|t| t.pressure_mpa * pressed.section.depth_mm(t.at[0]));
-        force = force.with(Series::new(&name, vertical, stroke, style));
+        let points = profile.iter().map(|[x, mpa]| (*x, mpa * pressed.section.depth_mm(*x))).collect();
+        force = force.with(Series::new(&name, points, stroke, style));
     }
     [pressure, force]
 }
