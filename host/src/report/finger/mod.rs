@@ -103,6 +103,9 @@ fn some(count: usize) -> Vec<usize> {
     (1..=wanted).map(|i| i * count / wanted - 1).collect()
 }
 
+/// Pressures are drawn from 0 up to a little more than the highest.
+const ROOM: f64 = 1.05;
+
 /// Pressure along the contact, and the vertical force that a millimetre of it bears (Figs. 46 and 47).
 pub fn along(pressed: &Pressed) -> [Figure; 2] {
     let from = Axis::new("distance from the axis (mm)");
@@ -110,7 +113,9 @@ pub fn along(pressed: &Pressed) -> [Figure; 2] {
         Section::Ring => "force (N per mm of radius)",
         Section::Plane => "force (N per mm of width and length)",
     };
-    let mut pressure = Figure::new("Contact pressure, simulated", from.clone(), Axis::new("pressure (kPa)"));
+    let most = pressed.states.iter().flat_map(|state| profile(pressed, state)).map(|part| part[1]).fold(0.0, f64::max);
+    let up = Axis::new("pressure (kPa)").over(0.0, ROOM * 1e3 * most.max(f64::MIN_POSITIVE));
+    let mut pressure = Figure::new("Contact pressure, simulated", from.clone(), up);
     let mut force = Figure::new("Vertical contact force, simulated", from, Axis::new(bears));
     for (style, i) in some(pressed.states.len()).into_iter().enumerate() {
         let state = &pressed.states[i];
