@@ -94,7 +94,7 @@ impl Opposite {
     pub fn name(&self) -> String {
         match self {
             Opposite::Plate => "a rigid plate".to_owned(),
-            Opposite::Block(block) => format!("{}, {} mm high", block.name, crate::report::number(block.height_mm)),
+            Opposite::Block(block) => format!("{}, {} mm high", block.name, block.height_mm),
         }
     }
 

@@ -54,6 +54,8 @@ pub struct Pressed {
     pub layer: Vec<usize>,
     /// Number of the block's first node; the number of all on a plate.
     pub lower: usize,
+    /// Length of the elements in the pad, mm.
+    pub edge_mm: f64,
     /// Part of its body's volume at rest that a node of the block stands for.
     pub share: Vec<f64>,
 }
@@ -81,7 +83,7 @@ impl Asked {
                 .body()?,
             ),
         };
-        let mut pressed = Pressed::of(self.finger.section, &upper, lower.as_ref());
+        let mut pressed = Pressed::of(self.finger.section, finger.edge_mm, &upper, lower.as_ref());
         let below = match lower {
             Some(body) => Side::Soft(body),
             None => Side::Rigid(Rigid { shape: Shape::Plate, tip_mm: -finger.height_mm }),
@@ -101,7 +103,7 @@ impl Asked {
 }
 
 impl Pressed {
-    fn of(section: Section, upper: &Body, lower: Option<&Body>) -> Self {
+    fn of(section: Section, edge_mm: f64, upper: &Body, lower: Option<&Body>) -> Self {
         let first = upper.nodes.len();
         let mut own = Pressed {
             section,
@@ -110,6 +112,7 @@ impl Pressed {
             elements: upper.elements.clone(),
             layer: upper.of.clone(),
             lower: first,
+            edge_mm,
             share: Vec::new(),
         };
         let Some(lower) = lower else { return own };

@@ -41,7 +41,7 @@ pub struct Reading {
     pub cap_mm: f64,
     /// How far the block is pressed in on the axis, mm.
     pub depression_mm: f64,
-    /// Highest contact pressure, MPa.
+    /// Highest contact pressure of those of [`profile`], MPa.
     pub peak_mpa: f64,
     /// Mean contact pressure over the curved area, MPa.
     pub mean_mpa: f64,
@@ -52,12 +52,11 @@ pub struct Reading {
 impl Reading {
     /// Of a state of a press.
     pub fn of(pressed: &Pressed, state: &State) -> Self {
-        let (mut load, mut area, mut peak) = (0.0, 0.0, 0.0_f64);
+        let (mut load, mut area) = (0.0, 0.0);
         for touch in &state.pressure {
             let own = touch.length_mm * pressed.section.depth_mm(touch.at[0]);
             load += touch.pressure_mpa * own;
             area += own;
-            peak = peak.max(touch.pressure_mpa);
         }
         let radius = state.half_width_mm;
         Reading {
@@ -71,7 +70,7 @@ impl Reading {
             area_mm2: state.area_mm2,
             cap_mm: state.cap_mm,
             depression_mm: state.depression_mm,
-            peak_mpa: peak,
+            peak_mpa: profile(pressed, state).iter().map(|part| part[1]).fold(0.0, f64::max),
             mean_mpa: if area > 0.0 { load / area } else { 0.0 },
             mises: Stresses::of(pressed, state),
         }
@@ -101,6 +100,26 @@ impl Stresses {
         let volume_mean_mpa = stresses.iter().zip(&pressed.share).map(|(s, w)| s * w).sum();
         Some(Self { nodes, volume_mean_mpa, bins })
     }
+}
+
+/// Elements of the pad that a pressure is averaged over.
+const OVER: f64 = 2.0;
+
+/// Pressure (MPa) over the distance from the axis (mm), averaged over about two elements: near the edge of a contact single
+/// points swing by as much as the pressure itself, their average does not.
+pub fn profile(pressed: &Pressed, state: &State) -> Vec<[f64; 2]> {
+    let most = state.half_width_mm;
+    let count = (most / (OVER * pressed.edge_mm)).round().max(1.0);
+    let mut parts = vec![(0.0, 0.0); count as usize];
+    for touch in &state.pressure {
+        let at = ((touch.at[0] / most * count) as usize).min(parts.len() - 1);
+        parts[at].0 += touch.pressure_mpa * touch.length_mm;
+        parts[at].1 += touch.length_mm;
+    }
+    let width = most / count;
+    let of =
+        |(i, (load, length)): (usize, &(f64, f64))| (*length > 0.0).then(|| [width * (i as f64 + 0.5), load / length]);
+    parts.iter().enumerate().filter_map(of).collect()
 }
 
 /// How far a reading is from that on elements of another length: of force and area, as parts of them.

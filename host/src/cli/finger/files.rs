@@ -64,7 +64,7 @@ fn pictures(study: &Study) -> miette::Result<Vec<(&'static str, String, String)>
             picture::area_over_force(pressed.section, readings, prints).svg(),
             "As Figs. 38 and 48 of the thesis, without its measurements, which are not printed as numbers.",
         ),
-        of("pressure.svg", pressure.svg(), "At some of the travels, from the axis outward (Fig. 46)."),
+        of("pressure.svg", pressure.svg(), "At some of the travels, averaged over two elements (Fig. 46)."),
         of(
             "force_along.svg",
             force_along.svg(),

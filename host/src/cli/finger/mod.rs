@@ -236,7 +236,8 @@ mod tests {
     }
 
     fn told(words: &[&str]) -> String {
-        format!("{:?}", run(&arguments(words)).unwrap_err())
+        let error = run(&arguments(words)).unwrap_err();
+        error.chain().map(ToString::to_string).collect::<Vec<_>>().join(": ")
     }
 
     #[test]

@@ -80,12 +80,13 @@ pub(super) fn remarks(study: &Study) -> Vec<String> {
         let end = two.prints.len() - 1;
         let print = &two.prints[end];
         lines.push(format!(
-            "Two radii ({} times one another): at {} mm {} and {} mm, {} mm2 of contact; a finger stretched so bears {} times the force.",
+            "Two radii ({} times one another): at {} mm {} and {} mm, {} mm2 of contact; a finger stretched by it{} bears {} times the force.",
             number(two.ratio),
             number(reading.travel_mm),
             number(print.radii_mm[0]),
             number(print.radii_mm[1]),
             number(print.area_mm2),
+            if study.pressed.section == Section::Ring { ", all round," } else { "" },
             number(two.stretched[end])
         ));
     }

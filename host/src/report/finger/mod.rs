@@ -10,7 +10,7 @@ use lut_gen::pad::state::State;
 use super::figure::{Axis, Figure, Series, Stroke};
 use super::number;
 use crate::finger::press::Pressed;
-use crate::finger::reading::{BIN_MPA, Reading};
+use crate::finger::reading::{BIN_MPA, Reading, profile};
 
 pub use map::map;
 
@@ -103,6 +103,9 @@ fn some(count: usize) -> Vec<usize> {
     (1..=wanted).map(|i| i * count / wanted - 1).collect()
 }
 
+/// Pressures are drawn from 0 up to a little more than the highest.
+const ROOM: f64 = 1.05;
+
 /// Pressure along the contact, and the vertical force that a millimetre of it bears (Figs. 46 and 47).
 pub fn along(pressed: &Pressed) -> [Figure; 2] {
     let from = Axis::new("distance from the axis (mm)");
@@ -110,21 +113,20 @@ pub fn along(pressed: &Pressed) -> [Figure; 2] {
         Section::Ring => "force (N per mm of radius)",
         Section::Plane => "force (N per mm of width and length)",
     };
-    let mut pressure = Figure::new("Contact pressure, simulated", from.clone(), Axis::new("pressure (kPa)"));
+    let most = pressed.states.iter().flat_map(|state| profile(pressed, state)).map(|part| part[1]).fold(0.0, f64::max);
+    let up = Axis::new("pressure (kPa)").over(0.0, ROOM * 1e3 * most.max(f64::MIN_POSITIVE));
+    let mut pressure = Figure::new("Contact pressure, simulated", from.clone(), up);
     let mut force = Figure::new("Vertical contact force, simulated", from, Axis::new(bears));
     for (style, i) in some(pressed.states.len()).into_iter().enumerate() {
         let state = &pressed.states[i];
         let name = format!("{} mm", number(state.travel_mm));
         let stroke = Stroke::LINES[style % Stroke::LINES.len()];
-        let of = |value: &dyn Fn(&lut_gen::pad::contact::energy::Touch) -> f64| -> Vec<(f64, f64)> {
-            let mut points: Vec<(f64, f64)> = state.pressure.iter().map(|touch| (touch.at[0], value(touch))).collect();
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            points
-        };
-        pressure = pressure.with(Series::new(&name, of(&|t| 1e3 * t.pressure_mpa), stroke, style));
+        let profile = profile(pressed, state);
+        let points = profile.iter().map(|[x, mpa]| (*x, 1e3 * mpa)).collect();
+        pressure = pressure.with(Series::new(&name, points, stroke, style));
         // of the pressure on the slope its vertical part over the horizontal width: the slope cancels
-        let vertical = of(&|t| t.pressure_mpa * pressed.section.depth_mm(t.at[0]));
-        force = force.with(Series::new(&name, vertical, stroke, style));
+        let points = profile.iter().map(|[x, mpa]| (*x, mpa * pressed.section.depth_mm(*x))).collect();
+        force = force.with(Series::new(&name, points, stroke, style));
     }
     [pressure, force]
 }
