@@ -54,7 +54,8 @@ impl Links {
     #[must_use]
     pub fn current(&self, yield_kpa: f64) -> Current {
         if yield_kpa <= 0.0 {
-            return Current::Made(0.0, 0.0);
+            let leaves = self.flux.flux_t(0.0) > self.flux.bound_t();
+            return if leaves { Current::Below } else { Current::Made(0.0, 0.0) };
         }
         let Some(flux_t) = self.law.flux_for_yield(yield_kpa) else { return Current::Above };
         if flux_t < self.flux.flux_t(0.0) {
@@ -109,7 +110,7 @@ pub fn compose(
     let mut forces = rows(&force, most_n);
     let reached: Vec<bool> = forces.iter().map(|f| reached(study, links, *f)).collect();
     let from = reached.iter().position(|r| *r).ok_or(Uncomposed::Nowhere)?;
-    let last = reached.iter().rposition(|r| *r).ok_or(Uncomposed::Nowhere)?;
+    let last = from + reached[from..].iter().take_while(|r| **r).count() - 1;
     let mut reachable_n = (forces[from], forces[last]);
     // the magnet ends between two rows: a row of its own there
     if let Some(next) = forces.get(last + 1).copied() {

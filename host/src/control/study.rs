@@ -162,7 +162,7 @@ impl Asked {
         }
         told("loop", 0);
         let per = display.force_per_mpa(&cubic.curve, &travels)?;
-        let (limited, cut) = rising(&cubic, LEAST_MPA)?.limited(&per, self.most_gain);
+        let (limited, cut) = followed(&cubic)?.limited(&per, self.most_gain);
         let cycle = display.cycle(&limited, self.most_mm, PLACES)?;
         told("finer mesh", 0);
         let fine = self.display(FINER)?.felt(&cubic.curve, &travels)?;
@@ -209,18 +209,15 @@ fn best(display: &Display, cubic: &Found, wanted: &Felt, told: Told<'_>) -> Resu
     })
 }
 
-/// The yield stress over the display's own force, as far as both rise.
-fn rising(found: &Found, least_mpa: f64) -> Result<Followed, PadError> {
+/// The yield stress over the display's own force, as far as that rises.
+fn followed(found: &Found) -> Result<Followed, PadError> {
     let (mut force_n, mut mpa) = (Vec::new(), Vec::new());
-    let mut last = (0.0, 0.0);
     for (force, u) in found.felt.force_n.iter().zip(&found.felt.travel_mm) {
-        let stress = found.curve.at(*u).max(least_mpa).max(last.1);
-        if *force <= last.0 {
+        if *force <= force_n.last().copied().unwrap_or(0.0) {
             break;
         }
-        last = (*force, stress);
         force_n.push(*force);
-        mpa.push(stress);
+        mpa.push(found.curve.at(*u).max(LEAST_MPA));
     }
     Followed::new(&force_n, &mpa)
 }

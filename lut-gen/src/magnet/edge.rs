@@ -6,6 +6,7 @@ use crate::fem::drawing::Curve;
 
 use super::design::Design;
 use super::field::{Around, Geometry};
+pub use super::outside::Mirror;
 use super::shape::Shape;
 
 /// Where the field ends.
@@ -23,15 +24,6 @@ pub enum Edge {
         /// Half its width, or its radius, mm.
         half: f64,
     },
-}
-
-/// What a mirror at x = 0 does to the flux of a plane magnet whose other half is its image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mirror {
-    /// Flux crosses it at right angles: an image's current flows the same way.
-    Across,
-    /// Flux runs along it: an image's current flows the other way.
-    Along,
 }
 
 /// Radius of the meshed circle over what the drawing reaches: beyond it the field is known in closed form. Nearer, the sides on

@@ -13,8 +13,16 @@ use crate::fem::mesh::Mesh;
 use crate::fem::quadrature::gauss;
 use crate::fem::triangle::{NODES, SIDES};
 
-use super::edge::Mirror;
-use super::field::Geometry;
+use super::point::Geometry;
+
+/// What a mirror at x = 0 does to the flux of a plane magnet whose other half is its image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mirror {
+    /// Flux crosses it at right angles: an image's current flows the same way.
+    Across,
+    /// Flux runs along it: an image's current flows the other way.
+    Along,
+}
 
 /// Circle up to which a magnet is meshed, and what lies beyond.
 #[derive(Debug, Clone, Copy, PartialEq)]

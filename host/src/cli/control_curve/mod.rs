@@ -51,10 +51,10 @@ pub struct Arguments {
     #[arg(long, value_name = "MM", default_value_t = 0.4)]
     element_mm: f64,
     /// Height and radius of the fluid under the finger, mm
-    #[arg(long, value_name = "MM,MM", value_delimiter = ',', num_args = 2, default_values_t = [25.4, 25.0])]
+    #[arg(long, value_name = "MM,MM", value_delimiter = ',', default_values_t = [25.4, 25.0])]
     fluid_mm: Vec<f64>,
     /// Young's modulus of the fluid below its yield stress, MPa, and Poisson's ratio (assumed)
-    #[arg(long, value_name = "MPA,NU", value_delimiter = ',', num_args = 2, default_values_t = [0.1, 0.45])]
+    #[arg(long, value_name = "MPA,NU", value_delimiter = ',', default_values_t = [1.0, 0.45])]
     fluid_elastic: Vec<f64>,
     /// Largest current of the driver, A
     #[arg(long, value_name = "A", default_value_t = 2.5)]
@@ -134,6 +134,11 @@ fn check(arguments: &Arguments) -> miette::Result<()> {
     within("element-mm", arguments.element_mm, (0.1, 1.0), "mm")?;
     within("current", arguments.current, (0.1, f64::from(protocol::lut::CURRENT_MAX_A)), "A")?;
     within("loop-gain", arguments.loop_gain, (0.1, 0.95), "")?;
+    for (name, list) in [("fluid-mm", &arguments.fluid_mm), ("fluid-elastic", &arguments.fluid_elastic)] {
+        if list.len() != 2 {
+            return Err(miette!("--{name} has {} numbers; expected two with a comma", list.len()));
+        }
+    }
     for (value, what) in arguments.fluid_mm.iter().zip(["height", "radius"]) {
         within(&format!("fluid-mm ({what})"), *value, (2.0, 100.0), "mm")?;
     }

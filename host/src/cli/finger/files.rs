@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, miette};
 
+use super::computed::{DEFAULT_FOLDER, Study};
 use super::told::remarks;
-use super::{DEFAULT_FOLDER, Study};
 use crate::finger::opposite::Opposite;
 use crate::finger::vtu::vtu;
 use crate::ownership::OwnFolder;

@@ -1,5 +1,6 @@
 //! `palpate finger`.
 
+mod computed;
 mod files;
 mod told;
 
@@ -7,7 +8,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lut_gen::pad::body::section::Section;
-use lut_gen::pad::ellipse::Print;
 use lut_gen::pad::hertz::FINGERTIP;
 use miette::{IntoDiagnostic, WrapErr, miette};
 
@@ -16,9 +16,7 @@ use crate::finger::opposite::Opposite;
 use crate::finger::press::{Asked, Pressed};
 use crate::finger::reading::{Reading, apart};
 use crate::finger::{BUILT_IN, located, text_of};
-
-/// Folder of files where none is asked for.
-const DEFAULT_FOLDER: &str = "out/finger";
+use computed::{DEFAULT_FOLDER, Study, Two};
 
 /// Most travels of a run.
 const MOST_TRAVELS: usize = 200;
@@ -74,27 +72,6 @@ pub struct Arguments {
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
-}
-
-/// All that was computed.
-struct Study {
-    asked: Asked,
-    pressed: Pressed,
-    readings: Vec<Reading>,
-    /// Parts by which force and area differ on elements twice as long, one a travel, where they are asked for.
-    apart: Option<Vec<[f64; 2]>>,
-    /// Force of Hertz' sphere at the travels, N; none in the plane.
-    sphere_n: Option<Vec<f64>>,
-    /// Contact with two radii.
-    two: Option<Two>,
-}
-
-/// A print with two radii.
-struct Two {
-    ratio: f64,
-    prints: Vec<Print>,
-    /// Force of the stretched finger over that of the finger, one a travel.
-    stretched: Vec<f64>,
 }
 
 /// Presses a finger and shows what is read.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use lut_gen::pad::body::section::Section;
 use serde_json::{Value, json};
 
-use super::Study;
+use super::computed::Study;
 use crate::finger::opposite::Opposite;
 use crate::finger::reading::{BIN_MPA, Reading};
 use crate::report::number;

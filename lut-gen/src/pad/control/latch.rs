@@ -13,7 +13,7 @@ use crate::pad::press::{Now, Press, Side};
 /// A yield stress that follows the force: straight lines from (0, 0) on, then level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Followed {
-    /// Force (N) and yield stress (MPa), both rising.
+    /// Force (N), rising, and yield stress (MPa).
     points: Vec<(f64, f64)>,
 }
 
@@ -26,14 +26,14 @@ impl Followed {
     /// Through forces (N) and yield stresses (MPa).
     ///
     /// # Errors
-    /// [`PadError::Value`] unless the forces rise from more than 0 and no stress falls.
+    /// [`PadError::Value`] unless the forces rise from more than 0 and no stress is negative.
     pub fn new(force_n: &[f64], mpa: &[f64]) -> Result<Self, PadError> {
         let mut last = (0.0, 0.0);
         let mut points = vec![last];
         for (&force, &stress) in force_n.iter().zip(mpa) {
             demand(force > last.0 && force.is_finite(), "a force of a control curve (N)", force, "forces that rise")?;
-            let level = stress >= last.1 && stress.is_finite();
-            demand(level, "a yield stress of a control curve (MPa)", stress, "stresses that do not fall")?;
+            let good = stress >= 0.0 && stress.is_finite();
+            demand(good, "a yield stress of a control curve (MPa)", stress, "0 or more")?;
             last = (force, stress);
             points.push(last);
         }
@@ -72,7 +72,8 @@ impl Followed {
         self.slopes().iter().zip(force_per_mpa).map(|(slope, per)| slope * per).collect()
     }
 
-    /// The same with no line steeper than a loop gain of `most` allows, and what lines were cut.
+    /// The same with no line that rises more steeply than a loop gain of `most` allows, and what lines
+    /// were cut.
     #[must_use]
     pub fn limited(&self, force_per_mpa: &[f64], most: f64) -> (Self, Vec<bool>) {
         let mut points = vec![self.points[0]];
@@ -81,7 +82,7 @@ impl Followed {
             let from = points[points.len() - 1].1;
             let allowed = from + most / per.max(f64::MIN_POSITIVE) * (w[1].0 - w[0].0);
             cut.push(w[1].1 > allowed);
-            points.push((w[1].0, w[1].1.min(allowed).max(from)));
+            points.push((w[1].0, w[1].1.min(allowed)));
         }
         (Self { points }, cut)
     }
@@ -156,8 +157,10 @@ mod tests {
         }
         let text = Followed::new(&[0.5, 0.5], &[1.0, 2.0]).unwrap_err().to_string();
         assert!(text.contains("force of a control curve") && text.contains("0.5"), "{text}");
-        let text = Followed::new(&[0.5, 0.6], &[2.0, 1.0]).unwrap_err().to_string();
-        assert!(text.contains("do not fall"), "{text}");
+        let text = Followed::new(&[0.5, 0.6], &[2.0, -1.0]).unwrap_err().to_string();
+        assert!(text.contains("yield stress of a control curve (MPa)") && text.contains("0 or more"), "{text}");
+        // what falls takes force away: the loop cannot latch
+        assert!(Followed::new(&[0.5, 0.6], &[2e-3, 1e-3]).unwrap().gains(&[300.0; 2])[1] < 0.0);
     }
 
     #[test]
