@@ -259,3 +259,45 @@ fn file_name(name: &str) -> String {
     let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join("-").to_ascii_lowercase()
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    fn told(words: &str) -> String {
+        let words = std::iter::once("control-curve").chain(words.split_whitespace());
+        run(&Line::parse_from(words).arguments).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_cannot_be_asked_is_refused_before_anything_is_computed() {
+        for (words, expected) in [
+            ("ICF --travel-mm 9", "--travel-mm is 9; expected 0.5 to 8 mm"),
+            ("ICF --loop-gain 1", "--loop-gain is 1; expected 0.1 to 0.95"),
+            ("ICF --current 3", "--current is 3; expected 0.1 to 2.5 A"),
+            ("ICF --fluid-mm 20", "--fluid-mm has 1 numbers; expected two with a comma"),
+            ("ICF --fluid-elastic 1,0.5", "--fluid-elastic (nu) is 0.5; expected 0 to 0.499"),
+            ("plate", "plate is rigid; expected a foam of the thesis or a model file"),
+            ("ICF icf", "ICF is asked for twice; expected each material once"),
+            ("ICF --fluid water", "no file water, and no fluid of this name; known are"),
+            ("ICF --finger thumb", "no finger of this name; known are round, thesis"),
+        ] {
+            let text = told(words);
+            assert!(text.contains(expected), "{words}: {text}");
+        }
+    }
+
+    #[test]
+    fn a_file_is_named_after_its_material() {
+        assert_eq!(file_name("My foam / 2"), "my-foam-2");
+    }
+}
