@@ -123,7 +123,7 @@ pub fn compose(
         return Err(Uncomposed::Nowhere);
     }
     let rows: Vec<Row> = forces.iter().map(|f| row(*f)).collect();
-    let bound_a = bound(&rows, &row, links, study.mesh_n, reachable_n);
+    let bound_a = bound(&rows, &row, links, study.mesh_n.unwrap_or(0.0), reachable_n);
     Ok(ControlCurve {
         material: material.to_owned(),
         magnet: links.magnet.clone(),
@@ -229,8 +229,9 @@ mod tests {
             followed: Followed::new(&felt.force_n, &stress).unwrap(),
             cut: vec![false; 12],
             gains: vec![0.3; 12],
-            cycle: [felt.clone(), felt.clone()],
-            mesh_n: 1e-3,
+            cycle: None,
+            mesh_n: Some(1e-3),
+            young_mpa: 1.0,
             wanted: felt,
             cubic: found,
         }

@@ -43,8 +43,9 @@ pub struct FluidBody {
     pub height_mm: f64,
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Young's modulus below yield, MPa.
-    pub young_mpa: f64,
+    /// Strain at which it yields: Young's modulus below it is the largest mean stress of the material
+    /// over this strain.
+    pub yield_strain: f64,
     /// Poisson's ratio below yield.
     pub nu: f64,
 }
@@ -70,10 +71,14 @@ pub struct Study {
     pub cut: Vec<bool>,
     /// Loop gain at every travel, of the limited curve.
     pub gains: Vec<f64>,
-    /// The finger down and up on a fluid that follows the force a tick late.
-    pub cycle: [Felt; 2],
-    /// Largest difference of the cubic's force on elements of two thirds of the length, N.
-    pub mesh_n: f64,
+    /// The finger down and up on a fluid that follows the force a tick late; `None` where no
+    /// equilibrium was found.
+    pub cycle: Option<[Felt; 2]>,
+    /// Largest difference of the cubic's force on elements of two thirds of the length, N; `None` where
+    /// those find no equilibrium.
+    pub mesh_n: Option<f64>,
+    /// Young's modulus of the fluid below yield, MPa.
+    pub young_mpa: f64,
 }
 
 /// A curve that was not searched.
@@ -103,6 +108,9 @@ const LEAST_MPA: f64 = 2e-4;
 const STEP_MM: f64 = 0.25;
 /// Radius of the material's specimen, mm: beyond it a finger's press is not felt.
 const SPECIMEN_MM: f64 = 25.0;
+/// Travel of the next attempt over what the last one reached, and the least, mm.
+const SHORTER: f64 = 0.95;
+const SHORTEST_MM: f64 = 1.0;
 /// Element length of the finer mesh over that of the study.
 const FINER: f64 = 2.0 / 3.0;
 
@@ -117,21 +125,31 @@ impl Asked {
     }
 
     /// The block of fluid under the finger.
-    ///
-    /// # Errors
-    /// [`PadError::Value`].
-    pub fn display(&self, finer: f64) -> Result<Display, PadError> {
+    fn display(&self, young_mpa: f64, finer: f64) -> Result<Display, PadError> {
         let finger = Finger { edge_mm: finer * self.finger.edge_mm, ..self.finger.clone() };
-        let fluid = Material::Plastic(Plastic::new(self.fluid.young_mpa, self.fluid.nu)?);
+        let fluid = Material::Plastic(Plastic::new(young_mpa, self.fluid.nu)?);
         let block = block(&finger, self.fluid.height_mm, self.fluid.radius_mm, fluid)?;
         Ok(Display { section: self.section, finger: finger.body()?, block, least_mpa: LEAST_MPA, step_mm: STEP_MM })
     }
 
-    /// Makes the study.
+    /// Makes the study, as far down as the fluid can be pressed: a weak one closes round the finger.
     ///
     /// # Errors
-    /// [`PadError`]: a measure that makes no body, a press that finds no equilibrium.
+    /// [`PadError`]: a measure that makes no body, a press that finds no equilibrium even at
+    /// [`SHORTEST_MM`].
     pub fn study(&self, told: Told<'_>) -> Result<Study, PadError> {
+        let mut asked = self.clone();
+        loop {
+            match asked.attempt(told) {
+                Err(PadError::Stuck { reached_mm, .. }) if SHORTER * reached_mm >= SHORTEST_MM => {
+                    asked.most_mm = (SHORTER * reached_mm).min(SHORTER * asked.most_mm);
+                }
+                result => return result,
+            }
+        }
+    }
+
+    fn attempt(&self, told: Told<'_>) -> Result<Study, PadError> {
         let travels = self.travels();
         told("finger on the material", 0);
         let finger = self.finger.body()?;
@@ -142,7 +160,8 @@ impl Asked {
         let plate = Side::Rigid(Rigid { shape: Shape::Plate, tip_mm: -self.finger.height_mm });
         let states = Press::new(self.section, Side::Soft(finger), plate).solve(&travels)?;
         let plate_n = Felt::of(self.section, &states).force_n;
-        let display = self.display(1.0)?;
+        let young_mpa = averages.iter().map(|a| a.mean).fold(LEAST_MPA, f64::max) / self.fluid.yield_strain;
+        let display = self.display(young_mpa, 1.0)?;
         told("averages of its stress", 0);
         let tried = tried(&display, &wanted, &averages)?;
         let begin = begin(&tried, &travels)?;
@@ -163,13 +182,15 @@ impl Asked {
         told("loop", 0);
         let per = display.force_per_mpa(&cubic.curve, &travels)?;
         let (limited, cut) = followed(&cubic)?.limited(&per, self.most_gain);
-        let cycle = display.cycle(&limited, self.most_mm, PLACES)?;
+        let cycle = display.cycle(&limited, self.most_mm, PLACES).ok();
         told("finer mesh", 0);
-        let fine = self.display(FINER)?.felt(&cubic.curve, &travels)?;
-        let differences = fine.force_n.iter().zip(&cubic.felt.force_n).map(|(a, b)| (a - b).abs());
-        let mesh_n = differences.fold(0.0, f64::max);
+        let fine = self.display(young_mpa, FINER)?.felt(&cubic.curve, &travels).ok();
+        let apart =
+            |fine: Felt| fine.force_n.iter().zip(&cubic.felt.force_n).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let mesh_n = fine.map(apart);
         let gains = limited.gains(&per);
-        Ok(Study { wanted, plate_n, averages, tried, cubic, best, followed: limited, cut, gains, cycle, mesh_n })
+        let followed = limited;
+        Ok(Study { wanted, plate_n, averages, tried, cubic, best, followed, cut, gains, cycle, mesh_n, young_mpa })
     }
 }
 

@@ -40,7 +40,7 @@ pub struct DisplayTrace {
     pub true_flux_t: f64,
     /// Where the table wants the shaft under the true force, mm.
     pub material_mm: f64,
-    /// A finger touches, and the board asks for the least or the most current that it gives this material.
+    /// A finger touches, and the board holds the current at an end of what it can give this material.
     pub at_limit: bool,
     /// A finger touches, and the table marks its force as unreachable.
     pub marked: bool,
@@ -104,7 +104,8 @@ impl Displayed {
     }
 }
 
-/// Least and most current that a material asks for under a finger, A; none without control curve.
+/// Currents at the least and the largest reachable force of a material, A; none without control
+/// curve.
 fn current_limits_a(material: &Material<'_>) -> Option<(f32, f32)> {
     let (from_n, to_n) = material.coil()?.reachable_n;
     // Without force there is no current, and no least one.
@@ -121,8 +122,10 @@ fn at_limit(material: &Material<'_>, record: &Telemetry) -> (bool, bool) {
         return (false, false);
     };
     let target_a = record.coil_target_a;
-    // A current that heat cuts is at a limit as well, and the table does not know of it.
-    (target_a >= most_a || target_a <= least_a || target_a < wanted.a, wanted.unreachable)
+    // Held at an end of what can be reached, to the bit: a curve may rise and fall in between. A
+    // current that heat cuts is at a limit as well, and the table does not know of it.
+    let is_held = [least_a, most_a].contains(&target_a);
+    (is_held || target_a < wanted.a, wanted.unreachable)
 }
 
 /// Most that the display's shaft can give way, mm (the board's own limit): softer foams are not displayed to this hand.

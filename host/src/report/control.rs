@@ -28,7 +28,7 @@ pub fn currents(curves: &[&ControlCurve]) -> Figure {
 
 /// All figures of a material, each with its caption.
 pub fn figures(study: &Study, curve: &ControlCurve) -> Vec<(Figure, &'static str)> {
-    vec![
+    let mut figures = vec![
         (
             stresses(study),
             "Yield stress over travel: the averages of the foam's stress and what was searched (Fig. 57).",
@@ -37,8 +37,12 @@ pub fn figures(study: &Study, curve: &ControlCurve) -> Vec<(Figure, &'static str
         (felt(study, "area (mm2)", |felt| &felt.area_mm2), "Contact area of foam and fluid (Fig. 58)."),
         (currents(&[curve]), "Current over force; the light part is beyond the magnet (Fig. 61)."),
         (gains(curve), "Loop gain over force: at 1 the display latches."),
-        (cycle(study), "The finger down and up again while the yield stress follows its force."),
-    ]
+    ];
+    if let Some(both) = &study.cycle {
+        let caption = "The finger down and up again while the yield stress follows its force.";
+        figures.push((cycle(study, both), caption));
+    }
+    figures
 }
 
 /// What was tried and found, with its stroke: the searched ones unbroken.
@@ -83,8 +87,7 @@ fn gains(curve: &ControlCurve) -> Figure {
     ))
 }
 
-fn cycle(study: &Study) -> Figure {
-    let [down, up] = &study.cycle;
+fn cycle(study: &Study, [down, up]: &[Felt; 2]) -> Figure {
     let points = |felt: &Felt| felt.travel_mm.iter().copied().zip(felt.force_n.iter().copied()).collect();
     Figure::new("Down and up, computed", Axis::new("travel of the finger (mm)"), Axis::new("force down and up (N)"))
         .with(Series::new("down", points(down), Stroke::Solid, 0))

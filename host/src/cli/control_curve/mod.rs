@@ -53,8 +53,8 @@ pub struct Arguments {
     /// Height and radius of the fluid under the finger, mm
     #[arg(long, value_name = "MM,MM", value_delimiter = ',', default_values_t = [25.4, 25.0])]
     fluid_mm: Vec<f64>,
-    /// Young's modulus of the fluid below its yield stress, MPa, and Poisson's ratio (assumed)
-    #[arg(long, value_name = "MPA,NU", value_delimiter = ',', default_values_t = [1.0, 0.45])]
+    /// Strain at which the fluid yields, and Poisson's ratio below it (assumed)
+    #[arg(long, value_name = "STRAIN,NU", value_delimiter = ',', default_values_t = [0.01, 0.45])]
     fluid_elastic: Vec<f64>,
     /// Largest current of the driver, A
     #[arg(long, value_name = "A", default_value_t = 2.5)]
@@ -79,6 +79,8 @@ pub(super) struct Made {
     block: Block,
     study: Study,
     curve: ControlCurve,
+    /// Travel that was asked for, mm.
+    asked_mm: f64,
 }
 
 /// Searches and shows the curves.
@@ -101,7 +103,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let study = study.into_diagnostic().wrap_err_with(|| format!("the control curve of {}", block.name))?;
         let curve = compose(&study, &links, (&block.name, &finger.title), &provenance(arguments));
         let curve = curve.into_diagnostic().wrap_err_with(|| format!("the control curve of {}", block.name))?;
-        made.push(Made { block, study, curve });
+        made.push(Made { block, study, curve, asked_mm: arguments.travel_mm });
     }
     progress.end();
     let files = write(&mut folder, &links, &made)?;
@@ -142,7 +144,7 @@ fn check(arguments: &Arguments) -> miette::Result<()> {
     for (value, what) in arguments.fluid_mm.iter().zip(["height", "radius"]) {
         within(&format!("fluid-mm ({what})"), *value, (2.0, 100.0), "mm")?;
     }
-    within("fluid-elastic (MPa)", arguments.fluid_elastic[0], (1e-3, 10.0), "MPa")?;
+    within("fluid-elastic (strain)", arguments.fluid_elastic[0], (1e-3, 0.2), "")?;
     within("fluid-elastic (nu)", arguments.fluid_elastic[1], (0.0, 0.499), "")
 }
 
@@ -198,7 +200,7 @@ fn asked(arguments: &Arguments, finger: &Described, block: &Block) -> miette::Re
         fluid: FluidBody {
             height_mm: arguments.fluid_mm[0],
             radius_mm: arguments.fluid_mm[1],
-            young_mpa: arguments.fluid_elastic[0],
+            yield_strain: arguments.fluid_elastic[0],
             nu: arguments.fluid_elastic[1],
         },
         most_mm: arguments.travel_mm,
@@ -210,8 +212,8 @@ fn asked(arguments: &Arguments, finger: &Described, block: &Block) -> miette::Re
 /// How a curve was made, without what its file says already.
 fn provenance(arguments: &Arguments) -> String {
     format!(
-        "palpate {} control-curve: travel {} mm, elements {} mm, fluid {} mm high and {} mm of radius, {} MPa and nu {} \
-         below yield, loop gain at most {}",
+        "palpate {} control-curve: travel {} mm, elements {} mm, fluid {} mm high and {} mm of radius, yield \
+         strain {} and nu {}, loop gain at most {}",
         env!("CARGO_PKG_VERSION"),
         arguments.travel_mm,
         arguments.element_mm,

@@ -30,7 +30,8 @@ fn percent(part: f64) -> String {
 
 /// The answer first, then what it rests on.
 pub(super) fn sentences(made: &Made, links: &Links) -> Vec<String> {
-    let Made { block, study, curve } = made;
+    let asked_mm = made.asked_mm;
+    let Made { block, study, curve, .. } = made;
     let (from, to) = curve.reachable_n;
     let last = curve.rows.last().map_or(0.0, |row| row.force_n);
     let reach = if from <= 0.0 && to >= last {
@@ -48,6 +49,14 @@ pub(super) fn sentences(made: &Made, links: &Links) -> Vec<String> {
     };
     let error = study.cubic.error;
     let mut lines = vec![reach];
+    let deepest = study.wanted.travel_mm.last().copied().unwrap_or(0.0);
+    if deepest < asked_mm - 1e-9 {
+        lines.push(format!(
+            "It ends at {} mm of travel of {} mm: farther down the fluid closes round the finger and no equilibrium was found.",
+            number(deepest),
+            number(asked_mm)
+        ));
+    }
     lines.push(format!(
         "Cubic curve: force is off by {}, area by {}, together {}.",
         percent(error.force),
@@ -84,7 +93,13 @@ pub(super) fn sentences(made: &Made, links: &Links) -> Vec<String> {
         number(most),
         if cut > 0 { format!("; the curve was made less steep at {cut} travels for it") } else { String::new() }
     ));
-    lines.push(format!("Error of the current: at most {} A.", number(curve.bound_a)));
+    let mesh = if study.mesh_n.is_some() { "" } else { ", without that of the mesh: a finer one found no equilibrium" };
+    lines.push(format!("Error of the current: at most {} A{mesh}.", number(curve.bound_a)));
+    if study.cycle.is_none() {
+        lines
+            .push("The way up again was not computed: a fluid that follows the force found no equilibrium.".to_owned());
+    }
+    lines.push(format!("Below yield the fluid has a Young's modulus of {} MPa (assumed).", number(study.young_mpa)));
     lines
 }
 
@@ -130,7 +145,7 @@ pub(super) fn print(made: &Made, links: &Links) {
 
 /// As JSON.
 pub(super) fn summary(made: &Made, links: &Links) -> Value {
-    let Made { block, study, curve } = made;
+    let Made { block, study, curve, .. } = made;
     let error = |error: lut_gen::pad::control::felt::Error| json!({"force": error.force, "area": error.area, "combined": error.combined()});
     let tried: serde_json::Map<String, Value> = study
         .tried
@@ -146,6 +161,9 @@ pub(super) fn summary(made: &Made, links: &Links) -> Value {
         "material": block.name,
         "reachable_N": [curve.reachable_n.0, curve.reachable_n.1],
         "bound_A": curve.bound_a,
+        "bound_holds_mesh": study.mesh_n.is_some(),
+        "young_MPa": study.young_mpa,
+        "deepest_mm": study.wanted.travel_mm.last(),
         "most_yield_kPa": links.most_kpa(),
         "cubic": error(study.cubic.error),
         "cubic_settled": study.cubic.settled,
