@@ -40,10 +40,11 @@ const KEYS: [(&str, &str); 7] = [
 ];
 
 /// Curves that come with the program: file name and text.
-const BUILT_IN: [(&str, &str); 3] = [
+const BUILT_IN: [(&str, &str); 4] = [
     ("a2.csv", include_str!("../../curves/a2.csv")),
     ("b1.csv", include_str!("../../curves/b1.csv")),
     ("eva.csv", include_str!("../../curves/eva.csv")),
+    ("icf.csv", include_str!("../../curves/icf.csv")),
 ];
 
 /// Control curve of a material: what the display must do at each force of the finger.
