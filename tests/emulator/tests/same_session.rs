@@ -5,6 +5,7 @@ mod common;
 #[path = "common/script.rs"]
 mod script;
 
+use firmware::coil::winding::CoilCircuit;
 use palpate::plant::{Broken, Input, Jitter, Touch};
 use palpate::simulated_board::{SimulatedBoard, Timing};
 use protocol::PROTOCOL_VERSION;
@@ -123,8 +124,12 @@ fn identified_materials_faults_and_outputs_are_the_same() {
     // The records of a few ticks fall behind the queue to the UART.
     assert!(compared * 100 > script.ticks() * 95, "{compared} of {} ticks compared", script.ticks());
     // One count of the potentiometer's converter about rest, mm, and what the board's proportional gain of 2.4 V/mm makes of it; one
-    // count of the coil's current, and of the whole range.
+    // count of the coil's current, A, and what its regulator makes of it at rest.
     let count_mm = 1.0 / 4096.0 / (1.6 / (2.5829f32 + 1.6).powi(2) * 0.080_279);
     assert!(target_mm <= count_mm && actuator_v <= 2.4 * count_mm, "{target_mm} mm, {actuator_v} V");
-    assert!(coil_a <= 3.3 / 4096.0 && duty <= 1.0 / 4096.0, "{coil_a} A, duty {duty}");
+    let circuit = CoilCircuit::default();
+    let closes = 1.0 - (-circuit.bandwidth_rad_s * 1e-3).exp();
+    let duty_per_a = closes * circuit.winding.inductance_h(1) / (circuit.supply_v * 1e-3);
+    let count_a = 3.3 / 4096.0;
+    assert!(coil_a <= count_a && duty <= duty_per_a * count_a, "{coil_a} A, duty {duty}");
 }
