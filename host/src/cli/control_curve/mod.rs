@@ -287,7 +287,7 @@ mod tests {
             ("ICF --loop-gain 1", "--loop-gain is 1; expected 0.1 to 0.95"),
             ("ICF --current 3", "--current is 3; expected 0.1 to 2.5 A"),
             ("ICF --fluid-mm 20", "--fluid-mm has 1 numbers; expected two with a comma"),
-            ("ICF --fluid-elastic 1,0.5", "--fluid-elastic (nu) is 0.5; expected 0 to 0.499"),
+            ("ICF --fluid-elastic 0.01,0.5", "--fluid-elastic (nu) is 0.5; expected 0 to 0.499"),
             ("plate", "plate is rigid; expected a foam of the thesis or a model file"),
             ("ICF icf", "ICF is asked for twice; expected each material once"),
             ("ICF --fluid water", "no file water, and no fluid of this name; known are"),
