@@ -205,8 +205,10 @@ fn tried(display: &Display, wanted: &Felt, averages: &[Averages]) -> Result<Vec<
     let each = |(name, of): Kind| {
         let stresses: Vec<f64> = averages.iter().map(of).collect();
         let curve = Curve::cubic_through(&wanted.travel_mm, &stresses)?;
-        let felt = display.felt(&curve, &wanted.travel_mm).ok();
-        let felt = felt.map(|felt| (felt.error(wanted), felt)).map(|(error, felt)| (felt, error));
+        let felt = display.felt(&curve, &wanted.travel_mm).ok().map(|felt| {
+            let error = felt.error(wanted);
+            (felt, error)
+        });
         Ok(Tried { name, curve, felt })
     };
     kinds.into_par_iter().map(each).collect()

@@ -1,6 +1,5 @@
 //! What is read of every state of a press.
 
-use lut_gen::pad::body::section::Section;
 use lut_gen::pad::control::felt::Averages;
 use lut_gen::pad::ellipse::Print;
 use lut_gen::pad::error::PadError;
@@ -58,15 +57,11 @@ impl Reading {
             load += touch.pressure_mpa * own;
             area += own;
         }
-        let radius = state.half_width_mm;
         Reading {
             travel_mm: state.travel_mm,
             force_n: state.force_n,
-            radius_mm: radius,
-            print_mm2: match pressed.section {
-                Section::Plane => 2.0 * radius,
-                Section::Ring => std::f64::consts::PI * radius * radius,
-            },
+            radius_mm: state.half_width_mm,
+            print_mm2: pressed.section.print_mm2(state.half_width_mm),
             area_mm2: state.area_mm2,
             cap_mm: state.cap_mm,
             depression_mm: state.depression_mm,

@@ -3,7 +3,7 @@
 mod told;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr, miette};
@@ -15,8 +15,7 @@ use crate::control::compose::{Links, compose};
 use crate::control::study::{Asked, FluidBody, Study};
 use crate::finger::Described;
 use crate::finger::opposite::{Block, Opposite};
-use crate::magnet::fluid::{self, NamedFluid};
-use crate::magnet::{located, names, parse};
+use crate::magnet::fluid::NamedFluid;
 use crate::ownership::OwnFolder;
 use crate::report::control as picture;
 
@@ -90,7 +89,7 @@ pub(super) struct Made {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     check(arguments)?;
     let finger = crate::finger::located(&arguments.finger)?;
-    let fluid = known(&arguments.fluid)?;
+    let fluid = super::magnet::fluid::found(&arguments.fluid)?;
     let blocks = blocks(arguments)?;
     let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
     let progress = Progress::new();
@@ -163,21 +162,10 @@ fn blocks(arguments: &Arguments) -> miette::Result<Vec<Block>> {
     Ok(blocks)
 }
 
-fn known(asked: &str) -> miette::Result<NamedFluid> {
-    let file = Path::new(asked);
-    if file.is_file() {
-        return Ok(fluid::read(file)?);
-    }
-    let names = || fluid::names().join(", ");
-    fluid::known(asked).ok_or_else(|| miette!("no file {asked}, and no fluid of this name; known are {}", names()))
-}
-
 /// The magnet's field at currents up to the driver's.
 fn links(arguments: &Arguments, fluid: &NamedFluid) -> miette::Result<Links> {
     let asked = &arguments.magnet;
-    let (file, text) = located(Path::new(asked), asked)?
-        .ok_or_else(|| miette!("no file {asked}, and no magnet of this name; known are {}", names()))?;
-    let magnet = parse(&file, &text, &BTreeMap::new())?;
+    let (magnet, _) = super::magnet::magnet(asked, &BTreeMap::new())?;
     let currents: Vec<f64> = (1..=CURRENTS).map(|i| arguments.current * i as f64 / CURRENTS as f64).collect();
     let study = magnet.design.study(&magnet.wanted(), &currents, &mut |_| {});
     let study = study.into_diagnostic().wrap_err_with(|| format!("the field of \"{}\"", magnet.title))?;

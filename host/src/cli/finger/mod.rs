@@ -4,7 +4,7 @@ mod computed;
 mod files;
 mod told;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use lut_gen::pad::body::section::Section;
@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return Ok(());
     }
     if let Some(copy) = &arguments.copy {
-        return copied(&arguments.finger, copy);
+        return super::file::copy(copy, &text_of(&arguments.finger)?.1);
     }
     let study = study(arguments)?;
     let files = files::write(&arguments.out, arguments.vtu, &study)?;
@@ -105,15 +105,6 @@ fn list() {
         let title = located(finger.name).map(|finger| finger.title).unwrap_or_default();
         outln!("  {:10} {title}", finger.name);
     }
-}
-
-fn copied(finger: &str, copy: &Path) -> miette::Result<()> {
-    if copy.exists() {
-        return Err(miette!("{} is there already; expected the name of a new file", copy.display()));
-    }
-    super::file::save(copy, text_of(finger)?.1.as_bytes())?;
-    outln!("written {}", copy.display());
-    Ok(())
 }
 
 /// Refuses an option outside its range.

@@ -82,7 +82,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-fn found(asked: &str) -> miette::Result<NamedFluid> {
+/// The fluid of a file or of a name.
+pub(in crate::cli) fn found(asked: &str) -> miette::Result<NamedFluid> {
     let file = Path::new(asked);
     if file.is_file() {
         return Ok(read(file)?);

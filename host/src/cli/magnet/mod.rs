@@ -1,7 +1,7 @@
 //! `palpate magnet`.
 
 mod files;
-mod fluid;
+pub(super) mod fluid;
 mod optimise;
 mod set;
 mod told;
@@ -90,11 +90,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let (magnet, text) = magnet(asked, &set(&arguments.set)?)?;
     if let Some(copy) = &arguments.copy {
-        if copy.exists() {
-            return Err(miette!("{} is there already; expected the name of a new file", copy.display()));
-        }
-        super::file::save(copy, text.as_bytes())?;
-        outln!("written {}", copy.display());
+        super::file::copy(copy, &text)?;
         return Ok(());
     }
     if !(0.1..=10.0).contains(&arguments.coarser) {
@@ -134,7 +130,7 @@ fn list() {
 }
 
 /// The magnet of a file or of a name, with its text.
-fn magnet(asked: &str, set: &BTreeMap<String, f64>) -> miette::Result<(Magnet, String)> {
+pub(super) fn magnet(asked: &str, set: &BTreeMap<String, f64>) -> miette::Result<(Magnet, String)> {
     let (file, text) = located(Path::new(asked), asked)?
         .ok_or_else(|| miette!("no file {asked}, and no magnet of this name; known are {}", names()))?;
     Ok((parse(&file, &text, set)?, text))

@@ -25,6 +25,15 @@ impl Section {
             Self::Ring => std::f64::consts::TAU * x,
         }
     }
+
+    /// Area of the flat print of a contact of this radius (mm2); in the plane its width (mm).
+    #[must_use]
+    pub fn print_mm2(self, radius_mm: f64) -> f64 {
+        match self {
+            Section::Plane => 2.0 * radius_mm,
+            Section::Ring => std::f64::consts::PI * radius_mm * radius_mm,
+        }
+    }
 }
 
 /// Points that an element is integrated with.

@@ -39,11 +39,7 @@ impl Felt {
     #[must_use]
     pub fn of(section: Section, states: &[State]) -> Self {
         let each = |value: fn(&State) -> f64| -> Vec<f64> { states.iter().map(value).collect() };
-        let print = |radius: f64| match section {
-            Section::Plane => 2.0 * radius,
-            Section::Ring => std::f64::consts::PI * radius * radius,
-        };
-        let area_mm2 = each(|s| s.half_width_mm).into_iter().map(print).collect();
+        let area_mm2 = states.iter().map(|s| section.print_mm2(s.half_width_mm)).collect();
         Self { travel_mm: each(|s| s.travel_mm), force_n: each(|s| s.force_n), area_mm2 }
     }
 
