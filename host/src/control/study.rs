@@ -135,8 +135,7 @@ impl Asked {
     /// Makes the study, as far down as the fluid can be pressed: a weak one closes round the finger.
     ///
     /// # Errors
-    /// [`PadError`]: a measure that makes no body, a press that finds no equilibrium even at
-    /// [`SHORTEST_MM`].
+    /// [`PadError`]: a measure that makes no body, a press that finds no equilibrium even at 1 mm.
     pub fn study(&self, told: Told<'_>) -> Result<Study, PadError> {
         let mut asked = self.clone();
         loop {
