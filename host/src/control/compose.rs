@@ -67,6 +67,16 @@ impl Links {
         }
     }
 
+    /// Flux density, T, and current, A, for a shear yield stress (kPa): held at the magnet's end where it cannot make it.
+    #[must_use]
+    pub fn made(&self, yield_kpa: f64) -> (f64, f64) {
+        match self.current(yield_kpa) {
+            Current::Made(flux_t, current_a) => (flux_t, current_a),
+            Current::Below => (self.flux.flux_t(0.0), 0.0),
+            Current::Above => (self.flux.flux_t(self.most_a), self.most_a),
+        }
+    }
+
     /// Largest shear yield stress that the driver's largest current makes, kPa.
     #[must_use]
     pub fn most_kpa(&self) -> f64 {
@@ -97,11 +107,7 @@ pub fn compose(
     let most_n = soft.last().0.min(plate.last().0);
     let row = |force_n: f64| {
         let yield_kpa = 1e3 * study.followed.at(force_n) / UNIAXIAL;
-        let (flux_t, current_a) = match links.current(yield_kpa) {
-            Current::Made(flux_t, current_a) => (flux_t, current_a),
-            Current::Below => (links.flux.flux_t(0.0), 0.0),
-            Current::Above => (links.flux.flux_t(links.most_a), links.most_a),
-        };
+        let (flux_t, current_a) = links.made(yield_kpa);
         let loop_gain = gains[force.partition_point(|f| *f < force_n).min(gains.len() - 1)];
         let travel_mm = soft.at(force_n);
         let shaft_mm = (travel_mm - plate.at(force_n)).max(0.0);
@@ -131,6 +137,7 @@ pub fn compose(
         fluid: links.fluid.clone(),
         bound_a: bound_a.min(links.most_a),
         reachable_n,
+        felt_error: Some((study.cubic.error.force, study.cubic.error.area)),
         provenance: provenance.to_owned(),
         rows,
     })

@@ -7,12 +7,13 @@
 //! # fluid = MRF-122
 //! # bound_A = 0.05
 //! # reachable_N = 0.1, 1.8
+//! # felt_error = 0.062, 0.102
 //! # provenance = palpate control-curve 0.1.0
 //! force_N,travel_mm,area_mm2,shaft_mm,yield_kPa,flux_T,current_A,loop_gain
 //! 0,0,0,0,0,0,0,0
 //! 0.5,1.2,60,1.0,1.1,0.04,0.8,0.3
 //! ```
-//! Keys stand before the columns, each once, in any order. Other lines that begin with `#` are
+//! Keys stand before the columns, each once, in any order; `felt_error` may be missing. Other lines that begin with `#` are
 //! remarks.
 
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ pub const COLUMNS: [&str; 8] =
 pub const MOST_ROWS: usize = MAX_NODES;
 
 /// What each key of the file holds.
-const KEYS: [(&str, &str); 7] = [
+const KEYS: [(&str, &str); 8] = [
     ("material", "the name of the material that is displayed"),
     ("magnet", "the name of the magnet that the current is for"),
     ("finger", "the name of the finger that presses"),
@@ -37,6 +38,7 @@ const KEYS: [(&str, &str); 7] = [
     ("bound_A", "the largest error of the current, 0 to 2.5 A"),
     ("reachable_N", "two forces, FROM, TO, N, with 0 <= FROM <= TO <= the last force of the curve"),
     ("provenance", "how the curve was made"),
+    ("felt_error", "two parts, FORCE, AREA, 0 or more: root mean squares over those of the material"),
 ];
 
 /// Curves that come with the program: file name and text.
@@ -63,6 +65,9 @@ pub struct ControlCurve {
     /// Forces, N, between which the magnet can make what is wanted; the current is held at its limit
     /// outside.
     pub reachable_n: (f64, f64),
+    /// How far force and area that are felt differ from the material's: root mean squares over those of the material;
+    /// `None` where nobody tells.
+    pub felt_error: Option<(f64, f64)>,
     /// How the curve was made.
     pub provenance: String,
     /// Rows of rising force, the first without force; 2 to [`MOST_ROWS`].
@@ -141,16 +146,17 @@ impl ControlCurve {
     pub fn to_csv(&self) -> Result<String, CurveError> {
         let (from, to) = self.reachable_n;
         let values = [
-            self.material.clone(),
-            self.magnet.clone(),
-            self.finger.clone(),
-            self.fluid.clone(),
-            self.bound_a.to_string(),
-            format!("{from}, {to}"),
-            self.provenance.clone(),
+            Some(self.material.clone()),
+            Some(self.magnet.clone()),
+            Some(self.finger.clone()),
+            Some(self.fluid.clone()),
+            Some(self.bound_a.to_string()),
+            Some(format!("{from}, {to}")),
+            Some(self.provenance.clone()),
+            self.felt_error.map(|(force, area)| format!("{force}, {area}")),
         ];
         let mut text = String::new();
-        for ((key, expected), value) in KEYS.into_iter().zip(values) {
+        for ((key, expected), value) in KEYS.into_iter().zip(values).filter_map(|(key, value)| Some((key, value?))) {
             // A line's end in a value would be read as another line.
             if value.contains(char::is_control) || value.trim() != value {
                 return Err(CurveError::Key {
@@ -318,11 +324,17 @@ impl<'a> Reading<'a> {
         let bound_a = bound.parse::<f64>().ok().filter(|a| (0.0..=f64::from(CURRENT_MAX_A)).contains(a));
         let bound_a = bound_a.ok_or_else(|| wrong(4, line, bound))?;
         let (line, reachable) = self.value(5)?;
-        let forces = reachable.split_once(',').map(|(from, to)| (from.trim().parse::<f64>(), to.trim().parse::<f64>()));
         let most_n = self.rows.last().map_or(0.0, |row| row.force_n);
-        let reachable_n = match forces {
-            Some((Ok(from), Ok(to))) if 0.0 <= from && from <= to && to <= most_n => (from, to),
+        let reachable_n = match two(reachable) {
+            Some((from, to)) if 0.0 <= from && from <= to && to <= most_n => (from, to),
             _ => return Err(wrong(5, line, reachable)),
+        };
+        let felt_error = match self.keys[7] {
+            None => None,
+            Some((line, text)) => {
+                let good = two(text).filter(|(force, area)| (0.0..=1e3).contains(force) && (0.0..=1e3).contains(area));
+                Some(good.ok_or_else(|| wrong(7, line, text))?)
+            }
         };
         Ok(ControlCurve {
             material: text(0)?,
@@ -331,10 +343,17 @@ impl<'a> Reading<'a> {
             fluid: text(3)?,
             bound_a,
             reachable_n,
+            felt_error,
             provenance: text(6)?,
             rows: self.rows,
         })
     }
+}
+
+/// Two numbers with a comma.
+fn two(text: &str) -> Option<(f64, f64)> {
+    let (first, second) = text.split_once(',')?;
+    Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
 }
 
 /// Files that come with the program.

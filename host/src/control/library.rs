@@ -74,6 +74,16 @@ impl Curves {
         once(left_out)
     }
 
+    /// Magnet and fluid that the files are for; `None` without files.
+    pub fn display(&self) -> Option<(&str, &str)> {
+        self.given.first().map(|(_, curve)| (curve.magnet.as_str(), curve.fluid.as_str()))
+    }
+
+    /// Whether a file gives a curve to the material of this name.
+    pub fn names(&self, material: &str) -> bool {
+        self.given.iter().any(|(_, curve)| curve.material == material)
+    }
+
     /// Gives materials of the library the curves of the files.
     ///
     /// # Errors

@@ -5,6 +5,7 @@ pub mod compose;
 mod curve;
 mod error;
 mod library;
+pub mod remake;
 pub mod study;
 mod ticks;
 

@@ -57,6 +57,8 @@ fn a_curve_is_read() {
 fn what_is_written_is_read_back() {
     let curve = parse(SAMPLE).unwrap();
     assert_eq!(parse(&curve.to_csv().unwrap()).unwrap(), curve);
+    let told = ControlCurve { felt_error: Some((0.0625, 0.125)), ..curve };
+    assert_eq!(parse(&told.to_csv().unwrap()).unwrap(), told);
 }
 
 #[test]
@@ -98,8 +100,13 @@ fn errors_of_keys_name_line_value_and_expectation() {
     assert_eq!(
         error("# fluid", "# liquid"),
         "icf.csv, line 5, key liquid: \"MRF-122\"; expected one of the keys material, magnet, finger, fluid, bound_A, \
-         reachable_N, provenance"
+         reachable_N, provenance, felt_error"
     );
+    let parts = "expected two parts, FORCE, AREA, 0 or more: root mean squares over those of the material";
+    for wrong in ["0.1", "-0.1, 0.2", "0.1, nan"] {
+        let text = error("# provenance", &format!("# felt_error = {wrong}\n# provenance"));
+        assert_eq!(text, format!("icf.csv, line 8, key felt_error: \"{wrong}\"; {parts}"));
+    }
     assert_eq!(
         error("# fluid = MRF-122", "# fluid = a\n# fluid = b"),
         "icf.csv, line 6, key fluid: \"b\"; expected each key once, and it stands in line 5 already"

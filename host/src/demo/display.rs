@@ -131,19 +131,28 @@ fn at_limit(material: &Material<'_>, record: &Telemetry) -> (bool, bool) {
 /// Most that the display's shaft can give way, mm (the board's own limit): softer foams are not displayed to this hand.
 const STROKE_MM: f32 = 4.5;
 
-/// Displays the material that was recognised last among those whose displacement under this hand the display can follow; without
-/// one the first of the library.
+/// Of this hand's force what the coil reaches of a material, N; without a control curve none.
+fn reached_n(material: &Material<'_>) -> f32 {
+    material.coil().map_or(0.0, |coil| coil.reachable_n.1.min(TOUCH.peak_n as f32))
+}
+
+/// Which of the recognised materials is displayed: of those whose displacement under this hand the shaft can follow that
+/// with the longest part of the touch within the coil's reach, and of several the last. Without one the library's first.
+fn chosen(table: &Table<'_>, palpated: &[Palpated]) -> u8 {
+    let of = |p: &Palpated| Some((p.verdict.material.index, table.material(usize::from(p.verdict.material.index))?));
+    let recognised = palpated.iter().filter(|p| p.recognised()).filter_map(of);
+    let within = recognised.filter(|(_, material)| material.shaft_mm(TOUCH.peak_n as f32) <= STROKE_MM);
+    let best = within.max_by(|a, b| reached_n(&a.1).total_cmp(&reached_n(&b.1)));
+    best.map_or(0, |(index, _)| index)
+}
+
+/// Displays one of the materials that were recognised.
 pub(super) fn display(
     listening: &mut Listening,
     table: &Table<'_>,
     palpated: &[Palpated],
 ) -> Result<Displayed, DemoError> {
-    let within_stroke = |p: &&Palpated| {
-        let material = table.material(usize::from(p.verdict.material.index));
-        material.is_some_and(|m| m.shaft_mm(TOUCH.peak_n as f32) <= STROKE_MM)
-    };
-    let last = palpated.iter().rev().filter(|p| p.recognised()).find(within_stroke);
-    let index = last.map_or(0, |p| p.verdict.material.index);
+    let index = chosen(table, palpated);
     let material = table.material(usize::from(index)).ok_or(DemoError::NoLibrary)?;
     listening.session().set_mode(Mode::Display { material: index })?;
     listening.board().touch(Some(TOUCH));

@@ -130,7 +130,7 @@ struct Places<'a> {
     balls: &'a [Indenter],
 }
 
-const TESTS: [(&str, Test); 9] = [
+const TESTS: [(&str, Test); 10] = [
     ("indentation", Test::Indentation),
     ("uniaxial", Test::Uniaxial),
     ("confined", Test::Confined),
@@ -140,6 +140,7 @@ const TESTS: [(&str, Test); 9] = [
     ("mass", Test::Mass),
     ("display", Test::Display),
     ("table", Test::Table),
+    ("print", Test::Print),
 ];
 
 fn run(

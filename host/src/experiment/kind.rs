@@ -22,4 +22,6 @@ pub enum Test {
     Display,
     /// An x-y calibration.
     Table,
+    /// Prints of a finger: contact area, or radii of its ellipse, over force.
+    Print,
 }

@@ -5,6 +5,7 @@
 //! | `file`, `layer`, `builtin` | `finger.toml`: measures and layers; fingers that come with the program |
 //! | [`opposite`] | a plate, a foam of the thesis, a model file |
 //! | [`press`] | the press by finite elements ([`lut_gen::pad`]) |
+//! | [`prints`] | prints that were measured, and the finger that makes them |
 //! | [`reading`] | what is read of every state: force, area, pressures, Mises stress |
 //! | [`vtu`] | a state for ParaView |
 
@@ -13,6 +14,7 @@ mod file;
 mod layer;
 pub mod opposite;
 pub mod press;
+pub mod prints;
 pub mod reading;
 pub mod vtu;
 

@@ -190,6 +190,7 @@ pub(super) fn word(test: Test) -> &'static str {
         Test::Mass => "mass",
         Test::Display => "display",
         Test::Table => "table",
+        Test::Print => "print",
     }
 }
 

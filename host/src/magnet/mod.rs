@@ -7,6 +7,7 @@ pub mod expression;
 mod file;
 pub mod fluid;
 mod material;
+pub mod measured;
 mod part;
 pub mod search;
 pub mod simulated;

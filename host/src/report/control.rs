@@ -26,6 +26,26 @@ pub fn currents(curves: &[&ControlCurve]) -> Figure {
     figure
 }
 
+/// Yield stress that materials want over force, and the most that magnets make: a name and kPa each.
+pub fn reach(curves: &[ControlCurve], magnets: &[(&str, f64)]) -> Figure {
+    let mut figure = Figure::new(
+        "Yield stress that is wanted, computed",
+        Axis::new("force (N)"),
+        Axis::new("shear yield stress (kPa)").logarithmic(),
+    );
+    let most_n = curves.iter().map(ControlCurve::most_n).fold(0.0, f64::max);
+    for (i, curve) in curves.iter().enumerate() {
+        let points = curve.rows.iter().filter(|row| row.yield_kpa > 0.0).map(|row| (row.force_n, row.yield_kpa));
+        figure = figure.with(Series::new(&curve.material, points.collect(), Stroke::LINES[i % Stroke::LINES.len()], i));
+    }
+    for (i, (name, most_kpa)) in magnets.iter().enumerate() {
+        let label = format!("most of {name}");
+        let across = vec![(0.0, *most_kpa), (most_n, *most_kpa)];
+        figure = figure.with(Series::new(&label, across, Stroke::Faint, curves.len() + i));
+    }
+    figure
+}
+
 /// All figures of a material, each with its caption.
 pub fn figures(study: &Study, curve: &ControlCurve) -> Vec<(Figure, &'static str)> {
     let mut figures = vec![

@@ -1,75 +1,54 @@
 //! `palpate control-curve`.
 
+mod magnets;
+mod reach;
+pub(super) mod recipe;
 mod told;
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use clap::Args;
-use miette::{IntoDiagnostic, WrapErr, miette};
+use clap::{Args, Subcommand};
+use miette::{IntoDiagnostic, miette};
 use serde_json::json;
 
 use super::progress::Progress;
 use crate::control::ControlCurve;
-use crate::control::compose::{Links, compose};
-use crate::control::study::{Asked, FluidBody, Study};
-use crate::finger::Described;
+use crate::control::compose::Links;
+use crate::control::study::Study;
 use crate::finger::opposite::{Block, Opposite};
-use crate::magnet::fluid::NamedFluid;
 use crate::ownership::OwnFolder;
 use crate::report::control as picture;
+use recipe::Recipe;
 
 /// Folder of files where none is asked for.
 const DEFAULT_FOLDER: &str = "out/control";
 
-/// Currents that the magnet is computed at, up to the driver's largest.
-const CURRENTS: usize = 16;
-
 /// What coil and actuator must do under a finger's force so that materials are felt.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Arguments {
+    #[command(subcommand)]
+    task: Option<Task>,
     /// Foams of the thesis by name, or model files of `identify --save` and `diagnose`
     #[arg(value_name = "MATERIAL", required = true)]
     materials: Vec<String>,
-    /// The magnet: a magnet.toml, or the name of one that comes with the program
-    #[arg(long, value_name = "FILE", default_value = "ring")]
-    magnet: String,
-    /// The finger: a finger.toml, or the name of one that comes with the program
-    #[arg(long, value_name = "FILE", default_value = "round")]
-    finger: String,
-    /// The fluid: a fluid.toml, or the name of one that the program knows
-    #[arg(long, value_name = "FILE", default_value = "MRF-122EG")]
-    fluid: String,
-    /// How far the finger's bone goes, mm
-    #[arg(long, value_name = "MM", default_value_t = 4.0)]
-    travel_mm: f64,
     /// Height of the specimens, mm; of model files that hold several
     #[arg(long, value_name = "MM")]
     height_mm: Option<f64>,
-    /// Length of the finger's elements, mm
-    #[arg(long, value_name = "MM", default_value_t = 0.4)]
-    element_mm: f64,
-    /// Height and radius of the fluid under the finger, mm
-    #[arg(long, value_name = "MM,MM", value_delimiter = ',', default_values_t = [25.4, 25.0])]
-    fluid_mm: Vec<f64>,
-    /// Strain at which the fluid yields, and Poisson's ratio below it (assumed)
-    #[arg(long, value_name = "STRAIN,NU", value_delimiter = ',', default_values_t = [0.01, 0.45])]
-    fluid_elastic: Vec<f64>,
-    /// Largest current of the driver, A
-    #[arg(long, value_name = "A", default_value_t = 2.5)]
-    current: f64,
-    /// Largest loop gain of the display: 1 latches
-    #[arg(long, value_name = "GAIN", default_value_t = 0.8)]
-    loop_gain: f64,
-    /// Do not search the best curve of twelve knots that the cubic is compared with: minutes less
-    #[arg(long)]
-    quick: bool,
+    #[command(flatten)]
+    recipe: Recipe,
     /// Folder for the curves, the page and its pictures
     #[arg(long, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     out: PathBuf,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Tell which materials magnets can show, and make their curves for another magnet
+    Reach(reach::Arguments),
 }
 
 /// A material with its study and its curve.
@@ -87,64 +66,42 @@ pub(super) struct Made {
 /// # Errors
 /// A file with a mistake, a number out of range, a press without equilibrium, a file that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    check(arguments)?;
-    let finger = crate::finger::located(&arguments.finger)?;
-    let fluid = super::magnet::fluid::found(&arguments.fluid)?;
+    if let Some(Task::Reach(arguments)) = &arguments.task {
+        return reach::run(arguments);
+    }
+    arguments.recipe.check()?;
     let blocks = blocks(arguments)?;
-    let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
     let progress = Progress::new();
     progress.set("the magnet", 0, 0);
-    let links = links(arguments, &fluid)?;
+    let recipe = arguments.recipe.opened()?;
+    let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
     let mut made = Vec::new();
     for block in blocks {
         let told = |what: &str, done: usize| progress.set(&format!("{}: {what}", block.name), done, 0);
-        let study = asked(arguments, &finger, &block)?.study(&told);
-        let study = study.into_diagnostic().wrap_err_with(|| format!("the control curve of {}", block.name))?;
-        let curve = compose(&study, &links, (&block.name, &finger.title), &provenance(arguments));
-        let curve = curve.into_diagnostic().wrap_err_with(|| format!("the control curve of {}", block.name))?;
-        made.push(Made { block, study, curve, asked_mm: arguments.travel_mm });
+        let (study, curve) = recipe.make(&block, &told)?;
+        made.push(Made { block, study, curve, asked_mm: arguments.recipe.travel_mm });
     }
     progress.end();
-    let files = write(&mut folder, &links, &made)?;
+    let links = &recipe.links;
+    let files = write(&mut folder, links, &made)?;
     if arguments.json {
-        let materials: Vec<_> = made.iter().map(|made| told::summary(made, &links)).collect();
+        let materials: Vec<_> = made.iter().map(|made| told::summary(made, links)).collect();
         let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
         outln!(
             "{}",
-            json!({"magnet": links.magnet, "fluid": links.fluid, "finger": finger.title,
+            json!({"magnet": links.magnet, "fluid": links.fluid, "finger": recipe.finger.title,
                             "most_yield_kPa": links.most_kpa(), "materials": materials, "files": files})
         );
         return Ok(());
     }
     for made in &made {
-        told::print(made, &links);
+        told::print(made, links);
     }
     outln!("{}", told::ABOUT_FLUIDS);
     if let Some(file) = files.first() {
         outln!("written {} and {} more files beside it", file.display(), files.len() - 1);
     }
     Ok(())
-}
-
-fn check(arguments: &Arguments) -> miette::Result<()> {
-    let within = |name: &str, value: f64, (least, most): (f64, f64), unit: &str| {
-        let good = (least..=most).contains(&value);
-        good.then_some(()).ok_or_else(|| miette!("--{name} is {value}; expected {least} to {most} {unit}"))
-    };
-    within("travel-mm", arguments.travel_mm, (0.5, 8.0), "mm")?;
-    within("element-mm", arguments.element_mm, (0.1, 1.0), "mm")?;
-    within("current", arguments.current, (0.1, f64::from(protocol::lut::CURRENT_MAX_A)), "A")?;
-    within("loop-gain", arguments.loop_gain, (0.1, 0.95), "")?;
-    for (name, list) in [("fluid-mm", &arguments.fluid_mm), ("fluid-elastic", &arguments.fluid_elastic)] {
-        if list.len() != 2 {
-            return Err(miette!("--{name} has {} numbers; expected two with a comma", list.len()));
-        }
-    }
-    for (value, what) in arguments.fluid_mm.iter().zip(["height", "radius"]) {
-        within(&format!("fluid-mm ({what})"), *value, (2.0, 100.0), "mm")?;
-    }
-    within("fluid-elastic (strain)", arguments.fluid_elastic[0], (1e-3, 0.2), "")?;
-    within("fluid-elastic (nu)", arguments.fluid_elastic[1], (0.0, 0.499), "")
 }
 
 /// The materials, every one a foam of the thesis or a model file.
@@ -160,57 +117,6 @@ fn blocks(arguments: &Arguments) -> miette::Result<Vec<Block>> {
         blocks.push(block);
     }
     Ok(blocks)
-}
-
-/// The magnet's field at currents up to the driver's.
-fn links(arguments: &Arguments, fluid: &NamedFluid) -> miette::Result<Links> {
-    let asked = &arguments.magnet;
-    let (magnet, _) = super::magnet::magnet(asked, &BTreeMap::new())?;
-    let currents: Vec<f64> = (1..=CURRENTS).map(|i| arguments.current * i as f64 / CURRENTS as f64).collect();
-    let study = magnet.design.study(&magnet.wanted(), &currents, &mut |_| {});
-    let study = study.into_diagnostic().wrap_err_with(|| format!("the field of \"{}\"", magnet.title))?;
-    let flux = magnet.flux_curve(&study.states).ok_or_else(|| {
-        miette!("{asked} has no flux density over current; expected a coil, and `control` naming a point or probe")
-    })?;
-    let (magnet, fluid, law) = (asked.clone(), fluid.title.clone(), fluid.fluid.clone());
-    Ok(Links { magnet, flux, fluid, law, most_a: arguments.current })
-}
-
-fn asked(arguments: &Arguments, finger: &Described, block: &Block) -> miette::Result<Asked> {
-    let material = block.material().into_diagnostic().wrap_err_with(|| format!("the material {}", block.name))?;
-    let mut own = finger.finger.clone();
-    own.edge_mm = arguments.element_mm;
-    Ok(Asked {
-        section: finger.section,
-        finger: own,
-        material,
-        height_mm: block.height_mm,
-        fluid: FluidBody {
-            height_mm: arguments.fluid_mm[0],
-            radius_mm: arguments.fluid_mm[1],
-            yield_strain: arguments.fluid_elastic[0],
-            nu: arguments.fluid_elastic[1],
-        },
-        most_mm: arguments.travel_mm,
-        best: !arguments.quick,
-        most_gain: arguments.loop_gain,
-    })
-}
-
-/// How a curve was made, without what its file says already.
-fn provenance(arguments: &Arguments) -> String {
-    format!(
-        "palpate {} control-curve: travel {} mm, elements {} mm, fluid {} mm high and {} mm of radius, yield \
-         strain {} and nu {}, loop gain at most {}",
-        env!("CARGO_PKG_VERSION"),
-        arguments.travel_mm,
-        arguments.element_mm,
-        arguments.fluid_mm[0],
-        arguments.fluid_mm[1],
-        arguments.fluid_elastic[0],
-        arguments.fluid_elastic[1],
-        arguments.loop_gain,
-    )
 }
 
 fn write(folder: &mut OwnFolder, links: &Links, made: &[Made]) -> miette::Result<Vec<PathBuf>> {

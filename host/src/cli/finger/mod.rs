@@ -2,11 +2,12 @@
 
 mod computed;
 mod files;
+mod identify;
 mod told;
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, Subcommand};
 use lut_gen::pad::body::section::Section;
 use lut_gen::pad::hertz::FINGERTIP;
 use miette::{IntoDiagnostic, WrapErr, miette};
@@ -26,10 +27,13 @@ const COARSER: f64 = 2.0;
 
 /// A finger pressed on things.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Arguments {
+    #[command(subcommand)]
+    task: Option<Task>,
     /// A finger.toml, or the name of a finger that comes with the program (`palpate finger list`)
-    #[arg(value_name = "FILE")]
-    finger: String,
+    #[arg(value_name = "FILE", required = true)]
+    finger: Option<String>,
     /// What it is pressed on: plate, a foam of the thesis (EVA, B1, ICF, A2), or a model file of `palpate identify --save`
     #[arg(long, value_name = "WHAT", default_value = "plate")]
     on: String,
@@ -74,17 +78,32 @@ pub struct Arguments {
     json: bool,
 }
 
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Find the finger that makes the prints which were measured
+    Identify(identify::Arguments),
+}
+
+impl Arguments {
+    fn finger(&self) -> &str {
+        self.finger.as_deref().unwrap_or("list")
+    }
+}
+
 /// Presses a finger and shows what is read.
 ///
 /// # Errors
 /// A file with a mistake, a press without an equilibrium, a file that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    if arguments.finger == "list" {
+    if let Some(Task::Identify(arguments)) = &arguments.task {
+        return identify::run(arguments);
+    }
+    if arguments.finger() == "list" {
         list();
         return Ok(());
     }
     if let Some(copy) = &arguments.copy {
-        return super::file::copy(copy, &text_of(&arguments.finger)?.1);
+        return super::file::copy(copy, &text_of(arguments.finger())?.1);
     }
     let study = study(arguments)?;
     let files = files::write(&arguments.out, arguments.vtu, &study)?;
@@ -117,7 +136,7 @@ fn within(option: &str, value: f64, range: std::ops::RangeInclusive<f64>) -> mie
 
 /// What the options ask for.
 fn asked(arguments: &Arguments) -> miette::Result<Asked> {
-    let mut finger = located(&arguments.finger)?;
+    let mut finger = located(arguments.finger())?;
     let on = Opposite::located(&arguments.on, arguments.height_mm)?;
     if let Some(edge) = arguments.element_mm {
         within("--element-mm", edge, 0.02..=5.0)?;

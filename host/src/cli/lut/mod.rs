@@ -1,5 +1,6 @@
 //! `palpate lut`.
 
+mod coil;
 mod own;
 mod told;
 
@@ -21,6 +22,7 @@ use crate::extended::{self, ExtendedModel};
 use crate::report::number;
 use crate::report::table::{middle_field, sample_curves};
 
+use super::control_curve::recipe::Recipe;
 use super::file::save;
 use super::progress::Progress;
 use super::sweep;
@@ -62,6 +64,12 @@ pub struct Arguments {
     /// foams have curves of their own; a material without one is displayed by the actuator alone
     #[arg(long, value_name = "FILE", num_args = 1..)]
     control: Vec<PathBuf>,
+    /// Make the control curves of own materials that have none by --control, with the options below: some minutes for each
+    /// height of each material
+    #[arg(long)]
+    make_control: bool,
+    #[command(flatten)]
+    recipe: Recipe,
     /// Number of the press on its spot, for materials that soften: from 2 on the table is of a used spot
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
     cycle: u8,
@@ -106,6 +114,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 fn make(arguments: &Arguments) -> miette::Result<()> {
     let start = Instant::now();
     check("--ball-mm", arguments.ball_mm)?;
+    arguments.recipe.check()?;
     for height in &arguments.height_mm {
         check("--height-mm", *height)?;
     }
@@ -145,9 +154,14 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
         None => library(&grids, &heights, model.as_ref(), &curves)?,
     };
     curves.give(&mut library).into_diagnostic()?;
+    if arguments.make_control {
+        coil::make(arguments, &curves, &mut library)?;
+    }
     let alone = actuator_only(&library).join(", ");
     if !alone.is_empty() {
-        errln!("without control curve, displayed by the actuator alone: {alone}; --control gives curves");
+        errln!(
+            "without control curve, displayed by the actuator alone: {alone}; --control gives curves, --make-control makes them"
+        );
     }
     let bytes = table::write(&grids, form, library).into_diagnostic()?;
     save(&arguments.out, &bytes)?;

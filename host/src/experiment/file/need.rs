@@ -28,6 +28,7 @@ impl Need {
             Test::Air | Test::Mass => vec![TIME, ("force_N", "the run measures force")],
             Test::Display => vec![TIME],
             Test::Table => vec![],
+            Test::Print => vec![("force_N", "a print without force says nothing")],
             _ => vec![
                 TIME,
                 ("depth_mm", "force without depth says nothing"),
@@ -41,6 +42,7 @@ impl Need {
             Test::Display => {
                 &["command_mm", "position_mm", "reference_N", "force_N", "command_A", "current_A", "flux_T", GAP_MM]
             }
+            Test::Print => &["area_mm2", "a_mm", "b_mm"],
             _ => &[],
         };
         Self { columns, numbers, pace }

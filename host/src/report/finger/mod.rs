@@ -10,6 +10,7 @@ use lut_gen::pad::state::State;
 use super::figure::{Axis, Figure, Series, Stroke};
 use super::number;
 use crate::finger::press::Pressed;
+use crate::finger::prints;
 use crate::finger::reading::{BIN_MPA, Reading, profile};
 
 pub use map::map;
@@ -75,6 +76,21 @@ pub fn area_over_force(section: Section, readings: &[Reading], two: Option<&[Pri
         figure = figure.with(Series::new("two radii", from_rest, Stroke::DashDotted, 2));
     }
     figure
+}
+
+/// Areas of prints over force: measured, of the finger as it was and of the one that fits.
+pub fn prints(prints: &[prints::Print], fit: &prints::Fit) -> Figure {
+    let curve = |areas: &[f64]| {
+        let mut points: Vec<(f64, f64)> =
+            prints.iter().zip(areas).map(|(print, area)| (print.force_n, *area)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        points
+    };
+    let measured = prints.iter().map(|print| (print.force_n, print.area_mm2)).collect();
+    Figure::new("Prints over force", Axis::new("force (N)"), Axis::new("area of the print (mm^2)"))
+        .with(Series::new("as it was", curve(&fit.area_before_mm2), Stroke::Dashed, 1))
+        .with(Series::new("fitted", curve(&fit.area_mm2), Stroke::Solid, 0))
+        .with(Series::new("measured", measured, Stroke::Circles, 5))
 }
 
 /// Depth of the cap and of the block's surface over the travel (Fig. 42).

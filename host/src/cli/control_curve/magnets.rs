@@ -1,0 +1,36 @@
+//! A magnet's flux density over current, from its drawing or from readings.
+
+use std::collections::BTreeMap;
+
+use miette::{IntoDiagnostic, WrapErr, miette};
+
+use crate::control::compose::Links;
+use crate::magnet::fluid::NamedFluid;
+use crate::magnet::measured;
+
+/// Currents that the magnet is computed at, up to the driver's largest.
+const CURRENTS: usize = 16;
+
+/// What a magnet makes of a fluid up to a current, A: `asked` is its file, its readings or its name.
+///
+/// # Errors
+/// A file with a mistake, a drawing that cannot be solved, one that does not say where the fluid is.
+pub(super) fn links(asked: &str, fluid: &NamedFluid, most_a: f64) -> miette::Result<Links> {
+    let flux = match measured::located(asked).into_diagnostic()? {
+        Some(flux) => flux,
+        None => drawn(asked, most_a)?,
+    };
+    // readings may end before the driver does
+    let most_a = most_a.min(flux.most_a());
+    Ok(Links { magnet: asked.to_owned(), flux, fluid: fluid.title.clone(), law: fluid.fluid.clone(), most_a })
+}
+
+fn drawn(asked: &str, most_a: f64) -> miette::Result<lut_gen::magnet::curve::FluxCurve> {
+    let (magnet, _) = crate::cli::magnet::magnet(asked, &BTreeMap::new())?;
+    let currents: Vec<f64> = (1..=CURRENTS).map(|i| most_a * i as f64 / CURRENTS as f64).collect();
+    let study = magnet.design.study(&magnet.wanted(), &currents, &mut |_| {});
+    let study = study.into_diagnostic().wrap_err_with(|| format!("the field of \"{}\"", magnet.title))?;
+    magnet.flux_curve(&study.states).ok_or_else(|| {
+        miette!("{asked} has no flux density over current; expected a coil, and `control` naming a point or probe")
+    })
+}

@@ -1,0 +1,375 @@
+//! What prints say of a pad: moduli and size that make a finger's prints those that were measured.
+
+use std::path::Path;
+
+use lut_gen::pad::body::section::Section;
+use lut_gen::pad::error::PadError;
+use nalgebra::{DMatrix, DVector};
+
+use super::super::parse;
+use super::Print;
+use super::curve::Family;
+use super::scaled::Scale;
+use crate::calibration::distribution::{student_critical, student_two_sided};
+use crate::experiment::ExperimentError;
+
+/// A number of the finger that is free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Free {
+    /// Moduli of skin and tissue together.
+    Stiffness,
+    /// All lengths.
+    Size,
+    /// Moduli of the skin beside those of the tissue.
+    Skin,
+}
+
+impl Free {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Free; 3] = [Free::Stiffness, Free::Size, Free::Skin];
+
+    /// What it is called.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Free::Stiffness => "stiffness",
+            Free::Size => "size",
+            Free::Skin => "skin",
+        }
+    }
+}
+
+/// Elements of the coarser mesh over those of the file: what they change is the discretisation's part of an interval.
+const COARSER: f64 = 2.0;
+
+/// A factor that was fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fitted {
+    /// Of what.
+    pub of: Free,
+    /// Over the file's number.
+    pub factor: f64,
+    /// 95 % interval: by Student's t, and wider by what elements twice as long change.
+    pub interval: (f64, f64),
+    /// The prints tell it: its interval is within a factor of [`TOLD`] of the value, and it stands at no bound.
+    pub is_told: bool,
+}
+
+/// Prints with the finger that fits them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// The free numbers.
+    pub fitted: Vec<Fitted>,
+    /// All factors.
+    pub scale: Scale,
+    /// Root mean square of measured less simulated radius, mm, of circles of the prints' areas: of the finger as it is.
+    pub before_mm: f64,
+    /// Of the fitted finger, over the prints less the free numbers.
+    pub after_mm: f64,
+    /// How far all edges are read farther out than the fitted finger's, mm.
+    pub shift_mm: f64,
+    /// Simulated area of the fitted finger at every print, mm2.
+    pub area_mm2: Vec<f64>,
+    /// Of the finger as it is.
+    pub area_before_mm2: Vec<f64>,
+    /// How the misfit goes with the logarithm of the force, mm, and the probability of as much by chance.
+    pub trend: (f64, f64),
+    /// Prints beyond what the finger could be pressed to: their area is extrapolated.
+    pub beyond: usize,
+}
+
+/// Why no finger was found.
+#[derive(Debug, thiserror::Error)]
+pub enum Unfitted {
+    /// The finger's file.
+    #[error(transparent)]
+    File(#[from] ExperimentError),
+    /// No equilibrium.
+    #[error("the finger's press on a plate: {0}")]
+    Press(PadError),
+    /// Too little to interpolate.
+    #[error("the finger's print does not grow with its force; expected one that does")]
+    NoCurve,
+    /// A finger in the plane has no print.
+    #[error("the finger is a section in the plane, whose print has no area; expected section = \"ring\"")]
+    Plane,
+    /// Fewer prints than numbers.
+    #[error("{prints} prints at {forces} different forces for {free} free numbers; expected at least {} forces", free + 1)]
+    Few {
+        /// Prints.
+        prints: usize,
+        /// Different forces.
+        forces: usize,
+        /// Free numbers.
+        free: usize,
+    },
+}
+
+/// An interval within this factor of its value tells something.
+pub const TOLD: f64 = 2.0;
+/// Most rounds, and the step that ends them.
+const ROUNDS: usize = 200;
+const SETTLED: f64 = 1e-10;
+/// Step of a derivative, in logarithms.
+const STEP: f64 = 1e-4;
+/// Size and stiffness stay within this factor of the file's, in logarithms.
+const WIDEST: f64 = 4.6;
+/// How far all edges of prints may be read too far out or in, mm (one standard deviation, assumed): ink spreads, and the edge
+/// of a simulated contact is somewhere within an element.
+pub const EDGE_MM: f64 = 0.1;
+/// A weight with which edges are where they are read.
+const UNSHIFTED: f64 = 1e6;
+/// Forces closer than this part of one another are the same.
+const SAME: f64 = 0.01;
+
+/// Fits the finger of a file to prints: least squares of the radius of circles of their areas, for what ink tells is where
+/// the edge of a print is, and the force is known well. `told` hears of every press done.
+///
+/// # Errors
+/// [`Unfitted`].
+pub fn fit(
+    (file, text): (&Path, &str),
+    prints: &[Print],
+    free: &[Free],
+    told: &(dyn Fn(usize) + Sync),
+) -> Result<Fit, Unfitted> {
+    if parse(file, text)?.section == Section::Plane {
+        return Err(Unfitted::Plane);
+    }
+    enough(prints, free)?;
+    let skins = free.contains(&Free::Skin);
+    let press = |coarser: f64| Family::pressed((file, text), skins, coarser, told);
+    let (family, coarse) = rayon::join(|| press(1.0), || press(COARSER));
+    let (family, coarse) = (family?, coarse?);
+    let (mut own, coarse) = (fitted(&family, prints, free), fitted(&coarse, prints, free));
+    for (own, coarse) in own.fitted.iter_mut().zip(&coarse.fitted) {
+        let apart = (coarse.factor / own.factor).max(own.factor / coarse.factor);
+        own.interval = (own.interval.0 / apart, own.interval.1 * apart);
+        own.is_told &= own.interval.1 < TOLD * own.factor;
+    }
+    Ok(own)
+}
+
+fn enough(prints: &[Print], free: &[Free]) -> Result<(), Unfitted> {
+    let mut forces: Vec<f64> = prints.iter().map(|print| print.force_n).collect();
+    forces.sort_by(f64::total_cmp);
+    forces.dedup_by(|a, b| *a <= *b * (1.0 + SAME));
+    if forces.len() > free.len() {
+        return Ok(());
+    }
+    Err(Unfitted::Few { prints: prints.len(), forces: forces.len(), free: free.len() })
+}
+
+/// What a least-squares search moves: logarithms of the free factors, then how far all edges are read too far out, mm.
+type Unknowns = DVector<f64>;
+
+/// Prints beside a family of fingers.
+struct Problem<'a> {
+    family: &'a Family,
+    prints: &'a [Print],
+    free: &'a [Free],
+    /// Weight of the edges' shift among the residuals: spread of a reading over [`EDGE_MM`].
+    weight: f64,
+}
+
+impl Problem<'_> {
+    fn logs(&self, unknowns: &Unknowns) -> [f64; 3] {
+        let mut logs = [0.0; 3];
+        self.free.iter().zip(unknowns.iter()).for_each(|(own, log)| logs[*own as usize] = *log);
+        logs
+    }
+
+    fn area_mm2(&self, print: &Print, logs: [f64; 3]) -> f64 {
+        self.family.at(print.force_n.ln(), logs).exp()
+    }
+
+    /// Measured less simulated radius of every print, mm.
+    fn misfit(&self, unknowns: &Unknowns) -> DVector<f64> {
+        let (logs, shift_mm) = (self.logs(unknowns), unknowns[self.free.len()]);
+        let one = |print: &Print| radius_mm(print.area_mm2) - radius_mm(self.area_mm2(print, logs)) - shift_mm;
+        DVector::from_iterator(self.prints.len(), self.prints.iter().map(one))
+    }
+
+    /// The misfit, and the shift with its weight.
+    fn residuals(&self, unknowns: &Unknowns) -> DVector<f64> {
+        self.misfit(unknowns).push(self.weight * unknowns[self.free.len()])
+    }
+
+    fn jacobian(&self, unknowns: &Unknowns) -> DMatrix<f64> {
+        let column = |at: usize| {
+            let moved = |by: f64| {
+                let mut there = unknowns.clone();
+                there[at] += by;
+                self.residuals(&there)
+            };
+            (moved(STEP) - moved(-STEP)) / (2.0 * STEP)
+        };
+        DMatrix::from_columns(&(0..unknowns.len()).map(column).collect::<Vec<_>>())
+    }
+
+    /// Marquardt's damping: rounds end when a step no longer counts.
+    fn search(&self) -> Unknowns {
+        let (mut at, mut damping) = (Unknowns::zeros(self.free.len() + 1), 1e-3);
+        for _ in 0..ROUNDS {
+            let (own, slope) = (self.residuals(&at), self.jacobian(&at));
+            let mut normal = slope.transpose() * &slope;
+            for i in 0..at.len() {
+                normal[(i, i)] += damping * normal[(i, i)].max(1e-12);
+            }
+            let Some(step) = normal.cholesky().map(|factor| factor.solve(&(-slope.transpose() * &own))) else { break };
+            let mut there = &at + step;
+            for (i, which) in self.free.iter().enumerate() {
+                let (low, high) = bounds(self.family, *which);
+                there[i] = there[i].clamp(low, high);
+            }
+            let moved = (&there - &at).amax();
+            if self.residuals(&there).norm_squared() <= own.norm_squared() {
+                (at, damping) = (there, (0.3 * damping).max(1e-12));
+            } else {
+                damping *= 10.0;
+            }
+            if moved < SETTLED || damping > 1e12 {
+                break;
+            }
+        }
+        at
+    }
+
+    /// Root mean square of a misfit over the prints less the free numbers, mm.
+    fn spread_mm(&self, misfit: &DVector<f64>) -> f64 {
+        (misfit.norm_squared() / self.freedom()).sqrt()
+    }
+
+    fn freedom(&self) -> f64 {
+        self.prints.len().saturating_sub(self.free.len()).max(1) as f64
+    }
+}
+
+/// Least squares from the file's numbers on: first with edges where they are read, then with what they may be shifted by.
+pub(super) fn fitted(family: &Family, prints: &[Print], free: &[Free]) -> Fit {
+    let mut problem = Problem { family, prints, free, weight: UNSHIFTED };
+    let spread_mm = problem.spread_mm(&problem.misfit(&problem.search()));
+    problem.weight = (spread_mm / EDGE_MM).max(f64::MIN_POSITIVE);
+    let at = problem.search();
+    let (before, after) = (problem.misfit(&Unknowns::zeros(free.len() + 1)), problem.misfit(&at));
+    let after_mm = problem.spread_mm(&after);
+    let jacobian = problem.jacobian(&at);
+    let inverse = (jacobian.transpose() * &jacobian).try_inverse();
+    let t = student_critical(0.05, problem.freedom());
+    let one = |(i, own): (usize, &Free)| {
+        let log = at[i];
+        let by = inverse.as_ref().map_or(f64::INFINITY, |inverse| t * spread_mm * inverse[(i, i)].max(0.0).sqrt());
+        let (low, high) = bounds(family, *own);
+        let is_told = by < TOLD.ln() && log > low && log < high;
+        Fitted { of: *own, factor: log.exp(), interval: ((log - by).exp(), (log + by).exp()), is_told }
+    };
+    let logs = problem.logs(&at);
+    let area = |logs: [f64; 3]| prints.iter().map(|print| problem.area_mm2(print, logs)).collect();
+    Fit {
+        fitted: free.iter().enumerate().map(one).collect(),
+        scale: Scale { stiffness: logs[0].exp(), size: logs[1].exp(), skin: logs[2].exp() },
+        shift_mm: at[free.len()],
+        before_mm: (before.norm_squared() / prints.len() as f64).sqrt(),
+        after_mm,
+        area_mm2: area(logs),
+        area_before_mm2: area([0.0; 3]),
+        trend: trend(prints, &after, free.len()),
+        beyond: prints.iter().filter(|print| family.is_beyond(print.force_n.ln(), logs)).count(),
+    }
+}
+
+/// Radius of a circle of this area.
+fn radius_mm(area_mm2: f64) -> f64 {
+    (area_mm2 / std::f64::consts::PI).sqrt()
+}
+
+fn bounds(family: &Family, own: Free) -> (f64, f64) {
+    match own {
+        Free::Stiffness | Free::Size => (-WIDEST, WIDEST),
+        Free::Skin => family.skins(),
+    }
+}
+
+/// Slope of the misfit over the logarithm of the force, and the probability of one as large by chance.
+fn trend(prints: &[Print], misfit: &DVector<f64>, free: usize) -> (f64, f64) {
+    let count = prints.len() as f64;
+    let mean = prints.iter().map(|print| print.force_n.ln()).sum::<f64>() / count;
+    let width: f64 = prints.iter().map(|print| (print.force_n.ln() - mean).powi(2)).sum();
+    let slope = prints.iter().zip(misfit.iter()).map(|(p, r)| (p.force_n.ln() - mean) * r).sum::<f64>() / width;
+    let left: f64 = prints.iter().zip(misfit.iter()).map(|(p, r)| (r - slope * (p.force_n.ln() - mean)).powi(2)).sum();
+    let freedom = prints.len() as f64 - free as f64 - 1.0;
+    if freedom < 1.0 || left <= 0.0 {
+        return (slope, 1.0);
+    }
+    (slope, student_two_sided(slope / (left / freedom / width).sqrt(), freedom))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+
+    use super::super::curve::Curve;
+    use super::*;
+
+    /// A finger whose print grows by a bent power of the force; the skin changes the bend.
+    fn family(skins: &[f64]) -> Family {
+        let member = |skin: &f64| {
+            let points: Vec<(f64, f64)> = (0..40)
+                .map(|i| 0.01 * 1.2_f64.powi(i))
+                .map(|n| (n, 60.0 * (n / (skin.sqrt() + n)).powf(0.5)))
+                .collect();
+            (skin.ln(), Curve::new(&points).unwrap())
+        };
+        Family::of(skins.iter().map(member).collect())
+    }
+
+    fn prints([stiffness, size]: [f64; 2], noise: f64, shifted: bool, seed: u64) -> Vec<Print> {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let scatter = Normal::new(0.0, noise).unwrap();
+        let shift_mm = if shifted { Normal::new(0.0, EDGE_MM).unwrap().sample(&mut random) } else { 0.0 };
+        (0..12)
+            .map(|i| 0.2 * 1.35_f64.powi(i))
+            .map(|force_n| {
+                let base = force_n / (stiffness * size * size);
+                let area = size * size * 60.0 * (base / (1.0 + base)).powf(0.5);
+                let radius_mm = radius_mm(area) + shift_mm + scatter.sample(&mut random);
+                Print { force_n, area_mm2: std::f64::consts::PI * radius_mm * radius_mm, radii_mm: None, file: 0 }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn true_factors_lie_in_their_intervals_as_often_as_is_said() {
+        let family = family(&[1.0]);
+        let (mut hits, trials) = ([0; 2], 300);
+        for seed in 0..trials {
+            let found = fitted(&family, &prints([1.8, 1.2], 0.05, true, seed), &[Free::Stiffness, Free::Size]);
+            for (hit, (own, truth)) in hits.iter_mut().zip(found.fitted.iter().zip([1.8, 1.2])) {
+                *hit += usize::from(own.interval.0 <= truth && truth <= own.interval.1);
+            }
+        }
+        // 95 % of 300: 285, and three standard deviations are 11
+        assert!(hits.iter().all(|hit| (274..=296).contains(hit)), "{hits:?}");
+    }
+
+    #[test]
+    fn one_free_number_where_two_differ_leaves_a_trend() {
+        let family = family(&[1.0]);
+        let prints = prints([1.8, 1.4], 0.01, false, 7);
+        let one = fitted(&family, &prints, &[Free::Stiffness]);
+        let two = fitted(&family, &prints, &[Free::Stiffness, Free::Size]);
+        assert!(one.trend.1 < 1e-3 && two.trend.1 > 0.05, "{:?} {:?}", one.trend, two.trend);
+        assert!(two.after_mm < 0.3 * one.after_mm && two.after_mm < 0.02, "{} {}", two.after_mm, one.after_mm);
+    }
+
+    #[test]
+    fn what_the_prints_do_not_tell_is_said() {
+        let family = family(&[0.25, 0.5, 1.0, 2.0, 4.0]);
+        // small prints alone: a power of the force, in which stiffness and skin are one
+        let few: Vec<Print> = prints([1.0, 1.0], 0.05, false, 3).into_iter().take(4).collect();
+        let found = fitted(&family, &few, &Free::ALL);
+        assert!(found.fitted.iter().any(|own| !own.is_told), "{:?}", found.fitted);
+    }
+}
