@@ -12,6 +12,7 @@ pub mod demo;
 pub mod diagnose;
 pub mod experiment;
 pub mod extended;
+pub mod feel;
 pub mod finger;
 pub mod flash;
 pub mod identify;

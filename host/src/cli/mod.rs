@@ -6,6 +6,7 @@ mod calibrate;
 pub mod control_curve;
 pub mod demo;
 pub mod diagnose;
+pub mod feel;
 pub mod field;
 mod file;
 pub mod finger;
@@ -81,6 +82,8 @@ enum Command {
     Magnet(magnet::Arguments),
     /// Find what coil and actuator must do so that a material is felt: control curves by finite elements
     ControlCurve(control_curve::Arguments),
+    /// Press the simulated display and tell how near it comes to the materials that it shows
+    Feel(feel::Arguments),
     /// Press a finger on a plate or a foam by finite elements: force, contact, pressure, Mises stress
     Finger(finger::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
@@ -112,6 +115,7 @@ pub fn main() -> ExitCode {
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::ControlCurve(arguments) => control_curve::run(&arguments),
+        Command::Feel(arguments) => feel::run(&arguments),
         Command::Finger(arguments) => finger::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };

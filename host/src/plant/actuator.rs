@@ -1,5 +1,7 @@
 //! The display's linear actuator.
 
+use std::collections::VecDeque;
+
 /// The thesis' plant 86/(s^2 + 23.4 s + 86) (section 5.5), from command in V to shaft in mm (1 mm/V at rest,
 /// DESIGN's reading of the thesis' units), with what real ones add: dry friction and a limit of speed.
 #[derive(Debug, Clone)]
@@ -7,6 +9,10 @@ pub struct Actuator {
     position_mm: f64,
     rate_mm_s: f64,
     rest_mm: f64,
+    /// Where the shaft is behind the spindle's play, mm.
+    shaft_mm: f64,
+    /// Commands on their way, V, the oldest first, and the time that one takes, s.
+    waiting: VecDeque<f64>,
     flaws: ActuatorFlaws,
 }
 
@@ -17,17 +23,24 @@ pub struct ActuatorFlaws {
     pub friction_v: f64,
     /// Largest speed, mm/s.
     pub rate_mm_s: f64,
+    /// Time between a command and its effect, s.
+    pub delay_s: f64,
+    /// Play of the spindle, mm.
+    pub backlash_mm: f64,
+    /// How far the cap gives way under a finger, mm/N.
+    pub gives_mm_per_n: f64,
 }
 
 impl ActuatorFlaws {
     /// Neither friction nor a limit of speed: the thesis' plant.
-    pub const NONE: Self = Self { friction_v: 0.0, rate_mm_s: f64::INFINITY };
+    pub const NONE: Self =
+        Self { friction_v: 0.0, rate_mm_s: f64::INFINITY, delay_s: 0.0, backlash_mm: 0.0, gives_mm_per_n: 0.0 };
 }
 
 impl Default for ActuatorFlaws {
     /// Those of the bench.
     fn default() -> Self {
-        Self { friction_v: FRICTION_V, rate_mm_s: RATE_MM_S }
+        Self { friction_v: FRICTION_V, rate_mm_s: RATE_MM_S, ..Self::NONE }
     }
 }
 
@@ -54,12 +67,17 @@ impl Actuator {
 
     /// The same with stated flaws.
     pub fn with(rest_mm: f64, flaws: ActuatorFlaws) -> Self {
-        Actuator { position_mm: rest_mm, rate_mm_s: 0.0, rest_mm, flaws }
+        Actuator { position_mm: rest_mm, rate_mm_s: 0.0, rest_mm, shaft_mm: rest_mm, waiting: VecDeque::new(), flaws }
     }
 
     /// Shaft position, mm.
     pub fn position_mm(&self) -> f64 {
-        self.position_mm
+        self.shaft_mm
+    }
+
+    /// How far the cap has given way under a finger's force, mm.
+    pub fn cap_mm(&self, force_n: f64) -> f64 {
+        self.shaft_mm + self.flaws.gives_mm_per_n * force_n
     }
 
     /// Shaft speed, mm/s.
@@ -69,6 +87,7 @@ impl Actuator {
 
     /// Moves for `dt_s` under a command in V.
     pub fn step(&mut self, command_v: f64, dt_s: f64) {
+        let command_v = self.delayed(command_v, dt_s);
         let drive = SPRING * (self.rest_mm + command_v - self.position_mm) - DAMPER * self.rate_mm_s;
         let free = self.rate_mm_s + drive * dt_s;
         // Friction takes speed away but never reverses it, which also holds a resting shaft.
@@ -80,6 +99,15 @@ impl Actuator {
         if self.position_mm != moved {
             self.rate_mm_s = 0.0;
         }
+        let play = 0.5 * self.flaws.backlash_mm;
+        self.shaft_mm = self.shaft_mm.clamp(self.position_mm - play, self.position_mm + play);
+    }
+
+    /// The command of a while ago; none before the first.
+    fn delayed(&mut self, command_v: f64, dt_s: f64) -> f64 {
+        let steps = (self.flaws.delay_s / dt_s).round() as usize;
+        self.waiting.push_back(command_v);
+        if self.waiting.len() > steps { self.waiting.pop_front().unwrap_or(0.0) } else { 0.0 }
     }
 }
 
@@ -106,6 +134,20 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_command_waits_and_play_is_crossed_first() {
+        let flaws = ActuatorFlaws { delay_s: 0.01, backlash_mm: 0.2, gives_mm_per_n: 0.05, ..ActuatorFlaws::NONE };
+        let (mut late, mut prompt) = (Actuator::with(5.0, flaws), Actuator::with(5.0, ActuatorFlaws::NONE));
+        (0..10).for_each(|_| late.step(2.0, 1e-3));
+        assert_eq!(late.position_mm(), 5.0);
+        for _ in 0..500 {
+            late.step(2.0, 1e-3);
+            prompt.step(2.0, 1e-3);
+        }
+        assert!((prompt.position_mm() - late.position_mm() - 0.1).abs() < 1e-9, "half of the play behind");
+        assert!((late.cap_mm(2.0) - late.position_mm() - 0.1).abs() < 1e-12);
     }
 
     #[test]

@@ -4,8 +4,8 @@ use firmware::board::Outputs;
 use firmware::sensor::RawSamples;
 
 use super::{
-    Actuator, Arm, Broken, Coil, Converter, Finger, Fluid, Foam, Fsr, Input, Jitter, LoadCell, Noise, OVERSAMPLED,
-    Placed, Potentiometer, STEP_S, Source, Touch, Transducer, Truth,
+    Actuator, Arm, Broken, Built, Coil, Constants, Converter, Finger, Fluid, Foam, Fsr, FsrFlaws, Hand, Input, Jitter,
+    LoadCell, Noise, OVERSAMPLED, Placed, Potentiometer, Press, STEP_S, Source, Touch, Transducer, Truth, Under,
 };
 
 /// Height of the arm's home above the specimen, mm: the approach in which the board learns the force's zero.
@@ -22,6 +22,10 @@ const COIL_SUPPLY_V: f64 = 15.0;
 
 /// Shunt amplifier of the coil: reading without current, and A for the full reference.
 const SHUNT: (f64, f64) = (0.05, 3.3);
+
+/// Line of the FSR at no force, mS, and its fixed resistor, kOhm.
+const FSR_OFFSET_MS: f64 = -0.016;
+const FSR_DIVIDER_KOHM: f64 = 10.0;
 
 /// Analog inputs of the board.
 const INPUTS: usize = 5;
@@ -40,6 +44,8 @@ pub struct Bench {
     load_cell: LoadCell,
     transducer: Transducer,
     finger: Finger,
+    /// In the finger's place: a hand that moves a bone.
+    hand: Option<Hand>,
     fsr: Fsr,
     actuator: Actuator,
     potentiometer: Potentiometer,
@@ -49,6 +55,8 @@ pub struct Bench {
     broken: [Option<Broken>; INPUTS],
     /// What the pins hold, as fractions of the reference.
     pins: [f64; INPUTS],
+    /// A known force on the display's force sensor, N.
+    weight_n: Option<f64>,
 }
 
 impl Bench {
@@ -70,7 +78,8 @@ impl Bench {
             load_cell: LoadCell { zero_ratio: 0.103, n_per_ratio: 10.05 },
             transducer: Transducer { zero_ratio: 0.1, mm_per_ratio: 99.8 },
             finger: Finger::new(seed),
-            fsr: Fsr::new(0.079, -0.016, 10.0, seed),
+            hand: None,
+            fsr: Fsr::new(0.079, FSR_OFFSET_MS, FSR_DIVIDER_KOHM, seed),
             actuator: Actuator::new(0.0),
             potentiometer: Potentiometer { slope_kohm_mm: -0.080_279, offset_kohm: 2.5829, divider_kohm: 1.6 },
             coil: Coil::default(),
@@ -78,7 +87,51 @@ impl Bench {
             converter: Converter::new(seed),
             broken: [None; INPUTS],
             pins: [0.0; INPUTS],
+            weight_n: None,
         }
+    }
+
+    /// The same with a display of these constants under a hand: `under` is what the finger presses, `fluid` the fluid of a
+    /// built display. Beside a fluid the force sensor has no threshold and no flaws but its noise: in the thesis it is a load
+    /// cell there (section 4.4).
+    #[must_use]
+    pub fn with(self, constants: &Constants, under: Under, fluid: Option<Built>) -> Self {
+        let slope_ms = constants.fsr_slope_ms;
+        let fsr = match &under {
+            Under::Cap => Fsr::new(slope_ms, FSR_OFFSET_MS, FSR_DIVIDER_KOHM, self.seed).with(constants.fsr),
+            Under::Fluid(_) => Fsr::new(slope_ms, 0.0, FSR_DIVIDER_KOHM, self.seed)
+                .with(FsrFlaws { noise: constants.fsr.noise, ..FsrFlaws::NONE }),
+        };
+        Bench {
+            hand: Some(Hand::new(constants.hand, constants.pulp.clone(), under, self.seed)),
+            fsr,
+            actuator: Actuator::with(0.0, constants.actuator),
+            fluid: fluid.map_or_else(Fluid::default, Fluid::built),
+            ..self
+        }
+    }
+
+    /// Begins a press of the hand, where there is one.
+    pub fn press(&mut self, press: Press) {
+        if let Some(hand) = &mut self.hand {
+            hand.press(press);
+        }
+    }
+
+    /// Place of the finger's tip, were it not compressed, below the surface, mm; without a hand 0.
+    pub fn bone_mm(&self) -> f64 {
+        self.hand.as_ref().map_or(0.0, Hand::bone_mm)
+    }
+
+    /// Loads the force sensor with a known force, N, in place of the finger; `None` takes it off.
+    pub fn weigh(&mut self, force_n: Option<f64>) {
+        self.weight_n = force_n;
+    }
+
+    /// Force of the finger, or of a weight, on the display, N.
+    fn finger_n(&self) -> f64 {
+        let finger_n = self.hand.as_ref().map_or_else(|| self.finger.force_n(), Hand::force_n);
+        self.weight_n.unwrap_or(finger_n)
     }
 
     /// Lays a foam under the probe and sets the arm's home above it, as an operator does between palpations.
@@ -142,8 +195,11 @@ impl Bench {
             (20.0 * (self.home_mm - self.arm.position_mm())).clamp(-RETURN_MM_S, RETURN_MM_S)
         };
         self.arm.step(rate_mm_s, STEP_S);
-        self.finger.step(self.actuator.rate_mm_s(), STEP_S);
-        self.fsr.step(self.finger.force_n(), STEP_S);
+        match &mut self.hand {
+            Some(hand) => hand.step(self.actuator.cap_mm(hand.force_n()), self.fluid.yield_kpa(), STEP_S),
+            None => self.finger.step(self.actuator.rate_mm_s(), STEP_S),
+        }
+        self.fsr.step(self.finger_n(), STEP_S);
         self.actuator.step(f64::from(outputs.actuator_v), STEP_S);
         self.coil.step(f64::from(coil_duty) * COIL_SUPPLY_V, STEP_S);
         self.fluid.step(self.coil.current_a(), STEP_S);
@@ -182,7 +238,7 @@ impl Bench {
             probe_mm,
             depth_mm: placed.map_or(0.0, |p| p.depth_mm(probe_mm).max(0.0)),
             force_n: placed.map_or(0.0, |p| p.force_n(probe_mm)),
-            finger_n: self.finger.force_n(),
+            finger_n: self.finger_n(),
             shaft_mm: self.actuator.position_mm(),
             coil_a: self.coil.current_a(),
             coil_c: self.coil.celsius(),

@@ -1,5 +1,6 @@
 //! The magnetorheological fluid between finger and coil.
 
+use lut_gen::magnet::curve::FluxCurve;
 use lut_gen::magnet::fluid::{Fluid as FluidLaw, Oil};
 
 /// Flux density and yield stress with the fluid's response time.
@@ -9,6 +10,24 @@ pub struct Fluid {
     core: Core,
     /// Carlson's; never absent, because its fraction of iron is one of a fluid.
     law: Option<FluidLaw>,
+    built: Option<Built>,
+}
+
+/// A display that is built for control curves: their magnet and fluid, with what differs.
+#[derive(Debug, Clone)]
+pub struct Built {
+    /// Flux density over current that the curves are made for.
+    pub flux: FluxCurve,
+    /// The curves' fluid.
+    pub law: FluidLaw,
+    /// Flux density over that of the curves' magnet.
+    pub factor: f64,
+    /// Flux density without current, T.
+    pub remanence_t: f64,
+    /// Yield stress over that of the law.
+    pub yields: f64,
+    /// Response time, s.
+    pub response_s: f64,
 }
 
 impl Default for Fluid {
@@ -79,7 +98,12 @@ const RESPONSE_S: f64 = 3e-3;
 impl Fluid {
     /// A fluid in a core that is not ideal.
     pub fn with(core: Core) -> Self {
-        Fluid { flux_t: 0.0, core, law: FluidLaw::carlson(PHI, Oil::Hydrocarbon).ok() }
+        Fluid { flux_t: 0.0, core, law: FluidLaw::carlson(PHI, Oil::Hydrocarbon).ok(), built: None }
+    }
+
+    /// The fluid of a built display.
+    pub fn built(built: Built) -> Self {
+        Fluid { law: Some(built.law.clone()), built: Some(built), ..Self::default() }
     }
 
     /// Flux density in the gap, T.
@@ -89,6 +113,11 @@ impl Fluid {
 
     /// Lets `dt_s` pass at a coil current.
     pub fn step(&mut self, current_a: f64, dt_s: f64) {
+        if let Some(built) = &self.built {
+            let rest = built.factor * built.flux.flux_t(current_a) + built.remanence_t;
+            self.flux_t += (rest - self.flux_t) * (1.0 - (-dt_s / built.response_s).exp());
+            return;
+        }
         let rest = FLUX_LINE.0 * current_a + FLUX_LINE.1 * (current_a / KNEE_A).tanh();
         let rest = self.core.rest_t(rest, current_a);
         self.flux_t += (rest - self.flux_t) * (1.0 - (-dt_s / RESPONSE_S).exp());
@@ -96,7 +125,8 @@ impl Fluid {
 
     /// Yield stress, kPa, of Carlson's fits for a hydrocarbon fluid.
     pub fn yield_kpa(&self) -> f64 {
-        self.law.as_ref().map_or(0.0, |law| law.yield_at_flux(self.flux_t))
+        let factor = self.built.as_ref().map_or(1.0, |built| built.yields);
+        self.law.as_ref().map_or(0.0, |law| factor * law.yield_at_flux(self.flux_t))
     }
 }
 

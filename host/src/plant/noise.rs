@@ -22,6 +22,10 @@ pub enum Source {
     Tremor = 6,
     /// Repeatability of the FSR.
     Fsr = 7,
+    /// Tremor of a hand that moves a bone.
+    Hand = 8,
+    /// Constants of a drawn plant.
+    Constants = 9,
 }
 
 /// A stream of random numbers.

@@ -9,6 +9,7 @@ pub mod compression;
 pub mod control;
 pub mod diagnosis;
 pub mod display;
+pub mod feel;
 pub mod field;
 pub mod figure;
 pub mod finger;

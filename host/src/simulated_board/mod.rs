@@ -79,6 +79,17 @@ impl SimulatedBoard {
         }
     }
 
+    /// Gives a board that has not been stepped yet other surroundings.
+    #[must_use]
+    pub fn on(self, bench: Bench) -> Self {
+        SimulatedBoard { bench, ..self }
+    }
+
+    /// The surroundings, to change them.
+    pub fn bench_mut(&mut self) -> &mut Bench {
+        &mut self.bench
+    }
+
     /// Gives a board that has not been stepped yet another timing.
     pub fn set_timing(&mut self, timing: Timing) {
         self.timing = timing;

@@ -15,7 +15,7 @@ const CURRENTS: usize = 16;
 ///
 /// # Errors
 /// A file with a mistake, a drawing that cannot be solved, one that does not say where the fluid is.
-pub(super) fn links(asked: &str, fluid: &NamedFluid, most_a: f64) -> miette::Result<Links> {
+pub(in crate::cli) fn links(asked: &str, fluid: &NamedFluid, most_a: f64) -> miette::Result<Links> {
     let flux = match measured::located(asked).into_diagnostic()? {
         Some(flux) => flux,
         None => drawn(asked, most_a)?,

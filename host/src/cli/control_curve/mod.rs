@@ -1,6 +1,6 @@
 //! `palpate control-curve`.
 
-mod magnets;
+pub(super) mod magnets;
 mod reach;
 pub(super) mod recipe;
 mod told;
@@ -151,7 +151,7 @@ fn curves(made: &[Made]) -> Vec<&ControlCurve> {
 }
 
 /// Letters and digits of a name, small, with dashes for all else.
-fn file_name(name: &str) -> String {
+pub(super) fn file_name(name: &str) -> String {
     let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join("-").to_ascii_lowercase()
 }

@@ -1,0 +1,224 @@
+//! `palpate feel`.
+
+mod told;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use miette::{IntoDiagnostic, miette};
+use protocol::message::Gains;
+
+use super::control_curve::magnets;
+use super::progress::Progress;
+use crate::control::ControlCurve;
+use crate::feel::{self, Asked, Display, Felt};
+use crate::ownership::OwnFolder;
+use crate::plant::Constants;
+use crate::report::{Page, feel as picture};
+
+/// Folder of files where none is asked for.
+const DEFAULT_FOLDER: &str = "out/feel";
+
+/// Materials, and the display that shows them to a simulated hand.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Foams whose curves come with the program, by name, or files of `palpate control-curve`; without any all of the former
+    #[arg(value_name = "MATERIAL")]
+    materials: Vec<String>,
+    /// Which display is pressed
+    #[arg(long, value_enum, default_value_t = DisplayWord::Both)]
+    display: DisplayWord,
+    /// The true display and hand: frozen, drawn:SEED, or a file of constants (`--copy` writes one)
+    #[arg(long, value_name = "PLANT", default_value = "frozen")]
+    plant: String,
+    /// The magnet that curves and display are made for: a magnet.toml, readings, or a name; curves are made for it anew
+    #[arg(long, value_name = "FILE", default_value = "ring")]
+    magnet: String,
+    /// The fluid: a fluid.toml, or the name of one that the program knows
+    #[arg(long, value_name = "FILE", default_value = "MRF-122EG")]
+    fluid: String,
+    /// Gains of the position loop: KP,KI,KD,N [default: the board's]
+    #[arg(long, value_name = "NUMBER,..", value_delimiter = ',', num_args = 4)]
+    gains: Vec<f32>,
+    /// Seed of tremor and noise
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Folder for the page, its pictures and the samples
+    #[arg(long, value_name = "DIR", default_value = DEFAULT_FOLDER)]
+    out: PathBuf,
+    /// Copy the frozen constants to this new file, to change them, and press nothing
+    #[arg(long, value_name = "FILE")]
+    copy: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum DisplayWord {
+    /// The cap of the linear actuator
+    Actuator,
+    /// The fluid in the magnet's gap
+    Fluid,
+    /// One after the other
+    Both,
+}
+
+/// Presses, scores and tells.
+///
+/// # Errors
+/// A file with a mistake, a magnet that shows none of the materials, a file that cannot be written.
+pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    if let Some(copy) = &arguments.copy {
+        return super::file::copy(copy, Constants::FROZEN);
+    }
+    let constants = constants(&arguments.plant)?;
+    let wanted = materials(&arguments.materials)?;
+    let fluid = super::magnet::fluid::found(&arguments.fluid)?;
+    let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
+    let progress = Progress::new();
+    progress.set("the magnet", 0, 0);
+    let links = magnets::links(&arguments.magnet, &fluid, f64::from(protocol::lut::CURRENT_MAX_A))?;
+    let curves = wanted.iter().map(|curve| {
+        let made = curve.for_magnet(&links);
+        made.map_err(|error| miette!("{} with the magnet {}: {error}", curve.material, arguments.magnet))
+    });
+    let asked = Asked {
+        curves: curves.collect::<miette::Result<_>>()?,
+        flux: links.flux.clone(),
+        law: links.law.clone(),
+        constants,
+        gains: gains(&arguments.gains),
+        seed: arguments.seed,
+    };
+    let mut all = Vec::new();
+    for display in displays(arguments.display) {
+        let (what, total) = (told::name(*display), 2 * asked.curves.len());
+        all.extend(feel::run(&asked, *display, &mut |done| progress.set(what, done, total)).into_diagnostic()?);
+    }
+    progress.end();
+    let files = write(&mut folder, arguments, &all)?;
+    if arguments.json {
+        outln!("{}", told::summary(arguments.plant.as_str(), arguments.magnet.as_str(), &all, &files));
+        return Ok(());
+    }
+    told::print(&all);
+    outln!("written {} and {} more files beside it", files[0].display(), files.len() - 1);
+    Ok(())
+}
+
+fn displays(word: DisplayWord) -> &'static [Display] {
+    match word {
+        DisplayWord::Actuator => &[Display::Actuator],
+        DisplayWord::Fluid => &[Display::Fluid],
+        DisplayWord::Both => &[Display::Actuator, Display::Fluid],
+    }
+}
+
+fn gains(numbers: &[f32]) -> Option<Gains> {
+    let &[kp, ki, kd, n] = numbers else { return None };
+    Some(Gains { kp, ki, kd, n })
+}
+
+fn constants(plant: &str) -> miette::Result<Constants> {
+    if plant == "frozen" {
+        return Ok(Constants::frozen()?);
+    }
+    if let Some(seed) = plant.strip_prefix("drawn:") {
+        let seed = seed.parse().map_err(|_| miette!("--plant is {plant}; expected drawn: with a whole number"))?;
+        return Ok(Constants::drawn(seed)?);
+    }
+    let file = Path::new(plant);
+    if !file.is_file() {
+        return Err(miette!("--plant is {plant}: no such file; expected frozen, drawn:SEED, or a file of constants"));
+    }
+    Ok(Constants::read(file)?)
+}
+
+fn materials(asked: &[String]) -> miette::Result<Vec<ControlCurve>> {
+    if asked.is_empty() {
+        return Ok(ControlCurve::all_built_in().collect());
+    }
+    let mut curves = Vec::<ControlCurve>::new();
+    for asked in asked {
+        let curve = match ControlCurve::built_in(asked).filter(|_| !Path::new(asked).is_file()) {
+            Some(curve) => curve,
+            None if Path::new(asked).is_file() => ControlCurve::read(Path::new(asked)).into_diagnostic()?,
+            None => {
+                let known: Vec<String> = ControlCurve::all_built_in().map(|curve| curve.material).collect();
+                return Err(miette!(
+                    "no file {asked}, and no curve of this name comes with the program; known are {}; `palpate control-curve` \
+                     makes others",
+                    known.join(", ")
+                ));
+            }
+        };
+        if curves.iter().any(|other| other.material == curve.material) {
+            return Err(miette!("{} is asked for twice; expected each material once", curve.material));
+        }
+        curves.push(curve);
+    }
+    Ok(curves)
+}
+
+fn write(folder: &mut OwnFolder, arguments: &Arguments, all: &[Felt]) -> miette::Result<Vec<PathBuf>> {
+    let mut page = Page::new("What is felt", &told::subtitle(&arguments.plant, &arguments.magnet));
+    page.table(&told::HEAD, &told::rows(all));
+    page.list(&told::NOTES.map(str::to_owned));
+    let mut files = Vec::new();
+    for felt in all {
+        let name = format!("{}-{}", super::control_curve::file_name(&felt.curve.material), told::word(felt.display));
+        page.section(&format!("{}, {}", felt.curve.material, told::name(felt.display)));
+        for (what, figure, caption) in picture::figures(felt) {
+            page.figure(&figure.svg(), caption);
+            files.push(folder.write(&format!("{name}-{what}.svg"), figure.svg().as_bytes()).into_diagnostic()?);
+        }
+        files.push(folder.write(&format!("{name}.csv"), told::csv(felt).as_bytes()).into_diagnostic()?);
+    }
+    files.insert(0, folder.write("feel.html", page.html().as_bytes()).into_diagnostic()?);
+    Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    fn arguments(words: &str) -> Arguments {
+        Line::parse_from(std::iter::once("feel").chain(words.split_whitespace())).arguments
+    }
+
+    #[test]
+    fn what_cannot_be_felt_is_told() {
+        for (words, expected) in [
+            ("cork", "no file cork, and no curve of this name comes with the program; known are A2, B1, EVA, ICF"),
+            ("ICF icf", "ICF is asked for twice"),
+            ("EVA --plant x.toml", "--plant is x.toml: no such file; expected frozen, drawn:SEED, or a file"),
+            ("EVA --plant drawn:x", "--plant is drawn:x; expected drawn: with a whole number"),
+        ] {
+            let text = run(&arguments(words)).unwrap_err().to_string();
+            assert!(text.contains(expected), "{words}: {text}");
+        }
+    }
+
+    #[test]
+    fn a_run_leaves_page_pictures_and_samples() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut asked = arguments("EVA --display both --magnet table-6");
+        asked.out = folder.path().join("feel");
+        run(&asked).unwrap();
+        for name in ["feel.html", "eva-actuator-force.svg", "eva-fluid-force.svg", "eva-actuator.csv", "eva-fluid.csv"]
+        {
+            let text = std::fs::read_to_string(asked.out.join(name)).unwrap();
+            assert!(!text.contains("NaN") && text.len() > 200, "{name}");
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! What is told of presses on the display.
+
+use std::path::PathBuf;
+
+use serde_json::{Value, json};
+
+use crate::feel::{Display, Felt, LEAST_N, Pressed};
+use crate::report::number;
+
+/// Columns of the table.
+pub(super) const HEAD: [&str; 6] = ["display", "material", "press", "measure", "thesis", "measured"];
+
+/// What the numbers are.
+pub(super) const NOTES: [&str; 5] = [
+    "Simulated: a hand on the simulated board. All errors are of the loading, from 0.2 N on: below, the thesis' FSR reads nothing.",
+    "Position: mean distance of the true shaft from where the material wants it at the true force, over the largest such place.",
+    "Force: mean distance of the true force from what the material wants at the true shaft, over the largest force.",
+    "Tracking: largest distance between the wanted and the read shaft, over the largest wanted place.",
+    "Agreement: mean of the smaller over the larger of both forces at the same travel, where the table marks it reachable.",
+];
+
+pub(super) fn name(display: Display) -> &'static str {
+    match display {
+        Display::Actuator => "linear actuator",
+        Display::Fluid => "fluid in the magnet",
+    }
+}
+
+pub(super) fn word(display: Display) -> &'static str {
+    match display {
+        Display::Actuator => "actuator",
+        Display::Fluid => "fluid",
+    }
+}
+
+pub(super) fn subtitle(plant: &str, magnet: &str) -> String {
+    format!("Plant {plant}, magnet {magnet}. Simulated.")
+}
+
+fn percent(part: f64) -> String {
+    format!("{:.1} %", 100.0 * part)
+}
+
+/// Name of a measure, the thesis' figure for it, and ours.
+fn measures(felt: &Felt, press: &Pressed) -> Vec<(&'static str, &'static str, String)> {
+    let nothing = || vec![("nothing scored", "", format!("no reachable force above {LEAST_N} N"))];
+    match felt.display {
+        Display::Actuator => felt.actuator(press).map_or_else(nothing, |score| {
+            let mut rows = vec![
+                ("position", "16 % (A2)", percent(score.position)),
+                ("force", "8.7 % (A2)", percent(score.force)),
+                ("tracking", "16.6 %", percent(score.tracking)),
+                ("bone's travel", "", percent(score.travel)),
+            ];
+            rows.extend(score.position_below.map(|part| ("position below 0.2 N", "", percent(part))));
+            rows
+        }),
+        Display::Fluid => felt.fluid(press).map_or_else(nothing, |score| {
+            vec![
+                ("agreement of the force", "84 %", percent(score.agreement)),
+                ("reachable part of the curve", "", percent(score.reachable)),
+            ]
+        }),
+    }
+}
+
+/// All measures of all presses.
+pub(super) fn rows(all: &[Felt]) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    for felt in all {
+        for press in &felt.presses {
+            for (measure, thesis, own) in measures(felt, press) {
+                let own = [name(felt.display), &felt.curve.material, press.pace.name(), measure, thesis, &own]
+                    .map(str::to_owned);
+                rows.push(own.to_vec());
+            }
+        }
+    }
+    rows
+}
+
+pub(super) fn print(all: &[Felt]) {
+    let rows = rows(all);
+    let wide = |at: usize| rows.iter().map(|row| row[at].len()).chain([HEAD[at].len()]).max().unwrap_or(0);
+    let line = |cells: &[String]| {
+        let cells: Vec<String> = cells.iter().enumerate().map(|(at, cell)| format!("{cell:<0$}", wide(at))).collect();
+        cells.join("  ").trim_end().to_owned()
+    };
+    outln!("{}", line(&HEAD.map(str::to_owned)));
+    rows.iter().for_each(|row| outln!("{}", line(row)));
+    outln!("");
+    NOTES.iter().for_each(|note| outln!("{note}"));
+}
+
+/// A row a tick.
+pub(super) fn csv(felt: &Felt) -> String {
+    let mut csv = "press,time_s,true_force_N,true_bone_mm,true_shaft_mm,true_yield_kPa,read_force_N,read_shaft_mm,\
+                   wanted_shaft_mm,wanted_current_A,unreachable\n"
+        .to_owned();
+    for press in &felt.presses {
+        for s in &press.samples {
+            let row =
+                [s.time_s, s.force_n, s.bone_mm, s.shaft_mm, s.yield_kpa, s.read_n, s.read_mm, s.target_mm, s.wanted_a];
+            let cells = row.map(|value| format!("{value:.6}")).join(",");
+            csv.push_str(&format!("{},{cells},{}\n", press.pace.name(), u8::from(s.unreachable)));
+        }
+    }
+    csv
+}
+
+pub(super) fn summary(plant: &str, magnet: &str, all: &[Felt], files: &[PathBuf]) -> Value {
+    let press = |felt: &Felt, press: &Pressed| {
+        let actuator = felt.actuator(press).filter(|_| felt.display == Display::Actuator).map(|s| {
+            json!({"position": s.position, "force": s.force, "tracking": s.tracking, "travel": s.travel,
+                   "position_below": s.position_below, "scored": s.scored})
+        });
+        let fluid = felt
+            .fluid(press)
+            .filter(|_| felt.display == Display::Fluid)
+            .map(|s| json!({"agreement": s.agreement, "reachable": s.reachable, "scored": s.scored}));
+        json!({"pace": press.pace.name(), "actuator": actuator, "fluid": fluid})
+    };
+    let felt = |felt: &Felt| {
+        json!({"material": felt.curve.material, "display": word(felt.display),
+               "presses": felt.presses.iter().map(|p| press(felt, p)).collect::<Vec<_>>()})
+    };
+    let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    json!({"plant": plant, "magnet": magnet, "least_N": number(LEAST_N), "felt": all.iter().map(felt).collect::<Vec<_>>(),
+           "files": files})
+}
