@@ -12,6 +12,7 @@
 //! A tick has 20 ms. One that takes longer, or begins late, is counted, and latched as a fault if outputs are on, because
 //! controller and search assume 20 ms between samples. Ticks do not pile up.
 
+mod halves;
 mod lease;
 mod machine;
 mod press;
@@ -148,6 +149,9 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         for talk in talks {
             if talk.record_is_due() {
                 talk.report(&Report::Telemetry(machine.record(inputs)), Priority::Telemetry);
+                if machine.mode.by_halves() && talk.knows_halves() {
+                    talk.report(&Report::Halves(machine.halves()), Priority::Telemetry);
+                }
             }
         }
         outputs
