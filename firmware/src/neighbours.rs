@@ -47,6 +47,13 @@ pub struct Placed {
 /// Logarithms of the forces (N) at half the depth and at all of it.
 type Point = [f32; 2];
 
+/// An entry: its point, and whether it has a control curve of the coil. With and without do not mix: the coil would be off between them.
+#[derive(Clone, Copy)]
+struct Entry {
+    point: Point,
+    coil: bool,
+}
+
 /// True for a table in which places between its materials can be found.
 pub fn has_neighbours(table: &Table<'_>) -> bool {
     let surface = || Surface::new(table, &Slice::nearest(table, 0.0, 0.0)?);
@@ -59,8 +66,8 @@ pub fn between(table: &Table<'_>, at: &Parameters) -> Option<Placed> {
     let (entries, material) = (Entries::of(table, at)?, point_of(table, at)?);
     let mut best: Option<(f32, Placed)> = None;
     for (i, low) in entries.iter() {
-        for (k, high) in entries.iter().filter(|(k, _)| *k >= i) {
-            let (weight, beside, apart) = along(low, high, material);
+        for (k, high) in entries.iter().filter(|(k, high)| *k >= i && high.coil == low.coil) {
+            let (weight, beside, apart) = along(low.point, high.point, material);
             let departs = POWER * beside + 0.5 * POWER * POWER * weight * (1.0 - weight) * apart * apart;
             if best.is_none_or(|(least, _)| departs < least) {
                 let curve = match weight {
@@ -79,30 +86,31 @@ pub fn between(table: &Table<'_>, at: &Parameters) -> Option<Placed> {
 pub fn entry(table: &Table<'_>, index: u8, at: &Parameters) -> Option<Placed> {
     let (entries, material) = (Entries::of(table, at)?, point_of(table, at)?);
     let (_, own) = entries.iter().find(|(i, _)| *i == index)?;
-    let (_, beside, _) = along(own, own, material);
+    let (_, beside, _) = along(own.point, own.point, material);
     let curve = Curve::of(index);
     Some(Placed { curve, departs: POWER * beside, outside: is_outside(table, curve, beside) })
 }
 
-/// Points of the entries that stand for a press.
+/// The entries that stand for a press.
 struct Entries {
-    points: [Option<Point>; MAX_MATERIALS],
+    entries: [Option<Entry>; MAX_MATERIALS],
 }
 
 impl Entries {
     fn of(table: &Table<'_>, at: &Parameters) -> Option<Self> {
         let rate_mm_s = Slice::nearest(table, at.height_mm, at.rate_mm_s)?.rate_mm_s;
-        let mut points = [None; MAX_MATERIALS];
-        for (point, entry) in points.iter_mut().zip(table.materials()) {
-            if entry.serves(rate_mm_s) {
-                *point = logarithms(|depth_mm| table.locate(depth_mm).map(|p| entry.force_n(p)), table);
+        let mut entries = [None; MAX_MATERIALS];
+        for (entry, material) in entries.iter_mut().zip(table.materials()) {
+            if material.serves(rate_mm_s) {
+                let point = logarithms(|depth_mm| table.locate(depth_mm).map(|p| material.force_n(p)), table);
+                *entry = point.map(|point| Entry { point, coil: material.coil().is_some() });
             }
         }
-        Some(Entries { points })
+        Some(Entries { entries })
     }
 
-    fn iter(&self) -> impl Iterator<Item = (u8, Point)> {
-        (0u8..).zip(&self.points).filter_map(|(i, point)| point.map(|point| (i, point)))
+    fn iter(&self) -> impl Iterator<Item = (u8, Entry)> {
+        (0u8..).zip(&self.entries).filter_map(|(i, entry)| entry.map(|entry| (i, entry)))
     }
 }
 

@@ -11,6 +11,12 @@ pub struct Displaying {
     pub(super) showing: Showing,
 }
 
+impl Default for Displaying {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Displaying {
     /// At rest.
     pub const fn new() -> Self {

@@ -39,6 +39,12 @@ pub struct Palpating {
     began_mm: f32,
 }
 
+impl Default for Palpating {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Palpating {
     /// At rest.
     pub const fn new() -> Self {

@@ -118,3 +118,19 @@ fn a_table_of_rates_is_asked_at_the_rate_of_the_press() {
     assert!(at(1.0).departs < 0.002);
     assert_ne!(at(4.0).curve, at(1.0).curve);
 }
+
+/// Between a foam with a control curve and one without the coil would be off.
+#[test]
+fn materials_with_and_without_control_curve_are_not_mixed() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    let mut mixed = 0;
+    for i in 0..100 {
+        let mu_mpa = 0.005 * 50f32.powf(0.01 * i as f32);
+        let placed = between(&table, &Parameters { mu_mpa, ..parameters(&LIBRARY[3]) }).unwrap();
+        let coil = |entry: u8| table.material(usize::from(entry)).unwrap().coil().is_some();
+        assert_eq!(coil(placed.curve.low), coil(placed.curve.high), "{placed:?}");
+        mixed += usize::from(placed.curve.weight > 0.0);
+    }
+    assert!(mixed > 50, "{mixed}");
+}
