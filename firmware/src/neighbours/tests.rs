@@ -28,12 +28,11 @@ fn a_material_of_the_library_lies_at_its_own_entry() {
     }
 }
 
-/// Left out of the library one by one: its own travel and the one shown in its place are no farther apart than is stated. The made-up travel goes
-/// with mu to the power of -1/2 and knows no alpha, where the statement counts with -2/3 of the force: three quarters of it are left for the pair,
-/// and a quarter for what alpha does to the force.
+/// Left out of the library one by one: its own travel and the one shown in its place are no farther apart than is stated. The made-up travel
+/// goes with mu to the power of -1/2 and knows no alpha, less than the -2/3 of the force that the statement counts with: it must hold.
 #[test]
 fn a_material_that_is_left_out_is_shown_within_what_is_stated() {
-    for (i, foam) in LIBRARY.iter().enumerate().skip(1) {
+    for (i, foam) in LIBRARY.iter().enumerate() {
         let others: Vec<Foam> = LIBRARY.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, foam)| *foam).collect();
         let (bytes, whole) = (factored_table_with(&others), factored_table());
         let (table, whole) = (Table::parse(&bytes).unwrap(), Table::parse(&whole).unwrap());
@@ -46,8 +45,7 @@ fn a_material_that_is_left_out_is_shown_within_what_is_stated() {
             .fold(0.0, f32::max);
         let named = placed.curve;
         println!("{}: {named:?}, off {off:.3}, stated {:.3}, outside {}", foam.name, placed.departs, placed.outside);
-        let between_others = placed.curve.weight > 0.0;
-        assert!(!between_others || off <= 1.3 * placed.departs + 0.06, "{}: {off} {placed:?}", foam.name);
+        assert!(off <= placed.departs, "{}: {off} {placed:?}", foam.name);
     }
 }
 
