@@ -16,6 +16,7 @@ pub use displaying::Displaying;
 pub use palpating::{Palpating, Press, Stage};
 
 use crate::interlock::Power;
+use crate::showing::Origin;
 use protocol::message::{Curve, DisplayMode, DisplayState, Mode, Outcome, Parts, Refusal, State};
 
 /// Limits of motion.
@@ -223,7 +224,7 @@ impl Modes {
             }
             Mode::Display { material } => {
                 let asked = DisplayMode::Material { parts: Parts::Both, material };
-                self.displaying.begin(asked, Curve::of(material), table)?;
+                self.displaying.begin(asked, (Curve::of(material), Origin::ASKED), table)?;
                 self.by_halves = false;
             }
         }
@@ -245,7 +246,12 @@ impl Modes {
     ///
     /// # Errors
     /// [`Refusal::Faulted`], and those of [`Displaying`].
-    pub fn display(&mut self, asked: DisplayMode, curve: Curve, table: Option<TableLimits>) -> Result<(), Refusal> {
+    pub fn display(
+        &mut self,
+        asked: DisplayMode,
+        curve: (Curve, Origin),
+        table: Option<TableLimits>,
+    ) -> Result<(), Refusal> {
         self.must_be_sound(false)?;
         self.displaying.begin(asked, curve, table)?;
         self.by_halves = true;
@@ -253,8 +259,8 @@ impl Modes {
     }
 
     /// A verdict says what a display that follows is to show.
-    pub fn follow(&mut self, curve: Curve) {
-        self.displaying.follow(curve);
+    pub fn follow(&mut self, curve: Curve, origin: Origin) {
+        self.displaying.follow(curve, origin);
     }
 
     const fn must_be_sound(&self, stops: bool) -> Result<(), Refusal> {

@@ -26,33 +26,49 @@ pub struct Wanted {
     pub bound_a: f32,
 }
 
+/// Where a curve comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Origin {
+    /// Number of the palpation; 0 for a curve that was asked for by itself.
+    pub of_palpation: u32,
+    /// How far travel may be off that of the identified material, as fraction of it.
+    pub departs: f32,
+    /// The material lies not between entries.
+    pub outside: bool,
+}
+
 /// The curve that is shown, the one before it during a transition, and the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Showing {
     from: Curve,
-    to: Curve,
-    next: Curve,
+    to: (Curve, Origin),
+    next: (Curve, Origin),
     /// Ticks until the end of the transition.
     left: u16,
 }
 
 impl Showing {
     /// Nothing is shown.
-    pub const NOTHING: Showing = Showing::of(Curve::NONE);
+    pub const NOTHING: Showing = Showing::of(Curve::NONE, Origin::ASKED);
 
     /// A curve that is shown from the beginning.
-    pub const fn of(curve: Curve) -> Self {
-        Showing { from: Curve::NONE, to: curve, next: Curve::NONE, left: 0 }
+    pub const fn of(curve: Curve, origin: Origin) -> Self {
+        Showing { from: Curve::NONE, to: (curve, origin), next: (Curve::NONE, Origin::ASKED), left: 0 }
     }
 
     /// True if there is no curve.
     pub const fn is_nothing(&self) -> bool {
-        self.to.low == Curve::NO_ENTRY
+        self.to.0.low == Curve::NO_ENTRY
     }
 
     /// The curve that is shown, or gone over to.
     pub const fn to(&self) -> Curve {
-        self.to
+        self.to.0
+    }
+
+    /// Where it comes from.
+    pub const fn origin(&self) -> Origin {
+        self.to.1
     }
 
     /// How far it has been gone over to, 0 to 1.
@@ -60,15 +76,17 @@ impl Showing {
         1.0 - f32::from(self.left) / f32::from(FADE_TICKS)
     }
 
-    /// Goes over to a curve; none, or the one that is shown, changes nothing.
-    pub fn go_over(&mut self, curve: Curve) {
+    /// Goes over to a curve. None changes nothing, and the one that is shown only where it comes from.
+    pub fn go_over(&mut self, curve: Curve, origin: Origin) {
         if curve == Curve::NONE {
             return;
         }
         if self.left > 0 {
-            self.next = curve;
-        } else if curve != self.to {
-            *self = Showing { from: self.to, to: curve, next: Curve::NONE, left: FADE_TICKS };
+            self.next = (curve, origin);
+        } else if curve == self.to() {
+            self.to.1 = origin;
+        } else {
+            *self = Showing { from: self.to(), left: FADE_TICKS, ..Showing::of(curve, origin) };
         }
     }
 
@@ -76,9 +94,9 @@ impl Showing {
     pub fn step(&mut self) {
         self.left = self.left.saturating_sub(1);
         if self.left == 0 {
-            let next = self.next;
-            *self = Showing::of(self.to);
-            self.go_over(next);
+            let (next, origin) = self.next;
+            *self = Showing::of(self.to(), self.origin());
+            self.go_over(next, origin);
         }
     }
 
@@ -93,13 +111,18 @@ impl Showing {
                 bound_a: between.bound_a(force_n).unwrap_or(0.0),
             })
         };
-        let to = of(self.to)?;
+        let to = of(self.to())?;
         if self.left == 0 {
             return Some(to);
         }
         let from = of(self.from).unwrap_or(Wanted { shaft_mm: still_mm, ..Wanted::default() });
         Some(from.mixed(&to, self.share()))
     }
+}
+
+impl Origin {
+    /// Asked for by itself.
+    pub const ASKED: Origin = Origin { of_palpation: 0, departs: 0.0, outside: false };
 }
 
 impl Wanted {

@@ -9,6 +9,7 @@ use crate::flash::{CalibrationStore, TableStore};
 use crate::link::LinkId;
 use crate::mode::Press;
 use crate::neighbours::{self, Parameters, Placed};
+use crate::showing::Origin;
 use protocol::lut::Table;
 use protocol::message::{
     Curve, DisplayMode, DisplayRequest, DisplayState, Fitted, Halves, Mode, ModeRequest, Outcome, PalpationMode,
@@ -60,18 +61,9 @@ const fn of_entry(index: u8) -> Placed {
     Placed { curve: Curve::of(index), departs: 0.0, outside: false }
 }
 
-/// Where the displayed curve comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Origin {
-    of_palpation: u32,
-    departs: f32,
-    outside: bool,
-}
-
-impl Origin {
-    const fn of(placed: &Placed, palpation: u32) -> Self {
-        Origin { of_palpation: palpation, departs: placed.departs, outside: placed.outside }
-    }
+/// What a display is asked to show of a place.
+const fn shown(placed: &Placed, of_palpation: u32) -> (Curve, Origin) {
+    (placed.curve, Origin { of_palpation, departs: placed.departs, outside: placed.outside })
 }
 
 impl<S: TableStore + CalibrationStore> Machine<S> {
@@ -117,7 +109,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         self.mode.request(&self.config.mode, mode, self.table_limits())?;
         match mode {
             Mode::Palpate { rate_mm_s, .. } => self.begin_press(rate_mm_s, stated_mm),
-            Mode::Display { .. } => self.begin_display(began, Origin::default()),
+            Mode::Display { .. } => self.begin_display(began),
             Mode::Idle => {}
         }
         if mode != Mode::Idle {
@@ -157,13 +149,11 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         self.may_begin(link, asked.lease_ms)?;
         self.must_be_sound()?;
         self.must_have(parts)?;
-        let (curve, origin) = self.asked_curve(asked.display)?;
+        let curve = self.asked_curve(asked.display)?;
         let beside = !self.mode.palpation_rests();
         let began = self.mode.display_state();
         self.mode.display(asked.display, curve, self.table_limits())?;
-        if curve != Curve::NONE {
-            self.begin_display(began, origin);
-        }
+        self.begin_display(began);
         self.grant(link, asked.lease_ms, beside);
         Ok(Answer::Accepted)
     }
@@ -183,21 +173,20 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             if neighbours::has_neighbours(&table) { Ok(()) } else { Err(Refusal::NotBetween) }
         };
         match asked {
-            DisplayMode::Idle => Ok((Curve::NONE, Origin::default())),
-            DisplayMode::Material { material, .. } => Ok((Curve::of(material), Origin::default())),
+            DisplayMode::Idle => Ok((Curve::NONE, Origin::ASKED)),
+            DisplayMode::Material { material, .. } => Ok((Curve::of(material), Origin::ASKED)),
             DisplayMode::Between { mu_mpa, alpha, height_mm, rate_mm_s, .. } => {
                 must_have_neighbours()?;
                 let at = Parameters { mu_mpa, alpha, height_mm, rate_mm_s };
                 let placed = neighbours::between(&table, &at).ok_or(Refusal::OutOfRange)?;
-                Ok((placed.curve, Origin::of(&placed, 0)))
+                Ok(shown(&placed, 0))
             }
             DisplayMode::Follow { by, .. } => {
                 if by == Rule::Between {
                     must_have_neighbours()?;
                 }
-                let placed = self.identified.and_then(|i| Some((i.placed(&table, by)?, i.palpation)));
-                let shown = placed.map(|(placed, palpation)| (placed.curve, Origin::of(&placed, palpation)));
-                Ok(shown.unwrap_or((Curve::NONE, Origin::default())))
+                let followed = self.identified.and_then(|i| Some(shown(&i.placed(&table, by)?, i.palpation)));
+                Ok(followed.unwrap_or((Curve::NONE, Origin::ASKED)))
             }
         }
     }
@@ -210,10 +199,9 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         self.contact_ticks = (0, 0, 0);
     }
 
-    /// A curve is shown, or gone over to: from nothing the shaft begins where it is.
-    fn begin_display(&mut self, before: DisplayState, origin: Origin) {
-        self.origin = origin;
-        if before != DisplayState::On {
+    /// A curve is shown that was not: the shaft begins where it is.
+    fn begin_display(&mut self, before: DisplayState) {
+        if before != DisplayState::On && self.mode.display_state() == DisplayState::On {
             self.display = Display::at(self.measured.shaft_mm);
         }
     }
@@ -227,8 +215,9 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         let placed = self.mode.displaying.follows().and_then(|by| identified.placed(&self.table()?, by));
         if let Some(placed) = placed {
             let before = self.mode.display_state();
-            self.mode.follow(placed.curve);
-            self.begin_display(before, Origin::of(&placed, identified.palpation));
+            let (curve, origin) = shown(&placed, identified.palpation);
+            self.mode.follow(curve, origin);
+            self.begin_display(before);
         }
     }
 
@@ -260,7 +249,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
     pub(super) fn halves(&self) -> Halves {
         let displaying = &self.mode.displaying;
         let (showing, on) = (displaying.showing(), displaying.state() == DisplayState::On);
-        let origin = if on { self.origin } else { Origin::default() };
+        let origin = if on { showing.origin() } else { Origin::ASKED };
         Halves {
             tick: self.tick,
             palpation: self.mode.palpation_state(),

@@ -1,6 +1,6 @@
 //! The machine behind the links: sensors, safety, modes, identification, display.
 
-use super::halves::{Identified, Origin};
+use super::halves::Identified;
 use super::lease::Lease;
 use super::press::setup_at_start;
 use super::{Identity, Inputs, Outputs};
@@ -56,8 +56,7 @@ pub struct Machine<S> {
     pub(super) display: Display,
     /// What the latest palpation said, of the table in use.
     pub(super) identified: Option<Identified>,
-    /// Where the displayed curve comes from, and the error bound of its current, A.
-    pub(super) origin: Origin,
+    /// Error bound of the displayed current, A.
     pub(super) bound_a: f32,
     pub(super) tick: u32,
     pub(super) age_ticks: u16,
@@ -103,7 +102,6 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             contact_ticks: (0, 0, 0),
             display: Display::default(),
             identified: None,
-            origin: Origin::default(),
             bound_a: 0.0,
             tick: 0,
             age_ticks: 0,

@@ -4,6 +4,10 @@
 //! A control tick is [`Board::tick`] with the readings of [`crate::fast::FastLoop::take`]; bytes of a link go in by [`Board::receive`] and
 //! come out by [`Board::take_transmit`] at any time between ticks.
 //!
+//! # Two halves
+//! In the same tick load cell and probe feed the palpation half, FSR and shaft the display half
+//! ([`crate::mode`]). Limits, faults, lease and interlock are of the board.
+//!
 //! # Links and owners
 //! Each link has its own decoder, queue, schema and telemetry. The link that asks for a motion holds it by a
 //! lease, which only its own requests renew; the other one may stop it, but not change it.

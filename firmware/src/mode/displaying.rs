@@ -1,7 +1,7 @@
 //! The display half: at rest, waiting for a palpation to say what to display, or displaying a curve.
 
 use super::TableLimits;
-use crate::showing::Showing;
+use crate::showing::{Origin, Showing};
 use protocol::message::{Curve, DisplayMode, DisplayState, Parts, Refusal, Rule};
 
 /// State of the display half.
@@ -69,7 +69,7 @@ impl Displaying {
     pub(super) fn begin(
         &mut self,
         asked: DisplayMode,
-        curve: Curve,
+        (curve, origin): (Curve, Origin),
         table: Option<TableLimits>,
     ) -> Result<(), Refusal> {
         let limits = table.ok_or(Refusal::NoTable)?;
@@ -81,18 +81,18 @@ impl Displaying {
             return Err(Refusal::Busy);
         }
         if self.parts().is_none() {
-            self.showing = Showing::of(curve);
+            self.showing = Showing::of(curve, origin);
         } else {
-            self.showing.go_over(curve);
+            self.showing.go_over(curve, origin);
         }
         self.asked = asked;
         Ok(())
     }
 
     /// A verdict says what to display.
-    pub(super) fn follow(&mut self, curve: Curve) {
+    pub(super) fn follow(&mut self, curve: Curve, origin: Origin) {
         if self.follows().is_some() {
-            self.showing.go_over(curve);
+            self.showing.go_over(curve, origin);
         }
     }
 }

@@ -94,7 +94,7 @@ fn each_half_has_its_own_outputs_whatever_the_other_does() {
         for stage in stages {
             let mut mode = Modes::new();
             if asked != DisplayMode::Idle {
-                mode.display(asked, curve, LIMITS).unwrap();
+                mode.display(asked, (curve, Origin::ASKED), LIMITS).unwrap();
             }
             mode.palpating.stage = stage;
             mode.palpating.press = Some(Press { rate_mm_s: 1.0, depth_mm: 4.0 });
@@ -118,7 +118,7 @@ fn both_halves_in_one_word() {
     let config = ModeConfig::default();
     let press = Press { rate_mm_s: 1.0, depth_mm: 4.0 };
     let mut mode = Modes::new();
-    mode.display(BOTH, Curve::of(1), LIMITS).unwrap();
+    mode.display(BOTH, (Curve::of(1), Origin::ASKED), LIMITS).unwrap();
     assert_eq!((mode.state(), mode.commanded()), (State::Display, Mode::Display { material: 1 }));
     mode.press(&config, press, LIMITS).unwrap();
     assert_eq!((mode.state(), mode.commanded()), (State::Approach, PALPATE));
@@ -127,9 +127,9 @@ fn both_halves_in_one_word() {
     assert_eq!((mode.state(), mode.commanded()), (State::Retract, Mode::Display { material: 1 }));
     mode.stop_display();
     assert_eq!((mode.state(), mode.is_resting()), (State::Retract, false));
-    mode.display(WAITING, Curve::NONE, LIMITS).unwrap();
+    mode.display(WAITING, (Curve::NONE, Origin::ASKED), LIMITS).unwrap();
     assert_eq!(mode.display_state(), DisplayState::Waiting);
-    mode.follow(Curve::of(2));
+    mode.follow(Curve::of(2), Origin::ASKED);
     assert_eq!((mode.display_state(), mode.displaying.showing().to()), (DisplayState::On, Curve::of(2)));
     mode.stop();
     assert_eq!(mode.display_state(), DisplayState::Idle);
@@ -155,12 +155,12 @@ fn a_mode_for_the_whole_board_needs_the_other_half_at_rest() {
 fn other_parts_of_the_display_do_not_begin_in_the_middle() {
     let mut mode = Modes::new();
     let coil = DisplayMode::Material { parts: Parts::Coil, material: 1 };
-    mode.display(coil, Curve::of(1), LIMITS).unwrap();
-    assert_eq!(mode.display(BOTH, Curve::of(1), LIMITS), Err(Refusal::Busy));
-    assert_eq!(mode.display(coil, Curve::of(3), LIMITS), Err(Refusal::OutOfRange));
+    mode.display(coil, (Curve::of(1), Origin::ASKED), LIMITS).unwrap();
+    assert_eq!(mode.display(BOTH, (Curve::of(1), Origin::ASKED), LIMITS), Err(Refusal::Busy));
+    assert_eq!(mode.display(coil, (Curve::of(3), Origin::ASKED), LIMITS), Err(Refusal::OutOfRange));
     assert_eq!(mode.displaying.asked(), coil);
     mode.stop_display();
-    mode.display(BOTH, Curve::of(1), LIMITS).unwrap();
+    mode.display(BOTH, (Curve::of(1), Origin::ASKED), LIMITS).unwrap();
 }
 
 /// In the air as in contact, whatever floor the press has.
