@@ -43,5 +43,5 @@ pub const HELP: [(&str, &str); 13] = [
     ("t", "tare"),
     ("u", "upload table"),
     ("x", "forget"),
-    ("b", "press and display"),
+    ("b", "both"),
 ];
