@@ -3,7 +3,8 @@
 use crate::coil::thermal::{ThermalConfig, allowed_fraction};
 use crate::number::limit;
 use crate::pid::{Pid, PidState};
-use protocol::lut::{Current, Material};
+use crate::showing::Wanted;
+use protocol::lut::Current;
 use protocol::message::{Fitted, Shown};
 
 /// Limits of the display.
@@ -39,6 +40,8 @@ impl Default for DisplayConfig {
 pub struct Display {
     pid: PidState,
     target_mm: f32,
+    /// Where the shaft was at the beginning, mm.
+    still_mm: f32,
 }
 
 /// What the display wants.
@@ -57,8 +60,6 @@ pub struct DisplayOutput {
 /// What the display looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplayInput {
-    /// Force of the finger, N.
-    pub force_n: f32,
     /// Shaft position, mm.
     pub shaft_mm: f32,
     /// Estimated coil temperature, degrees Celsius.
@@ -81,19 +82,24 @@ impl DisplayOutput {
 impl Display {
     /// At rest with the shaft where it is: the first command is no step home.
     pub fn at(shaft_mm: f32) -> Self {
-        Display { target_mm: shaft_mm, ..Display::default() }
+        Display { target_mm: shaft_mm, still_mm: shaft_mm, ..Display::default() }
     }
 
-    /// One tick with the material that is displayed.
+    /// Where the shaft was at the beginning, mm.
+    pub const fn still_mm(&self) -> f32 {
+        self.still_mm
+    }
+
+    /// One tick with what is wanted under the finger's force.
     pub fn step(
         &mut self,
         config: &DisplayConfig,
         thermal: &ThermalConfig,
         pid: &Pid,
-        material: &Material<'_>,
+        wanted: &Wanted,
         input: &DisplayInput,
     ) -> DisplayOutput {
-        let asked_mm = material.shaft_mm(input.force_n);
+        let asked_mm = wanted.shaft_mm;
         let wanted_mm = limit(asked_mm, 0.0, config.target_max_mm);
         let displayed = self.target_mm <= config.target_max_mm;
         let rate_mm_s = if displayed { config.target_rate_mm_s } else { config.homing_rate_mm_s };
@@ -106,7 +112,7 @@ impl Display {
             pid.step(&mut self.pid, error_mm)
         };
         let allowed_a = config.coil_max_a * allowed_fraction(thermal, input.coil_c);
-        let (coil_target_a, shown) = coil(material.current(input.force_n), allowed_a);
+        let (coil_target_a, shown) = coil(wanted.current, allowed_a);
         let shown = Shown { shaft_limited: asked_mm > config.target_max_mm, ..shown };
         DisplayOutput { target_mm: self.target_mm, actuator_v, coil_target_a, shown }
     }

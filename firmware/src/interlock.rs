@@ -41,14 +41,27 @@ pub enum Task {
 
 /// Which power outputs are on. `Default` is off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Power {
-    /// All off.
-    #[default]
-    Off,
+pub struct Power {
     /// The palpation arm presses.
-    Arm,
-    /// Actuator and coil of the display.
-    Display,
+    pub arm: bool,
+    /// Actuator of the display.
+    pub actuator: bool,
+    /// Coil of the display.
+    pub coil: bool,
+}
+
+impl Power {
+    /// All off.
+    pub const OFF: Power = Power { arm: false, actuator: false, coil: false };
+    /// The arm alone.
+    pub const ARM: Power = Power { arm: true, actuator: false, coil: false };
+    /// Both parts of the display, and the arm off.
+    pub const DISPLAY: Power = Power { arm: false, actuator: true, coil: true };
+
+    /// True if any output is on.
+    pub const fn is_on(self) -> bool {
+        self.arm || self.actuator || self.coil
+    }
 }
 
 /// Why the interlock keeps outputs off that control wants on.

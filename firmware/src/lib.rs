@@ -20,7 +20,9 @@
 //! | [`press`] | a recorded press identified by one method, or a named outcome |
 //! | [`pid`] | position loop of the display |
 //! | [`coil`] | force to current to duty, and how hot the coil is |
-//! | [`mode`] | the mode state machine |
+//! | [`mode`] | palpation and display as two halves, and their supervisor |
+//! | [`showing`] | which curve is displayed, and the transition to another |
+//! | [`neighbours`] | between which library materials an identified one lies |
 //! | [`safety`] | limits and latched faults |
 //! | [`flash`] | table slots, upload, power cuts |
 //! | [`link`] | frames in, frames out, bounded queue |
@@ -48,6 +50,7 @@ pub mod interlock;
 pub mod kalman;
 pub mod link;
 pub mod mode;
+pub mod neighbours;
 pub mod number;
 pub mod palpation;
 pub mod pid;
@@ -60,6 +63,7 @@ pub mod safety;
 pub mod search;
 pub mod selftest;
 pub mod sensor;
+pub mod showing;
 pub mod surface;
 pub mod telemetry;
 #[cfg(test)]

@@ -1,8 +1,23 @@
-//! The mode state machine: Idle -> Approach -> Contact -> Retract -> Idle, Display, Fault.
+//! The supervisor of the board's two halves, palpation and display, and the states of each.
 //!
-//! It decides which outputs may be on; nothing else does. Outputs are on in Approach, Contact and Display alone.
+//! | half | states |
+//! |---|---|
+//! | [palpation](Palpating) | rest -> approach -> contact -> retract -> rest |
+//! | [display](Displaying) | rest, waiting for a verdict, on |
+//!
+//! It decides which outputs may be on; nothing else does: the arm in approach and contact, actuator and coil
+//! while the display is on and asks for them. Neither half looks at the other, but for a display that follows
+//! verdicts. A latched fault, whatever its cause, ends both (`docs/decisions/0021-one-tick.md`).
 
-use protocol::message::{Mode, Outcome, Refusal, State};
+mod displaying;
+mod palpating;
+
+pub use displaying::Displaying;
+pub use palpating::{Palpating, Press, Stage};
+
+use crate::interlock::Power;
+use crate::showing::Origin;
+use protocol::message::{Curve, DisplayMode, DisplayState, Mode, Outcome, Parts, Refusal, State};
 
 /// Limits of motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,28 +70,7 @@ impl Default for ModeConfig {
     }
 }
 
-/// State of the machine.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ModeState {
-    /// What the host asked for.
-    pub commanded: Mode,
-    /// What the board is doing.
-    pub state: State,
-    ticks: u32,
-    ended: Outcome,
-    /// Height of the probe where it was lowest, mm.
-    lowest_mm: f32,
-    /// Height of the probe where the approach began, mm.
-    began_mm: f32,
-}
-
-impl Default for ModeState {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-/// What the machine looks at in one tick.
+/// What the palpation half looks at in one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeInput {
     /// Height of the probe, mm.
@@ -108,158 +102,185 @@ pub enum ModeEvent {
     Ended(Outcome),
 }
 
-impl ModeState {
-    /// Idle.
+/// Both halves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Modes {
+    /// Palpation.
+    pub palpating: Palpating,
+    /// Display.
+    pub displaying: Displaying,
+    faulted: bool,
+    by_halves: bool,
+}
+
+impl Default for Modes {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Modes {
+    /// Both at rest.
     pub const fn new() -> Self {
-        ModeState {
-            commanded: Mode::Idle,
-            state: State::Idle,
-            ticks: 0,
-            ended: Outcome::Aborted,
-            lowest_mm: 0.0,
-            began_mm: f32::NEG_INFINITY,
+        Modes { palpating: Palpating::new(), displaying: Displaying::new(), faulted: false, by_halves: false }
+    }
+
+    /// Both in one word: palpation while it does anything, else display.
+    pub const fn state(&self) -> State {
+        match self.palpation_state() {
+            State::Idle if !matches!(self.displaying.state(), DisplayState::Idle) => State::Display,
+            state => state,
         }
     }
 
-    fn enter(&mut self, state: State) {
-        self.state = state;
-        self.ticks = 0;
+    /// What the palpation half is doing.
+    pub const fn palpation_state(&self) -> State {
+        match self.palpating.stage {
+            _ if self.faulted => State::Fault,
+            Stage::Rest => State::Idle,
+            Stage::Approach => State::Approach,
+            Stage::Contact => State::Contact,
+            Stage::Retract => State::Retract,
+        }
     }
 
-    fn retract(&mut self, ended: Outcome, probe_mm: f32) {
-        self.ended = ended;
-        self.lowest_mm = probe_mm;
-        self.enter(State::Retract);
+    /// What the display half is doing.
+    pub const fn display_state(&self) -> DisplayState {
+        if self.faulted { DisplayState::Fault } else { self.displaying.state() }
     }
 
-    /// True if any output is on in this state.
-    pub const fn outputs_on(&self) -> bool {
-        matches!(self.state, State::Approach | State::Contact | State::Display)
+    /// What is asked for in one word: palpation if there is a press, else display, with the first of the
+    /// library's entries that it shows.
+    pub const fn commanded(&self) -> Mode {
+        match (self.palpating.press, self.displaying.asked()) {
+            (Some(Press { rate_mm_s, depth_mm }), _) => Mode::Palpate { rate_mm_s, depth_mm },
+            (None, DisplayMode::Idle) => Mode::Idle,
+            (None, DisplayMode::Material { material, .. }) => Mode::Display { material },
+            (None, _) => Mode::Display { material: self.displaying.showing.to().low },
+        }
     }
 
-    /// How the motion of the palpation in Retract ended.
-    pub const fn ended(&self) -> Outcome {
-        self.ended
+    /// Both halves are at rest, or held off by a fault.
+    pub const fn is_resting(&self) -> bool {
+        matches!(self.state(), State::Idle | State::Fault)
     }
 
-    /// Carries out a request.
+    /// True while a host must be there: an output is on, or will be as soon as a verdict comes.
+    pub const fn needs_host(&self) -> bool {
+        self.palpating.pressing().is_some() || !matches!(self.display_state(), DisplayState::Idle | DisplayState::Fault)
+    }
+
+    /// Outputs that may be on.
+    pub fn power(&self) -> Power {
+        let shown = self.displaying.parts().filter(|_| self.displaying.state() == DisplayState::On);
+        Power {
+            arm: self.palpating.pressing().is_some(),
+            actuator: shown.is_some_and(Parts::actuator),
+            coil: shown.is_some_and(Parts::coil),
+        }
+    }
+
+    /// The arm is at home, and no fault is latched.
+    pub const fn palpation_rests(&self) -> bool {
+        matches!(self.palpating.stage, Stage::Rest)
+    }
+
+    /// A half is on that was asked for by itself.
+    pub const fn by_halves(&self) -> bool {
+        self.by_halves
+    }
+
+    /// Both halves end, the arm goes home.
+    pub fn stop(&mut self) {
+        self.stop_palpation();
+        self.stop_display();
+    }
+
+    /// The palpation half ends.
+    pub fn stop_palpation(&mut self) {
+        self.palpating.stop();
+    }
+
+    /// The display half ends.
+    pub fn stop_display(&mut self) {
+        self.displaying.stop();
+    }
+
+    /// Carries out a request for one half with the other at rest.
     ///
     /// # Errors
-    /// [`Refusal::Faulted`], [`Refusal::Busy`] unless idle (or displaying, for another display), [`Refusal::NoTable`], [`Refusal::OutOfRange`].
+    /// [`Refusal::Faulted`], [`Refusal::Busy`] unless idle (or displaying, for another display), and those of the half.
     pub fn request(&mut self, config: &ModeConfig, mode: Mode, table: Option<TableLimits>) -> Result<(), Refusal> {
-        if mode == Mode::Idle {
-            match self.state {
-                // The probe height is not known here; the next tick sets the lowest one.
-                State::Approach | State::Contact => self.retract(Outcome::Aborted, f32::INFINITY),
-                State::Display => self.enter(State::Idle),
-                State::Idle | State::Retract | State::Fault => {}
-            }
-            self.commanded = Mode::Idle;
-            return Ok(());
-        }
-        match (self.state, mode) {
-            (State::Fault, _) => return Err(Refusal::Faulted),
-            (State::Idle, _) | (State::Display, Mode::Display { .. }) => {}
-            _ => return Err(Refusal::Busy),
-        }
-        let limits = table.ok_or(Refusal::NoTable)?;
-        let next = match mode {
+        self.must_be_sound(mode == Mode::Idle)?;
+        let displays = self.displaying.parts().is_some();
+        let palpates = self.palpating.stage != Stage::Rest;
+        match mode {
+            Mode::Idle => self.stop(),
+            Mode::Palpate { .. } if displays => return Err(Refusal::Busy),
+            Mode::Display { .. } if palpates => return Err(Refusal::Busy),
             Mode::Palpate { rate_mm_s, depth_mm } => {
-                if !limits.searchable {
-                    return Err(Refusal::TooLarge);
-                }
-                let (slowest, fastest) = config.rate_mm_s;
-                let rate_ok = rate_mm_s >= slowest && rate_mm_s <= fastest;
-                let depth_ok = depth_mm >= config.depth_min_mm && depth_mm <= limits.depth_max_mm * (1.0 + 1e-4);
-                if !(rate_ok && depth_ok) {
-                    return Err(Refusal::OutOfRange);
-                }
-                State::Approach
+                self.palpating.begin(config, Press { rate_mm_s, depth_mm }, table)?;
+                self.by_halves = false;
             }
-            Mode::Display { material } if usize::from(material) >= limits.materials => {
-                return Err(Refusal::OutOfRange);
+            Mode::Display { material } => {
+                let asked = DisplayMode::Material { parts: Parts::Both, material };
+                self.displaying.begin(asked, (Curve::of(material), Origin::ASKED), table)?;
+                self.by_halves = false;
             }
-            Mode::Display { .. } => State::Display,
-            Mode::Idle => State::Idle,
-        };
-        self.commanded = mode;
-        self.began_mm = f32::NEG_INFINITY;
-        self.enter(next);
+        }
         Ok(())
     }
 
-    /// One tick.
+    /// Begins a press, whatever the display does.
+    ///
+    /// # Errors
+    /// [`Refusal::Faulted`], and those of [`Palpating`].
+    pub fn press(&mut self, config: &ModeConfig, press: Press, table: Option<TableLimits>) -> Result<(), Refusal> {
+        self.must_be_sound(false)?;
+        self.palpating.begin(config, press, table)?;
+        self.by_halves = true;
+        Ok(())
+    }
+
+    /// Begins a display, or goes over to another curve, whatever palpation does.
+    ///
+    /// # Errors
+    /// [`Refusal::Faulted`], and those of [`Displaying`].
+    pub fn display(
+        &mut self,
+        asked: DisplayMode,
+        curve: (Curve, Origin),
+        table: Option<TableLimits>,
+    ) -> Result<(), Refusal> {
+        self.must_be_sound(false)?;
+        self.displaying.begin(asked, curve, table)?;
+        self.by_halves = true;
+        Ok(())
+    }
+
+    /// A verdict says what a display that follows is to show.
+    pub fn follow(&mut self, curve: Curve, origin: Origin) {
+        self.displaying.follow(curve, origin);
+    }
+
+    const fn must_be_sound(&self, stops: bool) -> Result<(), Refusal> {
+        if self.faulted && !stops { Err(Refusal::Faulted) } else { Ok(()) }
+    }
+
+    /// One tick. With a latched fault both halves end at once.
     pub fn step(&mut self, config: &ModeConfig, input: &ModeInput) -> ModeEvent {
-        self.ticks = self.ticks.saturating_add(1);
-        if input.faulted {
-            return self.fault();
-        }
-        match self.state {
-            State::Approach => self.approach(config, input),
-            State::Contact => self.contact(config, input),
-            State::Retract => return self.returning(config, input),
-            State::Fault => self.enter(State::Idle),
-            State::Idle | State::Display => {}
-        }
-        ModeEvent::None
-    }
-
-    fn fault(&mut self) -> ModeEvent {
-        let palpating = matches!(self.state, State::Approach | State::Contact | State::Retract);
-        if self.state != State::Fault {
-            self.enter(State::Fault);
-            self.commanded = Mode::Idle;
-        }
-        if palpating { ModeEvent::Ended(Outcome::Aborted) } else { ModeEvent::None }
-    }
-
-    fn approach(&mut self, config: &ModeConfig, input: &ModeInput) {
-        if self.ticks == 1 {
-            self.began_mm = input.probe_mm;
-        }
-        if input.force_n >= config.force_end_n {
-            // Something hard, before the contact was understood: back before the force limit makes it a fault.
-            self.retract(Outcome::TooShort, input.probe_mm);
-        } else if let Some(outcome) = input.no_slice {
-            self.retract(outcome, input.probe_mm);
-        } else if input.contact {
-            self.enter(State::Contact);
-        } else if input.probe_mm <= input.floor_mm.max(config.travel_min_mm) || self.ticks > config.approach_ticks {
-            self.retract(Outcome::NoContact, input.probe_mm);
-        }
-    }
-
-    fn contact(&mut self, config: &ModeConfig, input: &ModeInput) {
-        let Mode::Palpate { depth_mm, .. } = self.commanded else {
-            return self.retract(Outcome::Aborted, input.probe_mm);
-        };
-        let full = input.depth_mm >= depth_mm || input.record_full;
-        let ended_early = input.probe_mm <= config.travel_min_mm
-            || input.force_n >= config.force_end_n
-            || self.ticks > config.contact_ticks;
-        if full || ended_early {
-            // Half the depth still tells materials apart; less does not.
-            let enough = full || input.depth_mm >= 0.5 * depth_mm;
-            let outcome = if enough { Outcome::Identified } else { Outcome::TooShort };
-            self.retract(outcome, input.probe_mm);
-        }
-    }
-
-    fn returning(&mut self, config: &ModeConfig, input: &ModeInput) -> ModeEvent {
-        if input.probe_mm < self.lowest_mm {
-            self.lowest_mm = input.probe_mm;
-        }
-        let clear = if input.contact {
-            input.depth_mm <= -config.clearance_mm
+        self.faulted = input.faulted;
+        let event = if self.faulted {
+            self.displaying.stop();
+            self.palpating.fault()
         } else {
-            input.probe_mm >= (self.lowest_mm + config.clearance_mm).min(self.began_mm - config.home_mm)
+            self.displaying.showing.step();
+            self.palpating.step(config, input)
         };
-        if (clear || self.ticks > config.retract_ticks) && input.analysed {
-            self.commanded = Mode::Idle;
-            self.enter(State::Idle);
-            return ModeEvent::Ended(self.ended);
+        if self.is_resting() {
+            self.by_halves = false;
         }
-        ModeEvent::None
+        event
     }
 }
 

@@ -129,6 +129,17 @@ pub fn factored_table_with(foams: &[Foam]) -> Vec<u8> {
     TableSpec { library: library(foams), ..factored_spec() }.to_bytes().unwrap()
 }
 
+/// The first foams of the library, with their currents times these factors.
+pub fn factored_table_scaled(scales: &[f64]) -> Vec<u8> {
+    let mut materials = library(&LIBRARY[..scales.len()]);
+    for (material, scale) in materials.iter_mut().zip(scales) {
+        if let Some(coil) = &mut material.display.coil {
+            coil.current_a.iter_mut().for_each(|a| *a = (*a * scale).min(2.5));
+        }
+    }
+    TableSpec { library: materials, ..factored_spec() }.to_bytes().unwrap()
+}
+
 /// How much stiffer the made-up foams of [`rated_table`] are at 1, 2 and 4 mm/s.
 pub const STIFFENING: [f64; 3] = [1.0, 1.1, 1.25];
 

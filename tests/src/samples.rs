@@ -20,6 +20,15 @@ pub fn requests() -> Vec<Request> {
         Request::SetTelemetry(TelemetryRate { divider: 2 }),
         Request::ExpectSurface(Surface { height_mm: 25.5 }),
         Request::SetFitted(Fitted { palpator: true, actuator: false, coil: true }),
+        Request::SetPalpation(PalpationRequest {
+            palpation: PalpationMode::Press { rate_mm_s: 4.0, depth_mm: 3.5, surface_mm: Some(24.5) },
+            lease_ms: 800,
+        }),
+        Request::SetDisplay(DisplayRequest {
+            display: DisplayMode::Follow { parts: Parts::Coil, by: Rule::Between },
+            lease_ms: 850,
+        }),
+        Request::GetHalves(Empty {}),
         Request::TableBegin(TableBegin { length: 36_000, crc: 0xcbf4_3926 }),
         Request::TableChunk(TableChunk { offset: 192, data }),
         Request::TableCommit(Empty {}),
@@ -75,6 +84,18 @@ pub fn reports() -> Vec<Report> {
                 .into_iter()
                 .map(|(time_ms, state)| StateChange { time_ms, state })
                 .collect(),
+        }),
+        Report::Halves(Halves {
+            tick: 52,
+            palpation: State::Contact,
+            display: DisplayState::On,
+            parts: Parts::Actuator,
+            curve: Curve { low: 1, high: 4, weight: 0.375 },
+            share: 0.75,
+            of_palpation: 19,
+            departs: 0.0625,
+            outside: true,
+            bound_a: 0.3125,
         }),
     ]
 }

@@ -3,7 +3,7 @@
 
 use protocol::frame::{Decoder, MAX_FRAME, encode, encode_report, encode_request};
 use protocol::lut::Table;
-use protocol::message::{Report, Request};
+use protocol::message::{EARLIER, Report, Request, SCHEMA_HASH};
 use tests::{golden, samples};
 
 /// Every message as (name, its frame with sequence number 0x0102).
@@ -34,8 +34,24 @@ fn every_message_keeps_its_bytes() {
     let frames = frames();
     assert_eq!(frames.len(), Request::TABLE.len() + Report::TABLE.len() + 1, "a message without a sample");
     let mut text: String = frames.iter().map(|(name, bytes)| format!("{name} {}\n", golden::hex(bytes))).collect();
-    text += &format!("schema hash {:016x}\n", protocol::message::SCHEMA_HASH);
+    text += &format!("schema hash {SCHEMA_HASH:016x}\n");
     golden::compare("frames-v2.txt", &text).unwrap();
+}
+
+/// Tables of this version that the present one adds to: every message of theirs has the bytes it had.
+#[test]
+fn messages_of_earlier_tables_keep_their_bytes() {
+    let now: Vec<String> = frames().iter().map(|(name, bytes)| format!("{name} {}", golden::hex(bytes))).collect();
+    for hash in EARLIER {
+        let name = format!("frames-v2-{:08x}.txt", hash >> 32);
+        let text = std::fs::read_to_string(golden::path(&name)).unwrap();
+        let (messages, last) = text.trim_end().rsplit_once('\n').unwrap();
+        assert_eq!(last, format!("schema hash {hash:016x}"));
+        for line in messages.lines() {
+            assert!(now.iter().any(|message| message == line), "{name}: {line}");
+        }
+    }
+    assert!(!EARLIER.contains(&SCHEMA_HASH), "a table that says it is earlier than itself");
 }
 
 #[test]

@@ -22,6 +22,13 @@ impl Lease {
         *self = Lease { holder: Some(link), ticks: ticks as u16, silent: 0 };
     }
 
+    /// Gives the motion to a link that holds it already, with another half on: the shorter lease holds for both.
+    pub fn grant_beside(&mut self, link: LinkId, lease_ms: u16) {
+        let before = self.ticks;
+        self.grant(link, lease_ms);
+        self.ticks = self.ticks.min(before);
+    }
+
     /// A request came over a link: it renews the lease of nobody else.
     pub fn heard(&mut self, link: LinkId) {
         if self.holder == Some(link) {

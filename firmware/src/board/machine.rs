@@ -1,5 +1,6 @@
 //! The machine behind the links: sensors, safety, modes, identification, display.
 
+use super::halves::Identified;
 use super::lease::Lease;
 use super::press::setup_at_start;
 use super::{Identity, Inputs, Outputs};
@@ -7,12 +8,11 @@ use crate::coil::regulator::CoilPi;
 use crate::coil::thermal;
 use crate::config::BoardConfig;
 use crate::contact::Sample;
-use crate::display::{Display, DisplayInput, DisplayOutput};
+use crate::display::Display;
 use crate::fast::FAST_HZ;
 use crate::flash::{ActiveTable, CalibrationStore, TableStore, Upload, find_active};
-use crate::interlock::Power;
 use crate::link::LinkId;
-use crate::mode::{ModeEvent, ModeInput, ModeState};
+use crate::mode::{ModeEvent, ModeInput, Modes, Stage};
 use crate::palpation::{Motion, Palpation, Progress};
 use crate::pid::Pid;
 use crate::plausible::Plausible;
@@ -21,7 +21,7 @@ use crate::sensor::{Measured, RawSamples};
 use protocol::TICK_S;
 use protocol::lut::Table;
 use protocol::message::{
-    Calibration, CalibrationState, FaultReport, Fitted, Mode, Outcome, Raw, Report, Shown, State, Telemetry,
+    Calibration, CalibrationState, FaultReport, Fitted, Outcome, Raw, Report, Shown, State, Telemetry,
 };
 
 /// The machine; `S` is its flash.
@@ -42,7 +42,7 @@ pub struct Machine<S> {
     coil_pi: CoilPi,
     pub(super) safety: Safety,
     pub(super) lease: Lease,
-    pub(super) mode: ModeState,
+    pub(super) mode: Modes,
     pub(super) palpation: Palpation,
     pub(super) plausible: Plausible,
     /// Height of the surface that a link states for its next mode, mm.
@@ -54,6 +54,10 @@ pub struct Machine<S> {
     /// Sum (us) and number of the ticks in contact, and the longest tick of the palpation.
     pub(super) contact_ticks: (u32, u32, u16),
     pub(super) display: Display,
+    /// What the latest palpation said, of the table in use.
+    pub(super) identified: Option<Identified>,
+    /// Error bound of the displayed current, A.
+    pub(super) bound_a: f32,
     pub(super) tick: u32,
     pub(super) age_ticks: u16,
     pub(super) raw: RawSamples,
@@ -88,7 +92,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             calibration_state,
             fitted: setup.fitted,
             lease: Lease::default(),
-            mode: ModeState::new(),
+            mode: Modes::new(),
             palpation: Palpation::new(),
             plausible: Plausible::default(),
             expected: None,
@@ -97,6 +101,8 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             palpation_rate_mm_s: 0.0,
             contact_ticks: (0, 0, 0),
             display: Display::default(),
+            identified: None,
+            bound_a: 0.0,
             tick: 0,
             age_ticks: 0,
             raw: RawSamples::default(),
@@ -117,13 +123,13 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         self.stop_pressed = inputs.stop_pressed;
         if self.stop_pressed {
             // Always allowed: what is under way ends as if a host had asked for it.
-            let _ = self.mode.request(&self.config.mode, Mode::Idle, None);
+            self.mode.stop();
         }
         let event = if self.upload.is_erasing() { ModeEvent::None } else { self.palpate(inputs) };
         if let ModeEvent::Ended(outcome) = event {
             self.tell_verdict(outcome, &mut tell);
         }
-        if matches!(self.mode.state, State::Idle | State::Fault) {
+        if self.mode.is_resting() {
             self.lease.release();
         }
         self.outputs = self.drive();
@@ -136,7 +142,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
 
     /// What the board is doing.
     pub const fn state(&self) -> State {
-        self.mode.state
+        self.mode.state()
     }
 
     /// The table in use, if there is one.
@@ -159,10 +165,10 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         let heating_a = self.measured.coil_a.max(self.outputs.coil_target_a).max(driven_a);
         let winding = &self.config.circuit.winding;
         self.coil_c = thermal::step_c(&self.config.thermal, winding, self.coil_c, heating_a, TICK_S);
-        if self.mode.state != State::Idle {
+        if self.mode.palpating.stage() != Stage::Rest {
             let (sum, count, max) = &mut self.contact_ticks;
             *max = (*max).max(inputs.tick_us);
-            if self.mode.state == State::Contact {
+            if self.mode.palpating.stage() == Stage::Contact {
                 *sum = sum.saturating_add(u32::from(inputs.tick_us));
                 *count = count.saturating_add(1);
             }
@@ -170,7 +176,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
     }
 
     fn guard(&mut self, inputs: &Inputs, tell: &mut impl FnMut(&Report)) {
-        self.lease.count(self.mode.outputs_on());
+        self.lease.count(self.mode.needs_host());
         let contradiction = self.contradiction(inputs);
         let input = SafetyInput {
             raw: &self.raw,
@@ -188,7 +194,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             interlock: inputs.interlock,
             silence: self.lease.silence(),
             actuator_v: self.outputs.actuator_v,
-            outputs_on: self.mode.outputs_on(),
+            outputs_on: self.mode.power().is_on(),
             not_finite: self.not_finite,
             table_broken: self.table_broken,
         };
@@ -205,12 +211,12 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         let mut progress = Progress::Approaching;
         let mut analysed = true;
         if let Some(table) = &table {
-            match self.mode.state {
-                State::Approach | State::Contact if inputs.fresh => {
+            match self.mode.palpating.stage() {
+                Stage::Approach | Stage::Contact if inputs.fresh => {
                     let sample = Sample { probe_mm: self.measured.probe_mm, force_n: self.measured.load_cell_n };
                     progress = self.palpation.step(&self.config.palpation, table, sample);
                 }
-                State::Retract if self.mode.ended() == Outcome::Identified => {
+                Stage::Retract if self.mode.palpating.ended() == Outcome::Identified => {
                     analysed = self.palpation.analyse(&self.config.palpation, table);
                 }
                 _ => {}
@@ -230,7 +236,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         self.mode.step(&self.config.mode, &input)
     }
 
-    fn tell_verdict(&self, outcome: Outcome, tell: &mut impl FnMut(&Report)) {
+    fn tell_verdict(&mut self, outcome: Outcome, tell: &mut impl FnMut(&Report)) {
         let (sum, count, tick_max_us) = self.contact_ticks;
         let motion = Motion {
             number: self.palpations,
@@ -242,52 +248,36 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         if let Some(estimate) = estimate {
             tell(&Report::Estimate(estimate));
         }
+        self.follow(&verdict);
         tell(&Report::Verdict(verdict));
     }
 
-    /// Outputs of the state: off unless the state turns them on.
+    /// Outputs of both halves: off unless a half turns them on.
     fn drive(&mut self) -> Outputs {
-        let mut outputs = Outputs::default();
-        self.shaft_target_mm = 0.0;
-        self.shown = Shown::default();
-        match (self.mode.state, self.mode.commanded) {
-            (State::Approach | State::Contact, Mode::Palpate { rate_mm_s, .. }) => {
-                outputs.power = Power::Arm;
-                outputs.arm_run = true;
-                outputs.arm_rate_mm_s = rate_mm_s;
-            }
-            (State::Display, Mode::Display { material }) => {
-                outputs.power = Power::Display;
-                let wanted = self.show(material);
-                self.shaft_target_mm = wanted.target_mm;
-                self.shown = wanted.shown;
-                outputs.actuator_v = wanted.actuator_v;
-                outputs.coil_target_a = wanted.coil_target_a;
-                outputs.coil_duty = self.coil_pi.steady_duty(wanted.coil_target_a);
-            }
-            _ => {}
+        let mut outputs = Outputs { power: self.mode.power(), ..Outputs::default() };
+        if let Some(press) = self.mode.palpating.pressing() {
+            outputs.arm_run = true;
+            outputs.arm_rate_mm_s = press.rate_mm_s;
+        }
+        let shown = self.show().unwrap_or_default();
+        self.shaft_target_mm = shown.target_mm;
+        self.shown = shown.shown;
+        outputs.actuator_v = shown.actuator_v;
+        outputs.coil_target_a = shown.coil_target_a;
+        if outputs.power.coil {
+            outputs.coil_duty = self.coil_pi.steady_duty(shown.coil_target_a);
         }
         outputs
     }
 
-    fn show(&mut self, material: u8) -> DisplayOutput {
-        let mut display = self.display;
-        let output = self.table().and_then(|table| table.material(usize::from(material))).map(|material| {
-            let input =
-                DisplayInput { force_n: self.measured.fsr_n, shaft_mm: self.measured.shaft_mm, coil_c: self.coil_c };
-            display.step(&self.config.display, &self.config.thermal, &self.pid, &material, &input).fitted(&self.fitted)
-        });
-        self.display = display;
-        output.unwrap_or_default()
-    }
-
     /// The record of the last tick.
     pub fn record(&mut self, inputs: &Inputs) -> Telemetry {
-        let contact = matches!(self.mode.state, State::Contact | State::Retract);
+        let stage = self.mode.palpating.stage();
+        let contact = matches!(stage, Stage::Contact | Stage::Retract);
         let depth_mm = self.palpation.depth_mm(self.measured.probe_mm);
         Telemetry {
             tick: self.tick,
-            state: self.mode.state,
+            state: self.mode.state(),
             faults: self.safety.latched(),
             probe_mm: self.measured.probe_mm,
             depth_mm: if contact && depth_mm > 0.0 { depth_mm } else { 0.0 },
@@ -300,7 +290,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             coil_target_a: self.outputs.coil_target_a,
             coil_duty: inputs.coil_duty,
             coil_c: self.coil_c,
-            search_error_n: if self.mode.state == State::Contact { self.palpation.error_n() } else { 0.0 },
+            search_error_n: if stage == Stage::Contact { self.palpation.error_n() } else { 0.0 },
             tick_us: inputs.tick_us,
             raw: Raw::from(&self.raw),
             shown: self.shown,

@@ -4,6 +4,10 @@
 //! A control tick is [`Board::tick`] with the readings of [`crate::fast::FastLoop::take`]; bytes of a link go in by [`Board::receive`] and
 //! come out by [`Board::take_transmit`] at any time between ticks.
 //!
+//! # Two halves
+//! In the same tick load cell and probe feed the palpation half, FSR and shaft the display half
+//! ([`crate::mode`]). Limits, faults, lease and interlock are of the board.
+//!
 //! # Links and owners
 //! Each link has its own decoder, queue, schema and telemetry. The link that asks for a motion holds it by a
 //! lease, which only its own requests renew; the other one may stop it, but not change it.
@@ -12,6 +16,7 @@
 //! A tick has 20 ms. One that takes longer, or begins late, is counted, and latched as a fault if outputs are on, because
 //! controller and search assume 20 ms between samples. Ticks do not pile up.
 
+mod halves;
 mod lease;
 mod machine;
 mod press;
@@ -148,6 +153,9 @@ impl<S: TableStore + CalibrationStore> Board<S> {
         for talk in talks {
             if talk.record_is_due() {
                 talk.report(&Report::Telemetry(machine.record(inputs)), Priority::Telemetry);
+                if machine.mode.by_halves() && talk.knows_halves() {
+                    talk.report(&Report::Halves(machine.halves()), Priority::Telemetry);
+                }
             }
         }
         outputs

@@ -6,10 +6,11 @@ use super::requests::Answer;
 use crate::config::BoardConfig;
 use crate::flash::{CalibrationStore, Loaded, Setup, TableStore};
 use crate::link::LinkId;
+use crate::mode::Press;
 use crate::plausible::{Contradiction, Plausible, Reading};
 use crate::sensor::{ALL_FITTED, calibration_is_usable};
 use protocol::lut::{Table, axis_name};
-use protocol::message::{CalibrationState, Fitted, Mode, Refusal, State, Surface};
+use protocol::message::{CalibrationState, Fitted, Parts, Refusal, Surface};
 
 /// Setup of a board at start: what is stored, or the firmware's own calibration and everything fitted.
 pub(super) fn setup_at_start(config: &BoardConfig, store: &mut impl CalibrationStore) -> (Setup, CalibrationState) {
@@ -39,12 +40,16 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
 
     pub(super) fn expect_surface(&mut self, link: LinkId, surface: &Surface) -> Result<Answer, Refusal> {
         self.outputs_must_be_off()?;
-        let height_mm = surface.height_mm;
-        if !(height_mm > self.config.mode.travel_min_mm && height_mm < self.config.mode.travel_max_mm) {
+        if !self.is_surface(surface.height_mm) {
             return Err(Refusal::OutOfRange);
         }
-        self.expected = Some((link, height_mm));
+        self.expected = Some((link, surface.height_mm));
         Ok(Answer::Accepted)
+    }
+
+    /// True for a height at which there can be a surface.
+    pub(super) fn is_surface(&self, height_mm: f32) -> bool {
+        height_mm > self.config.mode.travel_min_mm && height_mm < self.config.mode.travel_max_mm
     }
 
     pub(super) fn set_fitted(&mut self, fitted: &Fitted) -> Result<Answer, Refusal> {
@@ -69,19 +74,21 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         Ok(Answer::Accepted)
     }
 
-    /// Refuses a mode by the name of the part that it needs and that is not fitted.
-    pub(super) fn is_fitted_for(&self, mode: Mode) -> Result<(), Refusal> {
-        match mode {
-            Mode::Palpate { .. } if !self.fitted.palpator => Err(Refusal::NoPalpator),
-            Mode::Display { .. } if !(self.fitted.actuator || self.fitted.coil) => Err(Refusal::NoDisplay),
-            _ => Ok(()),
-        }
+    /// Refuses a press without a palpator.
+    pub(super) fn must_have_palpator(&self) -> Result<(), Refusal> {
+        if self.fitted.palpator { Ok(()) } else { Err(Refusal::NoPalpator) }
+    }
+
+    /// Refuses a display none of whose parts is fitted.
+    pub(super) fn must_have(&self, parts: Parts) -> Result<(), Refusal> {
+        let driven = shown_with(&self.fitted, parts);
+        if driven.actuator || driven.coil { Ok(()) } else { Err(Refusal::NoDisplay) }
     }
 
     /// What this tick's readings contradict, while the arm presses.
     pub(super) fn contradiction(&mut self, inputs: &Inputs) -> Contradiction {
-        match (self.mode.state, self.mode.commanded) {
-            (State::Approach | State::Contact, Mode::Palpate { rate_mm_s, .. }) if inputs.fresh => {
+        match self.mode.palpating.pressing() {
+            Some(Press { rate_mm_s, .. }) if inputs.fresh => {
                 let reading = Reading {
                     probe_mm: self.measured.probe_mm,
                     force_n: self.measured.load_cell_n,
@@ -92,6 +99,15 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             }
             _ => Contradiction::default(),
         }
+    }
+}
+
+/// What is fitted, of the display only what is asked for.
+pub(super) fn shown_with(fitted: &Fitted, parts: Parts) -> Fitted {
+    Fitted {
+        actuator: fitted.actuator && parts.actuator(),
+        coil: fitted.coil && parts.coil(),
+        palpator: fitted.palpator,
     }
 }
 

@@ -1,10 +1,8 @@
 //! Requests: what each one does, and when it is refused.
 
 use super::FIRMWARE_VERSION;
-use super::lease::LEASE_MS;
 use super::machine::Machine;
 use super::talk::Talk;
-use crate::display::Display;
 use crate::flash::{CalibrationStore, SLOT_LEN, Setup, TableStore};
 use crate::link::{LinkId, Priority};
 use crate::mode::TableLimits;
@@ -12,8 +10,8 @@ use crate::pid::{Pid, gains_are_usable};
 use crate::search::Slice;
 use crate::sensor::{calibration_is_usable, tared};
 use protocol::message::{
-    Accepted, Calibration, CalibrationState, Gains, Hello, Mode, ModeRequest, Refusal, Refused, Report, Request,
-    SCHEMA_HASH, Slot, State, Status, TableBegin, TableState,
+    Accepted, Calibration, CalibrationState, Gains, Hello, Refusal, Refused, Report, Request, SCHEMA_HASH, Slot,
+    Status, TableBegin, TableState,
 };
 use protocol::{PROTOCOL_VERSION, TICK_HZ, TICK_S};
 
@@ -54,6 +52,9 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             }
             Request::Status(_) => Ok(Answer::Report(Report::Status(self.status(link, talk)))),
             Request::SetMode(asked) => self.set_mode(link, asked),
+            Request::SetPalpation(asked) => self.set_palpation(link, asked),
+            Request::SetDisplay(asked) => self.set_display(link, asked),
+            Request::GetHalves(_) => Ok(Answer::Report(Report::Halves(self.halves()))),
             Request::SetGains(gains) => self.set_gains(link, gains),
             Request::GetCalibration(_) => Ok(Answer::Report(Report::Calibration(self.calibration.clone()))),
             Request::SetCalibration(calibration) => self.set_calibration(calibration.clone()),
@@ -68,6 +69,8 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             Request::TableBegin(begin) => {
                 self.outputs_must_be_off()?;
                 self.upload.begin(&mut self.store, &mut self.active, begin)?;
+                // Its numbers are those of the old library.
+                self.identified = None;
                 self.begun = Some((link, seq));
                 Ok(Answer::Later)
             }
@@ -103,8 +106,8 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
     fn status(&self, link: LinkId, talk: &Talk) -> Status {
         Status {
             uptime_ms: self.tick.wrapping_mul(1000 / TICK_HZ),
-            mode: self.mode.commanded,
-            state: self.mode.state,
+            mode: self.mode.commanded(),
+            state: self.mode.state(),
             faults: self.safety.latched(),
             frames_rejected: talk.rejected(),
             frames_dropped: talk.dropped(),
@@ -120,56 +123,12 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
     }
 
     /// The motion belongs to the link that holds it.
-    fn must_not_be_held_from(&self, link: LinkId) -> Result<(), Refusal> {
+    pub(super) fn must_not_be_held_from(&self, link: LinkId) -> Result<(), Refusal> {
         if self.lease.is_held_from(link) { Err(Refusal::Held) } else { Ok(()) }
     }
 
-    fn set_mode(&mut self, link: LinkId, asked: &ModeRequest) -> Result<Answer, Refusal> {
-        let mode = asked.mode;
-        if mode != Mode::Idle {
-            self.must_not_be_held_from(link)?;
-            if self.stop_pressed {
-                return Err(Refusal::Stopped);
-            }
-            let (shortest_ms, longest_ms) = LEASE_MS;
-            if !(shortest_ms..=longest_ms).contains(&asked.lease_ms) {
-                return Err(Refusal::OutOfRange);
-            }
-        }
-        // Asked again for what is under way: the answer to the first request was lost.
-        if mode == self.mode.commanded && matches!(self.mode.state, State::Approach | State::Contact) {
-            return Ok(Answer::Accepted);
-        }
-        let stated_mm = self.take_expected(link);
-        if mode != Mode::Idle && self.upload.is_erasing() {
-            return Err(Refusal::Busy);
-        }
-        if mode != Mode::Idle && !self.safety.latched().is_empty() {
-            return Err(Refusal::Faulted);
-        }
-        self.is_fitted_for(mode)?;
-        let displayed = self.mode.state == State::Display;
-        let limits = self.table_limits();
-        self.mode.request(&self.config.mode, mode, limits)?;
-        match mode {
-            Mode::Palpate { rate_mm_s, .. } => {
-                self.palpation.start(rate_mm_s);
-                self.watch_press(stated_mm);
-                self.palpations = self.palpations.wrapping_add(1);
-                self.palpation_rate_mm_s = rate_mm_s;
-                self.contact_ticks = (0, 0, 0);
-            }
-            Mode::Display { .. } if !displayed => self.display = Display::at(self.measured.shaft_mm),
-            _ => {}
-        }
-        if mode != Mode::Idle {
-            self.lease.grant(link, asked.lease_ms);
-        }
-        Ok(Answer::Accepted)
-    }
-
     /// What a mode needs to know of the table; nothing during an erase, when bank 2 must not be read.
-    fn table_limits(&self) -> Option<TableLimits> {
+    pub(super) fn table_limits(&self) -> Option<TableLimits> {
         if self.upload.is_erasing() {
             return None;
         }
@@ -224,10 +183,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
 
     /// Idle, or held off by a fault.
     pub(super) fn outputs_must_be_off(&self) -> Result<(), Refusal> {
-        match self.mode.state {
-            State::Idle | State::Fault => Ok(()),
-            _ => Err(Refusal::Busy),
-        }
+        if self.mode.is_resting() { Ok(()) } else { Err(Refusal::Busy) }
     }
 
     /// Goes on with an erase; what its end is answered with, and where.

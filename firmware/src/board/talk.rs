@@ -5,7 +5,7 @@ use crate::link::{Priority, Receiver, Transmitter};
 use crate::telemetry::TelemetryClock;
 use protocol::PROTOCOL_VERSION;
 use protocol::frame::Frame;
-use protocol::message::{DecodeError, HelloRequest, Refusal, Refused, Report, Request, SCHEMA_HASH};
+use protocol::message::{DecodeError, HelloRequest, Refusal, Refused, Report, Request, SCHEMA_HASH, is_known_schema};
 use protocol::rescue;
 
 /// What a link knows by itself. Nothing that arrives here changes another link.
@@ -15,6 +15,8 @@ pub struct Talk {
     transmitter: Transmitter,
     /// The host was built from another message table.
     schema_mismatch: bool,
+    /// The host knows all messages of this table, not only those of an earlier one.
+    up_to_date: bool,
     telemetry: TelemetryClock,
 }
 
@@ -49,10 +51,16 @@ impl Talk {
 
     /// The host says who it is: compares its messages with ours, and starts telemetry if they agree.
     pub fn greeted(&mut self, hello: &HelloRequest) {
-        self.schema_mismatch = hello.protocol_version != PROTOCOL_VERSION || hello.schema_hash != SCHEMA_HASH;
+        self.schema_mismatch = hello.protocol_version != PROTOCOL_VERSION || !is_known_schema(hello.schema_hash);
+        self.up_to_date = hello.schema_hash == SCHEMA_HASH;
         if !self.schema_mismatch {
             self.telemetry.set(1);
         }
+    }
+
+    /// True for a host that can be told of both halves by themselves.
+    pub const fn knows_halves(&self) -> bool {
+        self.up_to_date && !self.schema_mismatch
     }
 
     /// Telemetry every `divider`-th tick; 0 for none.

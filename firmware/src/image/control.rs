@@ -3,7 +3,7 @@
 use core::sync::atomic::Ordering;
 
 use crate::board::{Board, Inputs};
-use crate::interlock::{Power, Task};
+use crate::interlock::Task;
 use crate::link::LinkId;
 use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
@@ -44,7 +44,7 @@ pub async fn run(board: &'static mut Board<BoardFlash>, mut actuator: Actuator, 
                     ..Inputs::from_fast(&averaged.unwrap_or_default(), overrun, tick_us)
                 });
                 record::state(board.state());
-                if outputs.power != Power::Off {
+                if outputs.power.is_on() {
                     debugger::keep_safe();
                 }
                 FAST.lock(|cell| {

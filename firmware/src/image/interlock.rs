@@ -44,15 +44,30 @@ pub fn outputs_off() {
 /// The arm's run input is PD14.
 const ARM_PIN: usize = 14;
 
-/// Exactly the outputs of `power`.
+/// Switches off what is not among the outputs of `power`.
+fn others_off(power: Power) {
+    if !power.actuator {
+        pac::TIM1.bdtr().modify(|w| w.set_moe(false));
+    }
+    if !power.coil {
+        pac::TIM8.bdtr().modify(|w| w.set_moe(false));
+    }
+    if !power.arm {
+        pac::GPIOD.bsrr().write(|w| w.set_br(ARM_PIN, true));
+    }
+}
+
+/// Switches on the outputs of `power`.
 fn outputs_on(power: Power) {
-    let display = power == Power::Display;
-    pac::TIM1.bdtr().modify(|w| w.set_moe(display));
-    pac::TIM8.bdtr().modify(|w| w.set_moe(display));
-    pac::GPIOD.bsrr().write(|w| match power {
-        Power::Arm => w.set_bs(ARM_PIN, true),
-        Power::Off | Power::Display => w.set_br(ARM_PIN, true),
-    });
+    if power.actuator {
+        pac::TIM1.bdtr().modify(|w| w.set_moe(true));
+    }
+    if power.coil {
+        pac::TIM8.bdtr().modify(|w| w.set_moe(true));
+    }
+    if power.arm {
+        pac::GPIOD.bsrr().write(|w| w.set_bs(ARM_PIN, true));
+    }
 }
 
 /// Starts the poll and the watchdog, for ever. Tasks that this board does not run are not watched.
@@ -97,14 +112,14 @@ fn TIM7() {
     }
 }
 
-/// The end of a control tick: a permit for what it wants on, if it was punctual; everything off if it wants
-/// nothing. A tick that wants outputs but was not punctual changes nothing: its permit ends by itself.
+/// The end of a control tick: what it does not want goes off; for what it wants on there is a permit, if it was
+/// punctual. A tick that wants outputs but was not punctual switches nothing on: the last permit ends by itself.
 pub fn end_of_tick(power: Power, punctual: bool) {
     INTERLOCK.lock(|cell| {
         let mut interlock = cell.borrow_mut();
-        if power == Power::Off {
+        others_off(power);
+        if !power.is_on() {
             interlock.rest();
-            outputs_off();
         } else if punctual && interlock.grant() {
             outputs_on(power);
         }

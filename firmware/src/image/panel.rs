@@ -48,7 +48,7 @@ impl Panel {
         if self.ticks.is_multiple_of(BLINK_TICKS) {
             self.alive.toggle();
         }
-        self.on.set_level((power != Power::Off).into());
+        self.on.set_level(power.is_on().into());
         self.fault.set_level(faulted.into());
     }
 }

@@ -134,7 +134,7 @@ pub fn run(spawner: Spawner) {
         arm,
         flash,
         ticker: Ticker::every(TICK),
-        power: Power::Off,
+        power: Power::OFF,
         start: Found { reset_cause, external, reference, hang },
         receivers: [Receiver::new(), Receiver::new()],
     });
@@ -277,7 +277,7 @@ impl Program {
 
     /// All duties and power off, at the end of a tick.
     async fn off(&mut self) {
-        self.power = Power::Off;
+        self.power = Power::OFF;
         self.coil.set(0.0);
         self.actuator.set_v(0.0);
         self.arm.set_rate(0.0);
@@ -308,9 +308,9 @@ impl Program {
 
     async fn measure(&mut self, drive: &Drive) -> Measured {
         self.power = match drive.power {
-            protocol::selftest::Power::Off => Power::Off,
-            protocol::selftest::Power::Display => Power::Display,
-            protocol::selftest::Power::Arm => Power::Arm,
+            protocol::selftest::Power::Off => Power::OFF,
+            protocol::selftest::Power::Display => Power::DISPLAY,
+            protocol::selftest::Power::Arm => Power::ARM,
         };
         self.coil.set(drive.coil);
         self.actuator.set_v(drive.actuator * outputs::ACTUATOR_SUPPLY_V);
@@ -329,7 +329,7 @@ impl Program {
     async fn both_on(&mut self) {
         self.coil.set(1.0);
         self.actuator.set_v(-outputs::ACTUATOR_SUPPLY_V);
-        self.power = Power::Display;
+        self.power = Power::DISPLAY;
         for _ in 0..TICKS_BEFORE {
             self.tick().await;
         }
@@ -362,7 +362,7 @@ impl Program {
         let mut written =
             Written { erase_ms: 0, word_us: 0, words_right: 0, words: 0, reads: 0, reads_wrong: 0, count: 0, lost: 0 };
         self.coil.set(0.5);
-        self.power = Power::Display;
+        self.power = Power::DISPLAY;
         SEEN.lock(|cell| cell.replace(Average::new()));
         let from = Instant::now();
         let mut progress = self.flash.start_erase(SECTOR).map(|()| EraseProgress::Busy);

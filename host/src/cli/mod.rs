@@ -30,6 +30,7 @@ mod series;
 pub mod simulate;
 pub mod study;
 pub mod sweep;
+mod together;
 
 use std::process::ExitCode;
 

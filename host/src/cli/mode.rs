@@ -10,6 +10,7 @@ use protocol::message::{Estimate, FaultReport, Mode, State, Verdict};
 use serde_json::{Value, json};
 
 use super::answer::Answer;
+use super::together::{self, Together};
 use crate::control::ShownTicks;
 use crate::link::Link;
 use crate::log::{LogError, Recorder, estimate_text, verdict_text};
@@ -43,6 +44,8 @@ pub enum ModeChoice {
         #[arg(long, value_name = "S", value_parser = positive)]
         seconds: Option<f64>,
     },
+    /// Press and display at once: what is identified is displayed from its verdict on
+    Together(Together),
 }
 
 pub(super) fn positive_mm(text: &str) -> Result<f32, String> {
@@ -104,7 +107,7 @@ pub(super) struct Pressed {
 
 /// Switches the outputs off however it ends, and holds the link until the arm is home: a board without a host latches a fault on
 /// the way. A lost link switches off by itself. What the board says is recorded, if it is to be.
-struct Outputs<'a, L: Link> {
+pub(super) struct Outputs<'a, L: Link> {
     session: &'a mut Session<L>,
     recorder: Option<&'a mut Recorder>,
 }
@@ -125,7 +128,25 @@ impl<L: Link> Drop for Outputs<'_, L> {
     }
 }
 
-impl<L: Link> Outputs<'_, L> {
+impl<'a, L: Link> Outputs<'a, L> {
+    /// Of what has been switched on over this session.
+    pub(super) fn of(session: &'a mut Session<L>) -> Self {
+        Outputs { session, recorder: None }
+    }
+
+    pub(super) fn session(&mut self) -> &mut Session<L> {
+        self.session
+    }
+
+    /// Why a press that was waited for did not end.
+    pub(super) fn unfinished(&self, timeout_s: f64, stop: &AtomicBool) -> Unfinished {
+        if stop.load(Ordering::Relaxed) {
+            return Unfinished::Stopped;
+        }
+        let state = self.session.latest_status().map(|status| format!("{:?}", status.state).to_lowercase());
+        Unfinished::Late { timeout_s, state: state.unwrap_or_else(|| "unknown".to_owned()) }
+    }
+
     fn keep(&mut self, event: &Event) -> Result<(), LogError> {
         let Some(recorder) = &mut self.recorder else { return Ok(()) };
         for truth in self.session.link_mut().take_truth() {
@@ -138,7 +159,7 @@ impl<L: Link> Outputs<'_, L> {
     ///
     /// # Errors
     /// A lost board, and a fault or a restart, which have switched the outputs off.
-    fn next(&mut self, until_s: f64, stop: &AtomicBool) -> Result<Option<Event>, Unfinished> {
+    pub(super) fn next(&mut self, until_s: f64, stop: &AtomicBool) -> Result<Option<Event>, Unfinished> {
         loop {
             let now_s = self.session.link().now_s();
             if stop.load(Ordering::Relaxed) || now_s >= until_s {
@@ -183,6 +204,10 @@ pub fn run<L: Link>(session: &mut Session<L>, choice: &ModeChoice) -> miette::Re
             signals::stop_on_signals(&stop).into_diagnostic()?;
             display(session, Mode::Display { material }, seconds, &stop).into_diagnostic()
         }
+        ModeChoice::Together(ref together) => {
+            signals::stop_on_signals(&stop).into_diagnostic()?;
+            together::run(session, together, &stop).into_diagnostic()
+        }
     }
 }
 
@@ -217,11 +242,7 @@ pub(super) fn palpate<L: Link>(
     }
     match verdict {
         Some(verdict) => Ok(Pressed { verdict, estimate }),
-        None if stop.load(Ordering::Relaxed) => Err(Unfinished::Stopped),
-        None => {
-            let state = outputs.session.latest_status().map(|status| format!("{:?}", status.state).to_lowercase());
-            Err(Unfinished::Late { timeout_s, state: state.unwrap_or_else(|| "unknown".to_owned()) })
-        }
+        None => Err(outputs.unfinished(timeout_s, stop)),
     }
 }
 
@@ -234,7 +255,7 @@ fn display<L: Link>(
 ) -> Result<Answer, Unfinished> {
     let began_s = session.link().now_s();
     session.set_mode(mode).map_err(Unfinished::Refused)?;
-    let mut outputs = Outputs { session, recorder: None };
+    let mut outputs = Outputs::of(session);
     if let Mode::Display { material } = mode {
         errln!("displaying material {material}; Ctrl-C switches the outputs off");
     }

@@ -96,6 +96,7 @@ pub(super) fn palpate(
                 let state = format!("{:?}", listening.session().status()?.state);
                 return Err(DemoError::Endless { number, waited_s: LONGEST_S, state });
             }
+            Some((Event::Halves(_), _)) => {}
             Some((Event::Estimate(e), _)) => estimate = Some(e),
             Some((Event::Verdict(verdict), _)) => break verdict,
             Some((Event::Fault(fault), _)) => watch(Stage::Note(&fault_text(&fault))),

@@ -32,12 +32,21 @@ pub enum Channel {
     Estimate,
     /// Stretches in which the board was not heard: when they begin, and how they ended.
     Gap,
+    /// What palpation and display do, where they are asked for by themselves.
+    Halves,
 }
 
 impl Channel {
     /// Every channel.
-    pub const ALL: [Channel; 6] =
-        [Channel::Telemetry, Channel::Verdict, Channel::Fault, Channel::Truth, Channel::Estimate, Channel::Gap];
+    pub const ALL: [Channel; 7] = [
+        Channel::Telemetry,
+        Channel::Verdict,
+        Channel::Fault,
+        Channel::Truth,
+        Channel::Estimate,
+        Channel::Gap,
+        Channel::Halves,
+    ];
 
     /// Name in the file.
     pub const fn topic(self) -> &'static str {
@@ -48,6 +57,7 @@ impl Channel {
             Channel::Truth => "truth",
             Channel::Estimate => "estimate",
             Channel::Gap => "gap",
+            Channel::Halves => "halves",
         }
     }
 }

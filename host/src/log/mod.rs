@@ -28,7 +28,7 @@ pub use error::LogError;
 pub use freeze::Freeze;
 pub(crate) use freeze::frozen_text;
 pub use listening::{ListenError, Listening, Terms};
-pub use live::{LiveView, Plain, Screen, estimate_text, library_names, live_view, verdict_text};
+pub use live::{CurveNews, LiveView, Plain, Screen, estimate_text, library_names, live_view, verdict_text};
 pub use mcap::{Channel, McapLog};
 pub use recovery::{Recovered, recover_mcap};
 
@@ -195,6 +195,11 @@ impl Recorder {
                 }
                 if let Some(mcap) = &mut self.mcap {
                     mcap.telemetry(at, record, traffic)?;
+                }
+            }
+            Event::Halves(halves) => {
+                if let Some(mcap) = &mut self.mcap {
+                    mcap.write(Channel::Halves, at, halves)?;
                 }
             }
             Event::Estimate(e) => {

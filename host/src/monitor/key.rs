@@ -30,7 +30,7 @@ impl Key {
 }
 
 /// What the keys do, for the help line: key, word; what is left out first in a narrow terminal comes last.
-pub const HELP: [(&str, &str); 12] = [
+pub const HELP: [(&str, &str); 13] = [
     ("space", "off"),
     ("a", "arm"),
     ("p", "palpate"),
@@ -43,4 +43,5 @@ pub const HELP: [(&str, &str); 12] = [
     ("t", "tare"),
     ("u", "upload table"),
     ("x", "forget"),
+    ("b", "both"),
 ];

@@ -8,7 +8,7 @@ use protocol::fault::{Fault, FaultSet};
 use protocol::message::{Estimate, Hello, Mode, State, Status, Telemetry, Verdict};
 
 use super::{Command, Key, Update};
-use crate::log::verdict_text;
+use crate::log::{CurveNews, verdict_text};
 use crate::session::{Event, Traffic, fault_text, gap_text};
 
 /// Ticks that the traces show: ten seconds.
@@ -67,6 +67,7 @@ pub struct Monitor {
     pub(super) traffic: Traffic,
     pub(super) verdict: Option<Verdict>,
     pub(super) estimate: Option<Estimate>,
+    curve: CurveNews,
     pub(super) journal: VecDeque<(Weight, String)>,
     pub(super) recording: Option<PathBuf>,
     pub(super) upload: Option<(u32, u32)>,
@@ -91,6 +92,7 @@ impl Monitor {
             traffic: Traffic::default(),
             verdict: None,
             estimate: None,
+            curve: CurveNews::default(),
             journal: VecDeque::new(),
             recording: None,
             upload: None,
@@ -137,6 +139,11 @@ impl Monitor {
     pub(super) fn name_of(&self, material: u8) -> Option<&str> {
         let library = self.library.as_ref().filter(|library| self.board_has(library))?;
         library.names.get(usize::from(material)).map(String::as_str)
+    }
+
+    /// Names of the materials, if the board's table is the one on the host.
+    fn names(&self) -> Vec<String> {
+        self.library.as_ref().filter(|l| self.board_has(l)).map(|l| l.names.clone()).unwrap_or_default()
     }
 
     /// The board's table is not the one on the host.
@@ -221,10 +228,15 @@ impl Monitor {
                 }
                 self.records.push_back(record);
             }
+            Event::Halves(halves) => {
+                let names = self.names();
+                if let Some(text) = self.curve.of(&halves, &names) {
+                    self.note(Weight::Remark, text);
+                }
+            }
             Event::Estimate(estimate) => self.estimate = Some(estimate),
             Event::Verdict(verdict) => {
-                let names = self.library.as_ref().filter(|l| self.board_has(l)).map(|l| l.names.clone());
-                self.note(Weight::Verdict, verdict_text(&verdict, &names.unwrap_or_default()));
+                self.note(Weight::Verdict, verdict_text(&verdict, &self.names()));
                 // The estimate of a palpation comes right before its verdict.
                 if self.estimate.as_ref().is_some_and(|e| e.palpation != verdict.palpation) {
                     self.estimate = None;
@@ -266,13 +278,17 @@ impl Monitor {
             Key::Up => self.choose(self.material.saturating_sub(1)),
             Key::Down => self.choose(self.material.saturating_add(1)),
             Key::Char(digit @ '0'..='9') => self.choose(digit as u8 - b'0'),
-            Key::Char('a' | 'p' | 'd' | 'c' | 't' | 'u') if self.connection != Connection::Open => {
+            Key::Char('a' | 'p' | 'd' | 'b' | 'c' | 't' | 'u') if self.connection != Connection::Open => {
                 self.note(Weight::Alarm, "no link to the board");
                 vec![]
             }
             Key::Char('a') => self.arm(),
             Key::Char('p') => self.if_armed(Mode::Palpate { rate_mm_s: self.rate_mm_s, depth_mm: self.depth_mm }),
             Key::Char('d') => self.if_armed(Mode::Display { material: self.material }),
+            // Again for the next press: the display stays on.
+            Key::Char('b') => {
+                self.command_if_armed(Command::Both { rate_mm_s: self.rate_mm_s, depth_mm: self.depth_mm })
+            }
             Key::Char('c') => vec![Command::ClearFaults],
             Key::Char('t') => vec![Command::Tare],
             Key::Char('u') if self.library.is_none() => {
@@ -318,10 +334,14 @@ impl Monitor {
     }
 
     fn if_armed(&mut self, mode: Mode) -> Vec<Command> {
+        self.command_if_armed(Command::Mode(mode))
+    }
+
+    fn command_if_armed(&mut self, command: Command) -> Vec<Command> {
         if self.armed {
-            return vec![Command::Mode(mode)];
+            return vec![command];
         }
-        self.note(Weight::Alarm, "not armed: press a first, then p or d; outputs go on with them");
+        self.note(Weight::Alarm, "not armed: press a first, then p, d or b; outputs go on with them");
         vec![]
     }
 }

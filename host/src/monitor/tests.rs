@@ -81,7 +81,7 @@ fn open() -> Monitor {
 fn outputs_go_on_only_after_arming_and_arming_ends_with_every_off() {
     let mut monitor = open();
     assert_eq!(monitor.key(Key::Char('p')), []);
-    assert_eq!(monitor.newest(), Some("not armed: press a first, then p or d; outputs go on with them"));
+    assert_eq!(monitor.newest(), Some("not armed: press a first, then p, d or b; outputs go on with them"));
     assert_eq!(monitor.key(Key::Char('a')), []);
     assert!(monitor.is_armed());
     assert_eq!(monitor.key(Key::Char('p')), [Command::Mode(Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 })]);

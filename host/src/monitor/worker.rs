@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use protocol::lut::Table;
-use protocol::message::{Hello, Mode, Status};
+use protocol::message::{DisplayMode, Hello, Mode, PalpationMode, Parts, Rule, Status};
 
 use super::{OffSwitch, Recording};
 use crate::link::{Link, LinkError};
@@ -20,6 +20,13 @@ use crate::session::{Event, Patience, Session, SessionError, Traffic};
 pub enum Command {
     /// Set the mode.
     Mode(Mode),
+    /// Press, and display what is identified, now and from the verdict on.
+    Both {
+        /// Rate of the probe, mm/s.
+        rate_mm_s: f32,
+        /// Depth after contact, mm.
+        depth_mm: f32,
+    },
     /// Clear latched faults.
     ClearFaults,
     /// Take the load cell's reading as zero.
@@ -30,6 +37,17 @@ pub enum Command {
     Record(bool),
     /// Outputs off, and end.
     Stop,
+}
+
+impl Command {
+    /// It switches outputs on.
+    fn switches_on(&self) -> bool {
+        match self {
+            Command::Mode(mode) => *mode != Mode::Idle,
+            Command::Both { .. } => true,
+            Command::ClearFaults | Command::Tare | Command::Upload | Command::Record(_) | Command::Stop => false,
+        }
+    }
 }
 
 /// What there is to show.
@@ -310,7 +328,7 @@ impl Conversation {
             match self.orders.try_recv() {
                 Ok((_, Command::Stop)) | Err(std::sync::mpsc::TryRecvError::Disconnected) => return End::Stopped,
                 // An off that came after it is carried out before it.
-                Ok((presses, Command::Mode(mode))) if mode != Mode::Idle && presses != self.off.presses() => {}
+                Ok((presses, command)) if command.switches_on() && presses != self.off.presses() => {}
                 Ok((_, command)) => {
                     if let Err(error) = self.carry_out(command, session) {
                         return End::Lost(error.to_string());
@@ -371,6 +389,7 @@ impl Conversation {
     fn carry_out(&mut self, command: Command, session: &mut Session<Box<dyn Link>>) -> Result<(), SessionError> {
         let done = match command {
             Command::Mode(mode) => session.set_mode(mode).map(|()| mode_text(&mode)),
+            Command::Both { rate_mm_s, depth_mm } => press_and_display(session, rate_mm_s, depth_mm),
             Command::ClearFaults => session.clear_faults().map(|()| "no fault is latched any more".to_owned()),
             Command::Tare => session.tare().map(|()| "the load cell's reading is its zero now".to_owned()),
             Command::Upload => self.upload(session),
@@ -467,6 +486,16 @@ fn take_up(board: &mut Option<SafeEnd>, link: Box<dyn Link>, why: &str) -> Resul
     let (session, hello) = Session::open(link, Patience::default())?;
     *board = Some(SafeEnd(session));
     Ok(hello)
+}
+
+fn press_and_display(
+    session: &mut Session<Box<dyn Link>>,
+    rate_mm_s: f32,
+    depth_mm: f32,
+) -> Result<String, SessionError> {
+    session.set_display(DisplayMode::Follow { parts: Parts::Both, by: Rule::Between })?;
+    session.set_palpation(PalpationMode::Press { rate_mm_s, depth_mm, surface_mm: None })?;
+    Ok(format!("palpating at {rate_mm_s:.1} mm/s, {depth_mm:.1} mm deep, and displaying what is identified"))
 }
 
 fn mode_text(mode: &Mode) -> String {

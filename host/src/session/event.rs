@@ -1,7 +1,7 @@
 //! What a board says unasked.
 
 use protocol::fault::Fault;
-use protocol::message::{Estimate, FaultReport, Telemetry, Verdict};
+use protocol::message::{Estimate, FaultReport, Halves, Telemetry, Verdict};
 
 use super::Gap;
 
@@ -10,6 +10,8 @@ use super::Gap;
 pub enum Event {
     /// One control tick.
     Telemetry(Telemetry),
+    /// What both halves did in the tick of the record before it; only while one is on that was asked for by itself.
+    Halves(Halves),
     /// What the Kalman filter made of the palpation whose verdict follows.
     Estimate(Estimate),
     /// The end of a palpation.

@@ -2,7 +2,7 @@
 
 use protocol::PROTOCOL_VERSION;
 use protocol::frame::{self, MAX_FRAME};
-use protocol::message::{Build, Hello, HelloRequest, Refusal, Report, Request, SCHEMA_HASH};
+use protocol::message::{Build, EARLIER, Hello, HelloRequest, Refusal, Report, Request, SCHEMA_HASH, is_known_schema};
 use protocol::rescue;
 
 use super::{Incoming, Patience, Session, SessionError};
@@ -31,15 +31,21 @@ impl<L: Link> Session<L> {
         Ok((session, hello))
     }
 
-    /// Greets the board, which switches its telemetry on.
+    /// Greets the board, which switches its telemetry on. One of an earlier table is greeted as a tool of that table: what came
+    /// later it refuses as unknown.
     pub(super) fn greet(&mut self) -> Result<Hello, SessionError> {
-        let greeting = Request::Hello(HelloRequest { protocol_version: PROTOCOL_VERSION, schema_hash: SCHEMA_HASH });
+        let greeting = |schema_hash| Request::Hello(HelloRequest { protocol_version: PROTOCOL_VERSION, schema_hash });
         // Bytes of an earlier conversation may lie in front of our first frame; a zero ends them.
         self.link.send(&[0])?;
-        let answer = self.request(&greeting);
+        let mut answer = self.request(&greeting(SCHEMA_HASH));
+        if let Ok(Report::Hello(hello)) = &answer
+            && EARLIER.contains(&hello.schema_hash)
+        {
+            answer = self.request(&greeting(hello.schema_hash));
+        }
         match answer {
             Ok(Report::Hello(hello))
-                if hello.protocol_version == PROTOCOL_VERSION && hello.schema_hash == SCHEMA_HASH =>
+                if hello.protocol_version == PROTOCOL_VERSION && is_known_schema(hello.schema_hash) =>
             {
                 Ok(hello)
             }

@@ -91,6 +91,7 @@ impl<L: Link> Session<L> {
                 self.jumped &= self.gap_open;
                 self.events.push_back(Event::Telemetry(record));
             }
+            Report::Halves(halves) => self.events.push_back(Event::Halves(halves)),
             Report::Estimate(estimate) => self.events.push_back(Event::Estimate(estimate)),
             Report::Verdict(verdict) => self.events.push_back(Event::Verdict(verdict)),
             Report::Fault(fault) => self.events.push_back(Event::Fault(fault)),

@@ -1,8 +1,8 @@
 //! The requests of the table of messages, one function each.
 
 use protocol::message::{
-    Calibration, Empty, Fitted, Gains, LastRun, Mode, ModeRequest, Refusal, Report, Request, Status, Surface,
-    TelemetryRate,
+    Calibration, DisplayMode, DisplayRequest, Empty, Fitted, Gains, Halves, LastRun, Mode, ModeRequest, PalpationMode,
+    PalpationRequest, Refusal, Report, Request, Status, Surface, TelemetryRate,
 };
 
 use super::{Session, SessionError};
@@ -37,6 +37,33 @@ impl<L: Link> Session<L> {
                 Ok(())
             }
             other => other.map(|_| ()),
+        }
+    }
+
+    /// Sets what the palpation half does, whatever the display does; otherwise as [`Session::set_mode`].
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_palpation(&mut self, palpation: PalpationMode) -> Result<(), SessionError> {
+        self.request(&Request::SetPalpation(PalpationRequest { palpation, lease_ms: LEASE_MS })).map(|_| ())
+    }
+
+    /// Sets what the display half does, whatever palpation does; otherwise as [`Session::set_mode`].
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_display(&mut self, display: DisplayMode) -> Result<(), SessionError> {
+        self.request(&Request::SetDisplay(DisplayRequest { display, lease_ms: LEASE_MS })).map(|_| ())
+    }
+
+    /// What both halves are doing.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn halves(&mut self) -> Result<Halves, SessionError> {
+        match self.request(&Request::GetHalves(Empty {}))? {
+            Report::Halves(halves) => Ok(halves),
+            _ => Err(self.no_sense("GetHalves")),
         }
     }
 

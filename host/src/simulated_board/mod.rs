@@ -13,7 +13,6 @@ use firmware::board::{Board, Identity, Inputs, Outputs};
 use firmware::config::BoardConfig;
 use firmware::fast::{FAST_STEPS, FastLoop};
 use firmware::flash::{BANK_LEN, RamFlash};
-use firmware::interlock::Power;
 use firmware::link::LinkId;
 use firmware::sensor::RawSamples;
 use protocol::TICK_HZ;
@@ -116,9 +115,9 @@ impl SimulatedBoard {
         }
     }
 
-    /// What reaches the coil's switch: the interlock passes nothing on unless the display is on.
+    /// What reaches the coil's switch: the interlock passes nothing on unless the coil is on.
     fn driven_duty(&self) -> f32 {
-        if self.outputs.power == Power::Display { self.coil_duty } else { 0.0 }
+        if self.outputs.power.coil { self.coil_duty } else { 0.0 }
     }
 
     /// Lets one control tick pass.

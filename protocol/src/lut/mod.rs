@@ -63,6 +63,7 @@
 //! actuator only.
 
 mod axis;
+mod between;
 mod bytes;
 mod display;
 mod error;
@@ -72,6 +73,7 @@ mod reader;
 mod writer;
 
 pub use axis::{Axis, Role, Scale};
+pub use between::{Between, mixed};
 pub use display::{CoilLimits, Current};
 pub use error::TableError;
 pub use library::Material;

@@ -51,9 +51,10 @@ wire! {
     pub struct Status {
         /// Time since start, ms.
         pub uptime_ms: u32,
-        /// Commanded mode.
+        /// Commanded mode: a press if there is one, else the display, by the first library entry that it
+        /// shows (0xff as long as it waits for a verdict).
         pub mode: Mode,
-        /// What the board is doing.
+        /// What the board is doing: palpation while it does anything, else display.
         pub state: State,
         /// Latched faults.
         pub faults: FaultSet,

@@ -5,6 +5,7 @@
 //! answered by the report named beside it, or by [`Refused`].
 
 mod board;
+mod halves;
 mod identification;
 mod last_run;
 mod setup;
@@ -13,6 +14,9 @@ mod telemetry;
 
 pub use board::{
     Build, CalibrationState, Fitted, Hello, HelloRequest, Holder, Mode, ModeRequest, ResetCause, State, Status,
+};
+pub use halves::{
+    Curve, DisplayMode, DisplayRequest, DisplayState, Halves, PalpationMode, PalpationRequest, Parts, Rule,
 };
 pub use identification::{Estimate, Outcome, Recognition, Verdict};
 pub use last_run::{CHANGES, FILE_LEN, LastRun, RunEnd, StateChange};
@@ -85,6 +89,8 @@ wire! {
         NoPalpator,
         /// Neither actuator nor coil of the display are fitted.
         NoDisplay,
+        /// The table has no library, or no axes of mu and alpha, to interpolate between its materials.
+        NotBetween,
     }
 }
 
@@ -110,7 +116,12 @@ impl Refusal {
                 "the stored calibration cannot be read: load one first (palpate board calibrate --load FILE)"
             }
             Refusal::NoPalpator => "no palpator is fitted to this board (palpate board fit)",
-            Refusal::NoDisplay => "neither actuator nor coil are fitted to this board (palpate board fit)",
+            Refusal::NoDisplay => {
+                "neither actuator nor coil, or not the one that is asked for, are fitted to this board (palpate board fit)"
+            }
+            Refusal::NotBetween => {
+                "the table has no library, or no axes of mu and alpha, to find a place between its materials"
+            }
         }
     }
 }
@@ -142,6 +153,14 @@ messages! {
         0x0a ExpectSurface(Surface),
         /// Stored with the calibration. Answered by [`Report::Accepted`]; only in idle.
         0x0b SetFitted(Fitted),
+        /// Palpation, whatever the display does. Answered by [`Report::Accepted`]; otherwise as
+        /// [`Request::SetMode`].
+        0x0c SetPalpation(PalpationRequest),
+        /// Display, whatever palpation does. Answered by [`Report::Accepted`]; otherwise as
+        /// [`Request::SetMode`].
+        0x0d SetDisplay(DisplayRequest),
+        /// Answered by [`Report::Halves`].
+        0x0e GetHalves(Empty),
         /// Erases the inactive slot. Answered by [`Report::TableState`]; only in idle.
         0x10 TableBegin(TableBegin),
         /// Answered by [`Report::TableState`].
@@ -177,7 +196,18 @@ messages! {
         0x8a Estimate(Estimate),
         /// Why the run before this one ended.
         0x8b LastRun(LastRun),
+        /// What both halves do.
+        0x8c Halves(Halves),
     }
+}
+
+/// Schema hashes of earlier tables of this version. The present table only adds to them: whoever was built
+/// from one of these is understood, and is told nothing that came later.
+pub const EARLIER: [u64; 1] = [0x8504_e3d0_9c49_3aeb];
+
+/// True for the present table and for those that it adds to.
+pub fn is_known_schema(hash: u64) -> bool {
+    hash == SCHEMA_HASH || EARLIER.contains(&hash)
 }
 
 /// Why bytes with a valid CRC are not a message.

@@ -9,7 +9,8 @@ wire! {
     pub struct Telemetry {
         /// Number of the control tick since start.
         pub tick: u32,
-        /// What the board is doing.
+        /// What the board is doing: palpation while it does anything, else display. Both by themselves are in
+        /// [`super::Halves`].
         pub state: State,
         /// Latched faults.
         pub faults: FaultSet,

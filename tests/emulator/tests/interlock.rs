@@ -12,7 +12,9 @@ use emulator::time::MILLISECOND;
 use palpate::plant::{Jitter, Touch};
 use palpate::session::{Patience, Session};
 use protocol::frame::{self, MAX_FRAME};
-use protocol::message::{Empty, Mode, ModeRequest, Request};
+use protocol::message::{
+    DisplayMode, DisplayRequest, Empty, Mode, ModeRequest, PalpationMode, PalpationRequest, Parts, Request,
+};
 
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -55,7 +57,19 @@ fn host(rng: &mut Pcg64, board: &mut EmulatedBoard) {
     let display = Mode::Display { material: 0 };
     let palpate = Mode::Palpate { rate_mm_s: 2.0, depth_mm: 4.0 };
     let mode = |mode| Request::SetMode(ModeRequest { mode, lease_ms: 300 });
-    let request = match rng.random_range(0..8) {
+    let half = |on: bool| {
+        let press = PalpationMode::Press { rate_mm_s: 2.0, depth_mm: 4.0, surface_mm: None };
+        let palpation = if on { press } else { PalpationMode::Idle };
+        Request::SetPalpation(PalpationRequest { palpation, lease_ms: 300 })
+    };
+    let shown = |on: bool| {
+        let shown = DisplayMode::Material { parts: Parts::Both, material: 0 };
+        let display = if on { shown } else { DisplayMode::Idle };
+        Request::SetDisplay(DisplayRequest { display, lease_ms: 300 })
+    };
+    let request = match rng.random_range(0..11) {
+        8 | 9 => half(rng.random_bool(0.7)),
+        10 => shown(rng.random_bool(0.7)),
         0 => mode(Mode::Idle),
         1 | 2 => mode(display),
         3 => mode(palpate),

@@ -9,7 +9,9 @@ use firmware::board::FIRMWARE_VERSION;
 use palpate::link::{Link, LinkError};
 use palpate::session::{Patience, Session};
 use protocol::frame::{Decoder, MAX_FRAME, encode, encode_report, encode_request};
-use protocol::message::{Empty, Hello, HelloRequest, Mode, ModeRequest, Refusal, Report, Request, SCHEMA_HASH};
+use protocol::message::{
+    EARLIER, Empty, Hello, HelloRequest, Mode, ModeRequest, Refusal, Report, Request, SCHEMA_HASH,
+};
 use protocol::{PROTOCOL_VERSION, rescue};
 
 type Frame = (u8, Vec<u8>);
@@ -170,4 +172,15 @@ fn a_new_host_asks_an_old_board_by_the_frozen_message_and_says_what_to_do() {
         "{schema}"
     );
     assert!(schema.ends_with("write the firmware that belongs to this tool with `palpate flash`"), "{schema}");
+}
+
+/// A board of a table that this one only adds to: it is greeted as its own tool greets it, and understood.
+#[test]
+fn a_new_host_talks_to_a_board_of_the_table_before() {
+    let aged =
+        Aged { inner: EmulatedUart::new(common::board()), old: Old::Schema(EARLIER[0]), decoder: Decoder::new() };
+    let (mut session, hello) = Session::open(aged, Patience::default()).unwrap();
+    assert_eq!(hello.schema_hash, EARLIER[0]);
+    session.set_mode(Mode::Idle).unwrap();
+    assert!(session.status().unwrap().faults.is_empty());
 }

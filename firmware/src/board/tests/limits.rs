@@ -40,7 +40,7 @@ fn the_stroke_ends_at_its_limits_and_earlier_without_readings() {
 fn an_output_that_is_not_a_number_is_not_put_out_and_is_a_fault() {
     let mut bench = Bench::new();
     bench.mode(PALPATE);
-    bench.board.machine.mode.commanded = Mode::Palpate { rate_mm_s: f32::NAN, depth_mm: 3.5 };
+    bench.board.machine.mode.palpating = crate::mode::Palpating::pressing_at(f32::NAN);
     bench.tick();
     assert_eq!(bench.outputs, Outputs::default());
     bench.tick();

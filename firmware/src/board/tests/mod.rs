@@ -2,6 +2,7 @@
 
 mod coil;
 mod end_stop;
+mod halves;
 mod hazards;
 mod holders;
 mod limits;

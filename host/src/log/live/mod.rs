@@ -1,5 +1,6 @@
 //! What a person sees while a board is listened to.
 
+mod curve;
 mod plain;
 mod screen;
 
@@ -8,6 +9,7 @@ use std::io::IsTerminal;
 use protocol::lut::Table;
 use protocol::message::{Estimate, Outcome, Recognition, Verdict};
 
+pub use curve::CurveNews;
 pub use plain::Plain;
 pub use screen::Screen;
 

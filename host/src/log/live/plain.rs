@@ -1,6 +1,6 @@
 //! Lines for pipes and log files.
 
-use super::{LiveView, estimate_text, verdict_text};
+use super::{CurveNews, LiveView, estimate_text, verdict_text};
 use crate::session::{Event, Traffic, fault_text, gap_text};
 use protocol::TICK_HZ;
 
@@ -9,12 +9,13 @@ use protocol::TICK_HZ;
 pub struct Plain {
     library: Vec<String>,
     next_tick: u32,
+    curve: CurveNews,
 }
 
 impl Plain {
     /// A view that names materials as in `library`.
     pub fn new(library: Vec<String>) -> Self {
-        Plain { library, next_tick: 0 }
+        Plain { library, ..Plain::default() }
     }
 }
 
@@ -41,6 +42,11 @@ impl LiveView for Plain {
                     traffic.frames_received + traffic.frames_lost,
                     t.shown.words().map(|word| format!("  {word}")).collect::<String>(),
                 );
+            }
+            Event::Halves(h) => {
+                if let Some(text) = self.curve.of(h, &self.library) {
+                    errln!("{text}");
+                }
             }
             Event::Estimate(e) => errln!("{}", estimate_text(e)),
             Event::Verdict(v) => errln!("{}", verdict_text(v, &self.library)),

@@ -19,7 +19,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 use ratatui::{Frame, prelude::Alignment};
 
-use super::{LiveView, estimate_text, verdict_text};
+use super::{CurveNews, LiveView, estimate_text, verdict_text};
 use crate::session::{Event, Traffic, fault_text, gap_text};
 
 /// Ticks that the charts show: ten seconds.
@@ -33,6 +33,7 @@ pub struct Screen {
     terminal: Terminal<CrosstermBackend<Stderr>>,
     board: String,
     library: Vec<String>,
+    curve: CurveNews,
     records: VecDeque<Telemetry>,
     traffic: Traffic,
     happened: VecDeque<Line<'static>>,
@@ -51,6 +52,7 @@ impl Screen {
             terminal: Terminal::new(CrosstermBackend::new(stderr()))?,
             board: board.to_owned(),
             library,
+            curve: CurveNews::default(),
             records: VecDeque::with_capacity(SHOWN),
             traffic: Traffic::default(),
             happened: VecDeque::new(),
@@ -119,6 +121,11 @@ impl LiveView for Screen {
                     self.records.pop_front();
                 }
                 self.records.push_back(t.clone());
+            }
+            Event::Halves(h) => {
+                if let Some(text) = self.curve.of(h, &self.library) {
+                    self.remember(text.into());
+                }
             }
             Event::Estimate(e) => self.remember(estimate_text(e).into()),
             Event::Verdict(v) => self.remember(verdict_text(v, &self.library).into()),

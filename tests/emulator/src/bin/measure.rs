@@ -15,7 +15,7 @@ use palpate::demo::{self, BALL_RADIUS_MM};
 use palpate::plant::{Jitter, Touch};
 use palpate::session::{Event, Patience, Session};
 use protocol::lut::Table;
-use protocol::message::{Mode, State, Telemetry};
+use protocol::message::{DisplayMode, DisplayState, Mode, PalpationMode, Parts, Rule, State, Telemetry};
 
 /// Lets the image palpate the demo's four foams and display one, counts the methods of identification one by one, and prints what both cost. Exits 1
 /// when a budget is exceeded.
@@ -43,7 +43,17 @@ const TICK_SHARE: f64 = 0.10;
 const TOUCH: Touch = Touch { peak_n: 3.0, period_s: 3.0 };
 const STROKE_MM: f32 = 4.5;
 
-const STATES: [State; 5] = [State::Idle, State::Approach, State::Contact, State::Retract, State::Display];
+/// Ticks that are counted: their name, state, and whether the display is on beside a palpation.
+const TICKS: [(&str, State, bool); 8] = [
+    ("Idle", State::Idle, false),
+    ("Approach", State::Approach, false),
+    ("Contact", State::Contact, false),
+    ("Retract", State::Retract, false),
+    ("Display", State::Display, false),
+    ("Approach and display", State::Approach, true),
+    ("Contact and display", State::Contact, true),
+    ("Retract and display", State::Retract, true),
+];
 
 type Talk<'a> = Session<EmulatedUart<&'a mut EmulatedBoard>>;
 type Failed = Box<dyn std::error::Error>;
@@ -142,21 +152,22 @@ fn ticks(image: &Path, demo_table: &[u8]) -> Result<(String, Vec<String>), Faile
 
     let mut exceeded = Vec::new();
     let mut rows = Vec::new();
-    for state in STATES {
+    for (name, state, both) in TICKS {
         // A record tells the duration of the tick before it.
-        let pairs = records.windows(2).filter(|w| w[0].state == state && w[1].tick == w[0].tick + 1);
-        let us: Vec<f64> = pairs.map(|w| f64::from(w[1].tick_us)).collect();
+        let is_it = |(record, shown): &(Telemetry, bool)| record.state == state && *shown == both;
+        let pairs = records.windows(2).filter(|w| is_it(&w[0]) && w[1].0.tick == w[0].0.tick + 1);
+        let us: Vec<f64> = pairs.map(|w| f64::from(w[1].0.tick_us)).collect();
         let longest = us.iter().copied().fold(0.0, f64::max);
         let mean = us.iter().sum::<f64>() / us.len().max(1) as f64;
         if us.is_empty() || share(longest * PER_US) > 100.0 * TICK_SHARE {
             exceeded.push(format!(
-                "tick in {state:?}: {longest} us of {} ticks, budget {:.0} us",
+                "tick in {name}: {longest} us of {} ticks, budget {:.0} us",
                 us.len(),
                 20_000.0 * TICK_SHARE
             ));
         }
         rows.push(vec![
-            format!("{state:?}"),
+            name.to_owned(),
             us.len().to_string(),
             format!("{:.0}", mean * PER_US),
             format!("{:.0}", longest * PER_US),
@@ -174,8 +185,9 @@ fn ticks(image: &Path, demo_table: &[u8]) -> Result<(String, Vec<String>), Faile
     Ok((table(&head, &rows) + &rest, exceeded))
 }
 
-/// Records of four palpations and a display.
-fn session(board: &mut EmulatedBoard, shown: u8) -> Result<Vec<Telemetry>, Failed> {
+/// Records of four palpations and a display, and of four palpations beside a display that follows them; with each whether a display
+/// was on beside a palpation.
+fn session(board: &mut EmulatedBoard, shown: u8) -> Result<Vec<(Telemetry, bool)>, Failed> {
     let mut records = Vec::new();
     let (mut session, _) = Session::open(EmulatedUart::new(board), Patience::default())?;
     for foam in demo::bench_foams(4.0, &|_| {})? {
@@ -186,15 +198,31 @@ fn session(board: &mut EmulatedBoard, shown: u8) -> Result<Vec<Telemetry>, Faile
     session.set_mode(Mode::Display { material: shown })?;
     session.link_mut().board().touch(Some(TOUCH));
     listen(&mut session, 6.0, &mut records)?;
+    session.set_mode(Mode::Idle)?;
+    session.set_display(DisplayMode::Follow { parts: Parts::Both, by: Rule::Between })?;
+    for foam in demo::bench_foams(4.0, &|_| {})? {
+        session.link_mut().board().place(foam);
+        session.set_palpation(PalpationMode::Press { rate_mm_s: 4.0, depth_mm: 4.0, surface_mm: None })?;
+        listen(&mut session, 8.0, &mut records)?;
+    }
     Ok(records)
 }
 
 /// Collects records for a while.
-fn listen(session: &mut Talk<'_>, for_s: f64, records: &mut Vec<Telemetry>) -> Result<(), Failed> {
+fn listen(session: &mut Talk<'_>, for_s: f64, records: &mut Vec<(Telemetry, bool)>) -> Result<(), Failed> {
     let until_s = session.link_mut().board().time_s() + for_s;
     while let Some(event) = session.poll(until_s)? {
-        if let Event::Telemetry(record) = event {
-            records.push(record);
+        match event {
+            Event::Telemetry(record) => records.push((record, false)),
+            // Comes right after the record of the same tick.
+            Event::Halves(halves) => {
+                if let Some((record, both)) = records.last_mut() {
+                    *both = record.tick == halves.tick
+                        && halves.display == DisplayState::On
+                        && record.state != State::Display;
+                }
+            }
+            _ => {}
         }
     }
     Ok(())

@@ -5,12 +5,23 @@ use palpate::plant::{Broken, Foam, Input, Touch};
 use palpate::simulated_board::SimulatedBoard;
 use protocol::frame::{self, CRC32, Decoder, MAX_FRAME};
 use protocol::message::{
-    CHUNK_LEN, Empty, FaultReport, Mode, ModeRequest, Report, Request, TableBegin, TableChunk, Telemetry, Verdict,
+    CHUNK_LEN, DisplayMode, DisplayRequest, Empty, FaultReport, Halves, Mode, ModeRequest, PalpationMode,
+    PalpationRequest, Report, Request, TableBegin, TableChunk, Telemetry, Verdict,
 };
 
 /// A request for a mode with the longest lease.
 pub fn set_mode(mode: Mode) -> Request {
     Request::SetMode(ModeRequest { mode, lease_ms: 1000 })
+}
+
+/// A request for the palpation half with the longest lease.
+pub fn set_palpation(palpation: PalpationMode) -> Request {
+    Request::SetPalpation(PalpationRequest { palpation, lease_ms: 1000 })
+}
+
+/// A request for the display half with the longest lease.
+pub fn set_display(display: DisplayMode) -> Request {
+    Request::SetDisplay(DisplayRequest { display, lease_ms: 1000 })
 }
 
 /// One thing that is done to the board.
@@ -130,6 +141,7 @@ impl Script {
 #[derive(Default)]
 pub struct Heard {
     pub records: Vec<Telemetry>,
+    pub halves: Vec<Halves>,
     pub verdicts: Vec<Verdict>,
     pub faults: Vec<FaultReport>,
     /// Everything that was refused, by kind and reason.
@@ -164,6 +176,7 @@ impl Heard {
     fn keep(&mut self, report: Report) {
         match report {
             Report::Telemetry(record) => self.records.push(record),
+            Report::Halves(halves) => self.halves.push(halves),
             Report::Verdict(verdict) => self.verdicts.push(verdict),
             Report::Fault(fault) => self.faults.push(fault),
             Report::Refused(refused) => self.refused.push(format!("{refused:?}")),

@@ -1,0 +1,148 @@
+//! Which curve the display shows, and how it goes over to another one.
+//!
+//! # The transition
+//! Curves are exchanged by mixing: over [`FADE_TICKS`] the share of the new one rises evenly from 0 to 1, at
+//! every force between what both ask for. So an exchange in the middle of a press moves shaft and current by a
+//! fiftieth of the difference of both a tick, and nothing jumps; without force all curves ask for no current,
+//! and none flows. A curve that is asked for meanwhile waits for the end of the transition.
+
+use protocol::TICK_HZ;
+use protocol::lut::{Between, Current, Table, mixed};
+use protocol::message::Curve;
+
+/// Ticks of a transition: one second. A tick then changes what is felt by 2 % of the difference of both curves.
+/// Of two materials that differ by all of the felt force that is an eighth of the least change that a finger
+/// tells (Weber fraction 15 %).
+pub const FADE_TICKS: u16 = TICK_HZ as u16;
+
+/// What a curve asks for at a force.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wanted {
+    /// Shaft position, mm.
+    pub shaft_mm: f32,
+    /// Coil current; `None` without control curve.
+    pub current: Option<Current>,
+    /// Error bound of the current, A; 0 without control curve.
+    pub bound_a: f32,
+}
+
+/// Where a curve comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Origin {
+    /// Number of the palpation; 0 for a curve that was asked for by itself.
+    pub of_palpation: u32,
+    /// How far travel may be off that of the identified material, as fraction of it.
+    pub departs: f32,
+    /// The material lies not between entries.
+    pub outside: bool,
+}
+
+/// The curve that is shown, the one before it during a transition, and the next one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Showing {
+    from: Curve,
+    to: (Curve, Origin),
+    next: (Curve, Origin),
+    /// Ticks until the end of the transition.
+    left: u16,
+}
+
+impl Showing {
+    /// Nothing is shown.
+    pub const NOTHING: Showing = Showing::of(Curve::NONE, Origin::ASKED);
+
+    /// A curve that is shown from the beginning.
+    pub const fn of(curve: Curve, origin: Origin) -> Self {
+        Showing { from: Curve::NONE, to: (curve, origin), next: (Curve::NONE, Origin::ASKED), left: 0 }
+    }
+
+    /// True if there is no curve.
+    pub const fn is_nothing(&self) -> bool {
+        self.to.0.low == Curve::NO_ENTRY
+    }
+
+    /// The curve that is shown, or gone over to.
+    pub const fn to(&self) -> Curve {
+        self.to.0
+    }
+
+    /// Where it comes from.
+    pub const fn origin(&self) -> Origin {
+        self.to.1
+    }
+
+    /// How far it has been gone over to, 0 to 1.
+    pub fn share(&self) -> f32 {
+        1.0 - f32::from(self.left) / f32::from(FADE_TICKS)
+    }
+
+    /// Goes over to a curve. None changes nothing, and the one that is shown only where it comes from.
+    pub fn go_over(&mut self, curve: Curve, origin: Origin) {
+        if curve == Curve::NONE {
+            return;
+        }
+        if self.left > 0 {
+            self.next = (curve, origin);
+        } else if curve == self.to() {
+            self.to.1 = origin;
+        } else {
+            *self = Showing { from: self.to(), left: FADE_TICKS, ..Showing::of(curve, origin) };
+        }
+    }
+
+    /// One tick.
+    pub fn step(&mut self) {
+        self.left = self.left.saturating_sub(1);
+        if self.left == 0 {
+            let (next, origin) = self.next;
+            *self = Showing::of(self.to(), self.origin());
+            self.go_over(next, origin);
+        }
+    }
+
+    /// What is wanted at a force; nothing without a curve, or without its entries in the table. `still_mm` is
+    /// where the shaft stays as long as nothing is shown.
+    pub fn at(&self, table: &Table<'_>, force_n: f32, still_mm: f32) -> Option<Wanted> {
+        let of = |curve: Curve| {
+            let between = Between::new(table, curve.low, curve.high, curve.weight)?;
+            Some(Wanted {
+                shaft_mm: between.shaft_mm(force_n),
+                current: between.current(force_n),
+                bound_a: between.bound_a(force_n).unwrap_or(0.0),
+            })
+        };
+        let to = of(self.to())?;
+        if self.left == 0 {
+            return Some(to);
+        }
+        let from = of(self.from).unwrap_or(Wanted { shaft_mm: still_mm, ..Wanted::default() });
+        Some(from.mixed(&to, self.share()))
+    }
+}
+
+impl Origin {
+    /// Asked for by itself.
+    pub const ASKED: Origin = Origin { of_palpation: 0, departs: 0.0, outside: false };
+}
+
+impl Wanted {
+    /// Mixed with the share `share` of another one. What has no control curve mixes as no current.
+    fn mixed(&self, to: &Wanted, share: f32) -> Wanted {
+        let none = Current { a: 0.0, unreachable: false };
+        let current = match (self.current, to.current) {
+            (None, None) => None,
+            (from, to) => {
+                let (from, to) = (from.unwrap_or(none), to.unwrap_or(none));
+                Some(Current { a: mixed(from.a, to.a, share), unreachable: from.unreachable || to.unreachable })
+            }
+        };
+        Wanted {
+            shaft_mm: mixed(self.shaft_mm, to.shaft_mm, share),
+            current,
+            bound_a: mixed(self.bound_a, to.bound_a, share),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
