@@ -18,7 +18,7 @@ pub const DEFAULT_GAINS: Gains = Gains { kp: 2.4, ki: 9.6, kd: 0.08, n: 50.0 };
 pub const U_MAX_V: f32 = 5.0;
 
 /// Gains above these are refused: ten times what the plant bears at 50 Hz.
-const GAIN_CEILING: Gains = Gains { kp: 50.0, ki: 500.0, kd: 5.0, n: 500.0 };
+pub const GAIN_CEILING: Gains = Gains { kp: 50.0, ki: 500.0, kd: 5.0, n: 500.0 };
 
 /// True if every gain is a number within `[0, ceiling]` and the filter corner is positive.
 pub fn gains_are_usable(gains: &Gains) -> bool {

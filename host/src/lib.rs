@@ -5,6 +5,7 @@
 #[macro_use]
 mod print;
 
+pub mod actuator;
 pub mod calibration;
 pub mod cli;
 pub mod control;
@@ -32,4 +33,5 @@ pub mod simulate;
 pub mod simulated_board;
 pub mod study;
 pub mod sweep;
+pub mod tune;
 pub mod unseen;
