@@ -50,7 +50,8 @@ pub fn parse(file: &Path, text: &str) -> Result<Actuator, ExperimentError> {
     let root = Section::new(document, "the file".to_owned(), 0..0, root.get_ref());
     root.only(&KEYS)?;
     let plant = root.section("plant", "[plant]".to_owned())?;
-    let plant = plant.ok_or_else(|| root.missing("plant", "a table with numerator and denominator, or gain and poles_per_s"))?;
+    let plant = plant
+        .ok_or_else(|| root.missing("plant", "a table with numerator and denominator, or gain and poles_per_s"))?;
     let intervals = root.section("interval95", "interval95".to_owned())?;
     if let Some(intervals) = &intervals {
         intervals.only(&WITH_INTERVAL)?;
@@ -79,7 +80,8 @@ pub fn parse(file: &Path, text: &str) -> Result<Actuator, ExperimentError> {
         command_limit_v: limit.unwrap_or(f64::from(firmware::pid::U_MAX_V)),
     };
     if read.rate_limit_mm_per_s.is_some_and(|known| known.value <= 0.0) {
-        let text = "rate_limit_mm_per_s is 0: the shaft cannot move; expected a speed above 0, or no such key".to_owned();
+        let text =
+            "rate_limit_mm_per_s is 0: the shaft cannot move; expected a speed above 0, or no such key".to_owned();
         return Err(document.error(root.span.clone(), Problem::Contradiction(text)));
     }
     if read.flaws().any() && read.plant().numerator.degree() > 0 {
@@ -96,7 +98,9 @@ fn interval(section: &Section<'_>, key: &str, value: f64) -> Result<Option<(f64,
     match section.numbers(key, PAIR)?.as_deref() {
         None => Ok(None),
         Some(&[low, high]) if low <= value && value <= high => Ok(Some((low, high))),
-        Some(_) => Err(section.value(key).map_or_else(|| section.missing(key, PAIR), |own| section.bad(key, own, PAIR))),
+        Some(_) => {
+            Err(section.value(key).map_or_else(|| section.missing(key, PAIR), |own| section.bad(key, own, PAIR)))
+        }
     }
 }
 
@@ -169,7 +173,12 @@ fn poles(plant: &Section<'_>) -> Result<Form, ExperimentError> {
     let intervals = own.as_ref().and_then(|own| own.value("poles_per_s"));
     let ends: Option<Vec<&Spanned<DeValue<'_>>>> = match intervals.map(Spanned::get_ref) {
         Some(DeValue::Array(list)) if list.len() == items.len() => Some(list.iter().collect()),
-        Some(_) => return Err(own.as_ref().zip(intervals).map_or_else(bad, |(own, v)| own.bad("poles_per_s", v, "one interval a pole"))),
+        Some(_) => {
+            return Err(own
+                .as_ref()
+                .zip(intervals)
+                .map_or_else(bad, |(own, v)| own.bad("poles_per_s", v, "one interval a pole")));
+        }
         None => None,
     };
     let mut poles = Vec::new();

@@ -127,3 +127,6 @@ impl Actuator {
         if found.bounds.is_empty() { Uncertain::within(&self.plant(), part) } else { found }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -43,9 +43,14 @@ impl Plant {
     /// State space without the dead time: `x' = A x + b u`, `y = c x`, controllable companion form.
     pub fn state_space(&self) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
         let n = self.order();
-        let a = DMatrix::from_fn(n, n, |i, j| {
-            if i + 1 == n { -self.denominator.at(j) } else { f64::from(u8::from(j == i + 1)) }
-        });
+        let a =
+            DMatrix::from_fn(
+                n,
+                n,
+                |i, j| {
+                    if i + 1 == n { -self.denominator.at(j) } else { f64::from(u8::from(j == i + 1)) }
+                },
+            );
         let b = DVector::from_fn(n, |i, _| f64::from(u8::from(i + 1 == n)));
         let c = DVector::from_fn(n, |i, _| self.numerator.at(i));
         (a, b, c)

@@ -81,7 +81,8 @@ impl Uncertain {
     /// Values of all corners of the box.
     pub fn corners(&self) -> Vec<Vec<f64>> {
         let corner = |bits: usize| {
-            let one = |(i, (_, low, high)): (usize, &(Coefficient, f64, f64))| if bits >> i & 1 == 0 { *low } else { *high };
+            let one =
+                |(i, (_, low, high)): (usize, &(Coefficient, f64, f64))| if bits >> i & 1 == 0 { *low } else { *high };
             self.bounds.iter().enumerate().map(one).collect()
         };
         (0..1 << self.bounds.len()).map(corner).collect()

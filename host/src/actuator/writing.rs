@@ -40,10 +40,13 @@ impl Actuator {
                 bounds(&mut text, &all.collect::<Vec<_>>());
             }
             Form::Poles { gain, poles } => {
-                let values: Vec<String> = poles.iter().map(|pole| match pole {
-                    Pole::Real(real) => format!("{:?}", real.value),
-                    Pole::Pair(real, imaginary) => format!("[{:?}, {:?}]", real.value, imaginary.value),
-                }).collect();
+                let values: Vec<String> = poles
+                    .iter()
+                    .map(|pole| match pole {
+                        Pole::Real(real) => format!("{:?}", real.value),
+                        Pole::Pair(real, imaginary) => format!("[{:?}, {:?}]", real.value, imaginary.value),
+                    })
+                    .collect();
                 let _ = writeln!(text, "gain = {:?}\npoles_per_s = [{}]", gain.value, values.join(", "));
                 let one = |pole: &Pole| match pole {
                     Pole::Real(real) => real.interval95.map(pair),

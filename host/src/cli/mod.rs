@@ -29,6 +29,7 @@ mod series;
 pub mod simulate;
 pub mod study;
 pub mod sweep;
+pub mod tune;
 
 use std::process::ExitCode;
 
@@ -81,6 +82,8 @@ enum Command {
     Magnet(magnet::Arguments),
     /// Find what coil and actuator must do so that a material is felt: control curves by finite elements
     ControlCurve(control_curve::Arguments),
+    /// Search the gains of the display's position loop, with margins and a certified worst case
+    Tune(tune::Arguments),
     /// Press a finger on a plate or a foam by finite elements: force, contact, pressure, Mises stress
     Finger(finger::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
@@ -112,6 +115,7 @@ pub fn main() -> ExitCode {
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::ControlCurve(arguments) => control_curve::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
         Command::Finger(arguments) => finger::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };

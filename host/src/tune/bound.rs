@@ -16,9 +16,9 @@ use super::continuous::Loop;
 use super::cubic::Cubic;
 use super::gains::Gains;
 use super::modal::{Modal, Signal};
-use crate::actuator::polynomial::Polynomial;
 use super::read::{Reader, Sample};
 use super::step::Step;
+use crate::actuator::polynomial::Polynomial;
 use crate::actuator::uncertain::{Coefficient, Uncertain};
 
 /// Finer steps than a single response needs: what is largest between two points is looked for with a cubic.
@@ -76,21 +76,29 @@ pub(super) fn bound(uncertain: &Uncertain, gains: &Gains, middle: &[f64], halves
     let signals = Signals {
         error: signal(&(&(&own.e * &own.a) * &own.chi)),
         command: signal(&(&(&own.d * &own.a) * &own.chi)),
-        by: ways.iter().zip(halves).map(|((da, db), half)| {
-            let change = &(&own.b * da) + &(&own.a * db).scaled(-1.0);
-            let change = (&own.d * &change).scaled(*half);
-            (signal(&(&own.e * &change)), signal(&(&own.d * &change)))
-        }).collect(),
+        by: ways
+            .iter()
+            .zip(halves)
+            .map(|((da, db), half)| {
+                let change = &(&own.b * da) + &(&own.a * db).scaled(-1.0);
+                let change = (&own.d * &change).scaled(*half);
+                (signal(&(&own.e * &change)), signal(&(&own.d * &change)))
+            })
+            .collect(),
     };
     Ok(read(&twice, &signals, rest, &gammas))
 }
 
 /// Parts of gamma by coefficient.
 fn gammas(own: &Loop, modal: &Modal, ways: &[(Polynomial, Polynomial)], halves: &[f64]) -> Vec<f64> {
-    let signals: Vec<Signal> = ways.iter().zip(halves).map(|((da, db), half)| {
-        let change = (&(da * &own.e) + &(db * &own.d)).scaled(*half);
-        modal.impulse_of(&change, own.chi.leading())
-    }).collect();
+    let signals: Vec<Signal> = ways
+        .iter()
+        .zip(halves)
+        .map(|((da, db), half)| {
+            let change = (&(da * &own.e) + &(db * &own.d)).scaled(*half);
+            modal.impulse_of(&change, own.chi.leading())
+        })
+        .collect();
     let (mut sums, mut last) = (vec![0.0; signals.len()], vec![0.0; signals.len()]);
     modal.walk(f64::INFINITY, FINER, |_, step, state| {
         for ((signal, sum), last) in signals.iter().zip(&mut sums).zip(&mut last) {
@@ -113,7 +121,8 @@ struct Corner {
 
 fn read(twice: &Modal, signals: &Signals, rest: f64, gammas: &[f64]) -> Bound {
     let count = signals.by.len();
-    let mut corners: Vec<Corner> = (0..1 << count).map(|_| Corner { late: [f64::NEG_INFINITY; 2], ..Corner::default() }).collect();
+    let mut corners: Vec<Corner> =
+        (0..1 << count).map(|_| Corner { late: [f64::NEG_INFINITY; 2], ..Corner::default() }).collect();
     // Sizes of the changes: integral and peak of the error's, peak of its slope and of the command's, by coefficient.
     let mut sizes = vec![[0.0f64; 4]; count];
     let mut before = vec![0.0; count];
@@ -140,7 +149,11 @@ fn read(twice: &Modal, signals: &Signals, rest: f64, gammas: &[f64]) -> Bound {
                 own.iter_mut().zip(change).for_each(|(value, change)| *value += sign * change);
             }
             let [error, slope, volts, volts_slope] = own;
-            corner.reader.see(time, step, Sample { error, slope, command: volts, command_slope: volts_slope, area: None });
+            corner.reader.see(
+                time,
+                step,
+                Sample { error, slope, command: volts, command_slope: volts_slope, area: None },
+            );
             lowest = lowest.min(error);
             highest = highest.max(error);
             steepest = steepest.max(slope);

@@ -7,10 +7,10 @@ use super::bound::Bound;
 use super::continuous::Loop;
 use super::discrete::Held;
 use super::gains::Gains;
-use crate::actuator::plant::Plant;
-use crate::actuator::polynomial::Polynomial;
 use super::sampled::Sampling;
 use super::step::Step;
+use crate::actuator::plant::Plant;
+use crate::actuator::polynomial::Polynomial;
 use crate::actuator::uncertain::{Coefficient, Uncertain};
 
 /// A loop has settled when its slowest mode has fallen by `exp(-OVER)`.
@@ -88,7 +88,12 @@ fn jumps(series: &Series) -> f64 {
 type Change = (Polynomial, Polynomial);
 
 /// Changes by the tangent of each coefficient over its half width, and the bends of the coefficients in `z`.
-fn changes(uncertain: &Uncertain, tick_s: f64, middle: &[f64], halves: &[f64]) -> (Change, usize, Vec<Change>, Vec<Change>) {
+fn changes(
+    uncertain: &Uncertain,
+    tick_s: f64,
+    middle: &[f64],
+    halves: &[f64],
+) -> (Change, usize, Vec<Change>, Vec<Change>) {
     let point = Held::of(uncertain, tick_s, middle, &vec![0.0; halves.len()]);
     let whole = Held::of(uncertain, tick_s, middle, halves);
     let by = |list: &[super::interval::Jet], of: &dyn Fn(&super::interval::Jet) -> f64| {

@@ -6,10 +6,10 @@
 use super::dead_time;
 use super::gains::Gains;
 use super::modal::{Modal, Signal};
-use crate::actuator::plant::Plant;
-use crate::actuator::polynomial::Polynomial;
 use super::read::{Reader, Sample};
 use super::step::{HORIZON_S, Step, unstable};
+use crate::actuator::plant::Plant;
+use crate::actuator::polynomial::Polynomial;
 
 /// Polynomials of plant `b/a` and controller `d/e`, in `s` or in `z`.
 #[derive(Debug, Clone)]

@@ -7,9 +7,9 @@ use std::collections::VecDeque;
 use nalgebra::DMatrix;
 
 use super::gains::Gains;
-use crate::actuator::plant::Plant;
 use super::read::{Reader, Sample};
 use super::step::{HORIZON_S, Step, unstable};
+use crate::actuator::plant::Plant;
 
 /// Part of its time constant by which the fastest mode moves in a step.
 const PART: f64 = 0.05;
@@ -49,7 +49,8 @@ struct Grid {
 impl Grid {
     fn new(plant: &Plant, gains: &Gains) -> Self {
         let n = plant.order();
-        let fastest = plant.denominator.roots().unwrap_or_default().iter().map(|root| root.norm()).fold(gains.n, f64::max);
+        let fastest =
+            plant.denominator.roots().unwrap_or_default().iter().map(|root| root.norm()).fold(gains.n, f64::max);
         let wanted = (plant.delay_s / STEPS).min(PART / fastest).max(HORIZON_S / MOST_STEPS);
         let late = (plant.delay_s / wanted).ceil().max(1.0);
         let h = plant.delay_s / late;

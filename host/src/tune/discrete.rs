@@ -33,8 +33,9 @@ impl Held {
         // Time in units of the plant's own: entries of like size.
         let unit = plant.denominator.at(0).abs().powf(1.0 / n as f64).max(1.0 / tick_s);
         let power = |k: usize| unit.powi(k as i32);
-        let last: Vec<Jet> =
-            (0..n).map(|j| jet(Coefficient::Denominator(j), plant.denominator.at(j)).scaled(-1.0 / power(n - j))).collect();
+        let last: Vec<Jet> = (0..n)
+            .map(|j| jet(Coefficient::Denominator(j), plant.denominator.at(j)).scaled(-1.0 / power(n - j)))
+            .collect();
         let output: Vec<Jet> =
             (0..n).map(|j| jet(Coefficient::Numerator(j), plant.numerator.at(j)).scaled(1.0 / power(n - j))).collect();
         let delay = jet(Coefficient::Delay, plant.delay_s);
@@ -84,7 +85,8 @@ fn augmented(last: &[Jet], h: &Jet) -> Matrix {
 fn exponential(matrix: &Matrix, n: usize) -> (Matrix, Vec<Jet>) {
     let norm = matrix.iter().map(|row| row.iter().map(|x| x.value.size()).sum::<f64>()).fold(0.0, f64::max);
     let halvings = norm.log2().ceil().max(0.0) as i32;
-    let scaled: Matrix = matrix.iter().map(|row| row.iter().map(|x| x.scaled(0.5f64.powi(halvings))).collect()).collect();
+    let scaled: Matrix =
+        matrix.iter().map(|row| row.iter().map(|x| x.scaled(0.5f64.powi(halvings))).collect()).collect();
     let one = identity(n + 1);
     // Horner's rule: 1 + A (1 + A/2 (1 + A/3 ...)).
     let mut sum = one.clone();
@@ -144,8 +146,11 @@ fn through(phi: &Matrix, adjugate: &[Matrix], output: &[Jet], input: &[Jet]) -> 
     let dot = |row: &[Jet], other: &[Jet]| {
         row.iter().zip(other).fold(Jet::constant(0.0), |sum, (a, b)| sum.plus(&a.times(b)))
     };
-    adjugate.iter().map(|part| {
-        let column: Vec<Jet> = (0..n).map(|i| dot(&part[i], input)).collect();
-        dot(output, &column)
-    }).collect()
+    adjugate
+        .iter()
+        .map(|part| {
+            let column: Vec<Jet> = (0..n).map(|i| dot(&part[i], input)).collect();
+            dot(output, &column)
+        })
+        .collect()
 }

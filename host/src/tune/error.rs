@@ -11,7 +11,9 @@ use super::step::Step;
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum TuneError {
     /// The plant runs away by itself.
-    #[error("the plant is not stable: it has a pole at {real:.4} +- {imaginary:.4}i 1/s; expected poles with negative real parts, or one at 0")]
+    #[error(
+        "the plant is not stable: it has a pole at {real:.4} +- {imaginary:.4}i 1/s; expected poles with negative real parts, or one at 0"
+    )]
     #[diagnostic(help("a pole's sign is often lost in copying: s^2 + 23.4 s + 86 has its poles at -18.8 and -4.56"))]
     Unstable {
         /// Real part, 1/s.
@@ -26,7 +28,9 @@ pub enum TuneError {
     #[error("no gains can be scored on this plant; expected a plant that a step can be computed of")]
     NoStart,
     /// The command cannot hold the target.
-    #[error("a shaft {step_mm} mm out takes {needed_v:.4} V at rest, and the limit is {command_v} V; expected more than that")]
+    #[error(
+        "a shaft {step_mm} mm out takes {needed_v:.4} V at rest, and the limit is {command_v} V; expected more than that"
+    )]
     #[diagnostic(help("raise --u-max, or take a smaller --step"))]
     TooWeak {
         /// Command at rest, V.
@@ -56,12 +60,14 @@ pub enum TuneError {
     #[error("Appendix E is a continuous loop without dead time; expected --loop continuous and a plant without delay")]
     OtherLoop,
     /// Flaws need a sampled loop.
-    #[error("a limit of speed, friction, backlash and a cut command are computed for sampled loops; expected --loop sampled or delayed")]
+    #[error(
+        "a limit of speed, friction, backlash and a cut command are computed for sampled loops; expected --loop sampled or delayed"
+    )]
     #[diagnostic(help("--ideal leaves the flaws out"))]
     NotContinuous,
     /// No gains keep the limits.
     #[error("{}", infeasible(gains, step, margins, limits))]
-    #[diagnostic(help("these gains keep {}", options(step, margins, limits)))]
+    #[diagnostic(help("these gains keep {}", options(step, margins, limits, *exactly)))]
     Infeasible {
         /// Those that break the limits least.
         gains: Box<Gains>,
@@ -71,6 +77,8 @@ pub enum TuneError {
         margins: Box<Margins>,
         /// The limits.
         limits: Box<Limits>,
+        /// Overshoot and undershoot are to be at their limits (Appendix E).
+        exactly: bool,
     },
 }
 
@@ -94,20 +102,25 @@ fn infeasible(gains: &Gains, step: &Step, margins: &Margins, limits: &Limits) ->
     if let Some(least) = limits.phase_deg {
         asked.push(format!("phase margin {least} degrees (nearest {:.2})", margins.phase_margin_deg.unwrap_or(180.0)));
     }
+    asked.push(format!("a mean error below 10 % over 100 s (nearest {:.1} %)", step.cost));
     let Gains { kp, ki, kd, n } = gains;
-    format!("no gains were found that keep {}; the nearest are kp {kp:.4}, ki {ki:.4}, kd {kd:.5}, n {n:.3}", asked.join(", "))
+    format!(
+        "no gains were found that keep {}; the nearest are kp {kp:.4}, ki {ki:.4}, kd {kd:.5}, n {n:.3}",
+        asked.join(", ")
+    )
 }
 
 /// Options under which the nearest gains are good.
-fn options(step: &Step, margins: &Margins, limits: &Limits) -> String {
+fn options(step: &Step, margins: &Margins, limits: &Limits, exactly: bool) -> String {
     let mut all = Vec::new();
     if !limits.cut && step.command > limits.command_v {
         all.push(format!("--u-max {}", up(step.command)));
     }
-    if step.overshoot > limits.overshoot {
+    let other = |own: f64, limit: f64| own > limit || (exactly && own < limit - 1e-3);
+    if other(step.overshoot, limits.overshoot) {
         all.push(format!("--overshoot {}", up(step.overshoot)));
     }
-    if step.undershoot > limits.undershoot {
+    if other(step.undershoot, limits.undershoot) {
         all.push(format!("--undershoot {}", up(step.undershoot)));
     }
     if limits.sensitivity.is_some_and(|most| margins.peak_sensitivity > most) {

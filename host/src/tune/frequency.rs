@@ -36,8 +36,14 @@ pub struct OpenLoop {
 impl OpenLoop {
     /// Prepares a plant.
     pub fn new(way: Way, plant: &Plant) -> Self {
-        let sizes: Vec<f64> =
-            plant.denominator.roots().unwrap_or_default().iter().map(|root| root.norm()).filter(|size| *size > 0.0).collect();
+        let sizes: Vec<f64> = plant
+            .denominator
+            .roots()
+            .unwrap_or_default()
+            .iter()
+            .map(|root| root.norm())
+            .filter(|size| *size > 0.0)
+            .collect();
         let low = sizes.iter().copied().fold(f64::INFINITY, f64::min);
         let high = sizes.iter().copied().fold(0.0, f64::max);
         let (low, high) = if high > 0.0 { (low / BEYOND, high * BEYOND) } else { (1.0 / BEYOND, BEYOND) };
@@ -165,7 +171,8 @@ impl Coarse {
 
     /// Peak sensitivity, and the smallest phase margin in degrees; 180 for a loop that never has a gain of 1.
     pub fn margins(&self, gains: &Gains) -> (f64, f64) {
-        let l: Vec<Complex<f64>> = self.points.iter().map(|(w, plant)| plant * self.open.controller(gains, *w)).collect();
+        let l: Vec<Complex<f64>> =
+            self.points.iter().map(|(w, plant)| plant * self.open.controller(gains, *w)).collect();
         let distance: Vec<f64> = l.iter().map(|l| (l + 1.0).norm()).collect();
         let mut phase = 180.0f64;
         for pair in l.windows(2) {
@@ -198,14 +205,16 @@ fn wrapped(angle: f64) -> f64 {
 fn downward(w: &[f64], f: &dyn Fn(f64) -> f64) -> Vec<f64> {
     let values: Vec<f64> = w.iter().map(|w| f(*w)).collect();
     let falls = (1..w.len()).filter(|i| values[i - 1] >= 0.0 && values[*i] < 0.0);
-    falls.map(|i| {
-        let (mut low, mut high) = (w[i - 1], w[i]);
-        for _ in 0..50 {
-            let middle = 0.5 * (low + high);
-            if f(middle) >= 0.0 { low = middle } else { high = middle }
-        }
-        0.5 * (low + high)
-    }).collect()
+    falls
+        .map(|i| {
+            let (mut low, mut high) = (w[i - 1], w[i]);
+            for _ in 0..50 {
+                let middle = 0.5 * (low + high);
+                if f(middle) >= 0.0 { low = middle } else { high = middle }
+            }
+            0.5 * (low + high)
+        })
+        .collect()
 }
 
 /// Where a function with one peak between two points is highest, by the golden section.

@@ -43,7 +43,9 @@ impl Gains {
     pub fn continuous(&self) -> (Polynomial, Polynomial) {
         let Self { kp, ki, kd, n } = *self;
         match (ki == 0.0, kd == 0.0) {
-            (false, false) => (Polynomial::new(vec![ki * n, kp * n + ki, kp + kd * n]), Polynomial::new(vec![0.0, n, 1.0])),
+            (false, false) => {
+                (Polynomial::new(vec![ki * n, kp * n + ki, kp + kd * n]), Polynomial::new(vec![0.0, n, 1.0]))
+            }
             (true, false) => (Polynomial::new(vec![kp * n, kp + kd * n]), Polynomial::new(vec![n, 1.0])),
             (false, true) => (Polynomial::new(vec![ki, kp]), Polynomial::new(vec![0.0, 1.0])),
             (true, true) => (Polynomial::new(vec![kp]), Polynomial::new(vec![1.0])),

@@ -95,8 +95,10 @@ impl Jet {
         let mut curves = summed(&by(&self.curves, other.value), &by(&other.curves, self.value));
         if !self.slopes.is_empty() && !other.slopes.is_empty() {
             let (p, q) = (&self.slopes, &other.slopes);
-            let cross: Vec<Interval> =
-                (0..p.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| p[i] * q[j] + p[j] * q[i]).collect();
+            let cross: Vec<Interval> = (0..p.len())
+                .flat_map(|i| (0..=i).map(move |j| (i, j)))
+                .map(|(i, j)| p[i] * q[j] + p[j] * q[i])
+                .collect();
             curves = summed(&curves, &cross);
         }
         Self { value: self.value * other.value, slopes, curves }

@@ -2,14 +2,14 @@
 
 use serde::Serialize;
 
+use super::Way;
 use super::appendix;
 use super::continuous;
 use super::frequency::{Coarse, OpenLoop};
 use super::gains::Gains;
 use super::programme::Values;
 use super::sampled::Exact;
-use super::step::Step;
-use super::Way;
+use super::step::{HORIZON_S, Step};
 use crate::actuator::flaws::Flaws;
 use crate::actuator::plant::Plant;
 
@@ -58,6 +58,9 @@ pub enum Rule {
     AppendixE,
 }
 
+/// Mean error over the whole time, part of the step, above which a loop does not follow: gains of almost nothing keep every limit.
+const ARRIVES: f64 = 0.1;
+
 /// A plant that gains are scored on.
 pub(super) struct Scene {
     plant: Plant,
@@ -95,11 +98,11 @@ impl Scene {
     pub fn score(&self, gains: &Gains, scale: f64) -> (f64, Vec<f64>) {
         let limits = &self.limits;
         let step = self.step(gains);
-        let mut broken =
-            vec![step.overshoot - limits.overshoot, step.undershoot - limits.undershoot];
+        let mut broken = vec![step.overshoot - limits.overshoot, step.undershoot - limits.undershoot];
         if !limits.cut {
             broken.push(step.command / limits.command_v - 1.0);
         }
+        broken.push(step.cost / HORIZON_S - ARRIVES);
         if self.rule == Rule::AppendixE {
             broken.extend([limits.overshoot - step.overshoot, limits.undershoot - step.undershoot]);
             broken.iter_mut().for_each(|part| *part -= appendix::TOLERANCE);

@@ -10,6 +10,7 @@
 //! | [`limits`], `programme`, `search` | limits, and the search by `cobyla` and `slsqp` from several starts |
 //! | [`worst`], `bound`, `bound_sampled`, `discrete`, `interval` | the worst plant of a box, certified |
 //! | [`roots`] | roots while coefficients vary (Eq. 56, Fig. 78) |
+//! | [`study`] | all of it for one report |
 
 pub mod appendix;
 mod bound;
@@ -31,6 +32,7 @@ pub mod sampled;
 mod search;
 mod shaft;
 pub mod step;
+pub mod study;
 pub mod windup;
 pub mod worst;
 
@@ -50,7 +52,7 @@ use frequency::{Margins, OpenLoop};
 use limits::{Limits, Rule, Scene, scored};
 use programme::Values;
 use sampled::{Exact, Sampling};
-use search::{Found, Precision, Space};
+use search::{Begin, Found, Precision, Space};
 use step::{AtTicks, Step};
 use worst::Worst;
 
@@ -153,7 +155,19 @@ pub fn tune(asked: &Asked) -> Result<Tuned, TuneError> {
     let scale = time_scale(plant, asked);
     let space = space(scale, asked);
     let score = |gains: &Gains| scored(&scenes, &gains.rounded(), scale);
-    let found = search::search(&score, &space, &starts(scale, asked), precision(asked)).ok_or(TuneError::NoStart)?;
+    let begin = match asked.robust {
+        false => Begin::Scattered(starts(scale, asked)),
+        // The plant's own optimum, and one with some room for its neighbours: a search over every corner costs as many steps each.
+        true => {
+            let own = |gains: &Gains| scored(&scenes[..1], &gains.rounded(), scale);
+            let scattered = Begin::Scattered(starts(scale, asked));
+            let first = search::search(&own, &space, &scattered, precision(asked)).ok_or(TuneError::NoStart)?.gains;
+            let calmer = Gains { kp: 0.8 * first.kp, ki: 0.8 * first.ki, ..first };
+            Begin::From(vec![first, calmer])
+        }
+    };
+    let found = search::search(&score, &space, &begin, precision(asked)).ok_or(TuneError::NoStart)?;
+    let found = without_idle(found, &score);
     if found.values.broken() > 0.0 {
         return Err(nearest(asked, &scenes, &space, found));
     }
@@ -163,6 +177,20 @@ pub fn tune(asked: &Asked) -> Result<Tuned, TuneError> {
         ends: found.ends.iter().map(|cost| scale * cost).collect(),
         calls: found.calls,
         seconds: begun.elapsed().as_secs_f64(),
+    })
+}
+
+/// Part of the cost that a gain must be worth: one that is worth less is none, and leaves no slow mode behind.
+const IDLE: f64 = 1e-5;
+
+/// Gains that do nothing taken away.
+fn without_idle(found: Found, score: &dyn Fn(&Gains) -> Values) -> Found {
+    let own = found.gains;
+    let fewer = [Gains { ki: 0.0, ..own }, Gains { kd: 0.0, ..own }, Gains { ki: 0.0, kd: 0.0, ..own }];
+    fewer.into_iter().fold(found, |best, gains| {
+        let values = score(&gains);
+        let as_good = values.broken() <= best.values.broken() && values.cost() <= best.values.cost() * (1.0 + IDLE);
+        if as_good { Found { gains, values, ..best } } else { best }
     })
 }
 
@@ -178,6 +206,9 @@ fn check(asked: &Asked) -> Result<(), TuneError> {
         }
     };
     stable(plant)?;
+    if plant.denominator.at(0) == 0.0 && plant.denominator.at(1) == 0.0 {
+        return Err(TuneError::Unstable { real: 0.0, imaginary: 0.0 });
+    }
     let Limits { command_v, step_mm, .. } = asked.limits;
     let (gain, integrates) = (plant.numerator.at(0) / plant.denominator.at(0), plant.denominator.at(0) == 0.0);
     if !integrates && !(gain.abs() * command_v > step_mm) {
@@ -245,9 +276,9 @@ fn nearest(asked: &Asked, scenes: &[Scene], space: &Space, found: Found) -> Tune
         let values = scored(scenes, &gains.rounded(), 1.0);
         Values { costs: values.limits, limits: Vec::new() }
     };
-    let starts = [found.gains];
-    let least = search::search(&broken, space, &starts, precision(asked));
-    let gains = least.filter(|least| least.values.cost() < found.values.broken()).map_or(found.gains, |least| least.gains);
+    let least = search::search(&broken, space, &Begin::Scattered(vec![found.gains]), precision(asked));
+    let gains =
+        least.filter(|least| least.values.cost() < found.values.broken()).map_or(found.gains, |least| least.gains);
     let gains = gains.rounded();
     let steps: Vec<Step> = scenes.iter().map(|scene| scene.step(&gains)).collect();
     let most = |of: fn(&Step) -> f64| steps.iter().map(of).fold(0.0, f64::max);
@@ -262,6 +293,7 @@ fn nearest(asked: &Asked, scenes: &[Scene], space: &Space, found: Found) -> Tune
         }),
         margins: Box::new(margins),
         limits: Box::new(asked.limits),
+        exactly: asked.rule == Rule::AppendixE,
     }
 }
 
@@ -346,7 +378,7 @@ fn linear(asked: &Asked, values: &[f64], gains: &Gains) -> Step {
     let plant = asked.uncertain.at(values);
     match asked.way {
         Way::Continuous => continuous::evaluate(&plant, gains),
-        Way::Sampled(sampling) => Exact::new(&plant, sampling, Flaws::NONE).read_at_ticks(gains),
+        Way::Sampled(sampling) => Exact::of_ticks(&plant, sampling).read_at_ticks(gains),
     }
 }
 

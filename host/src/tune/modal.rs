@@ -124,7 +124,8 @@ impl Modal {
     /// The exact motion over a step of scaled time, in rows.
     fn propagator(&self, h: f64) -> Vec<f64> {
         let n = self.order();
-        let f = DMatrix::from_fn(n, n, |i, j| if i + 1 == n { -self.chi.at(j) } else { f64::from(u8::from(j == i + 1)) });
+        let f =
+            DMatrix::from_fn(n, n, |i, j| if i + 1 == n { -self.chi.at(j) } else { f64::from(u8::from(j == i + 1)) });
         (f * h).exp().transpose().as_slice().to_vec()
     }
 

@@ -140,7 +140,11 @@ impl<'a> Programme<'a> {
                 gradient[n] = if j < costs { -1.0 } else { 0.0 };
             }
         }
-        if j < costs { values.costs[j] - if several { x[n] } else { 0.0 } } else { values.limits[j - costs] + self.spare }
+        if j < costs {
+            values.costs[j] - if several { x[n] } else { 0.0 }
+        } else {
+            values.limits[j - costs] + self.spare
+        }
     }
 
     /// `slsqp` from a point.
@@ -162,7 +166,8 @@ impl<'a> Programme<'a> {
         let row = |j: usize| move |x: &[f64], gradient: Option<&mut [f64]>, (): &mut ()| self.row(j, x, gradient);
         let own: Vec<_> = (usize::from(!several)..rows).map(row).collect();
         let limits: Vec<&dyn slsqp::Func<()>> = own.iter().map(|row| row as &dyn slsqp::Func<()>).collect();
-        let tolerances = slsqp::StopTols { ftol_rel: TOLERANCE, xtol_abs: vec![STILL; point.len()], ..Default::default() };
+        let tolerances =
+            slsqp::StopTols { ftol_rel: TOLERANCE, xtol_abs: vec![STILL; point.len()], ..Default::default() };
         // Whatever its state, the best point that was seen counts.
         drop(slsqp::minimize(objective, &point, &bounds, &limits, (), iterations, Some(tolerances)));
     }
@@ -194,7 +199,8 @@ impl<'a> Programme<'a> {
         };
         let own: Vec<_> = (if several { 0 } else { first.costs.len() }..rows).map(row).collect();
         let limits: Vec<&dyn cobyla::Func<()>> = own.iter().map(|row| row as &dyn cobyla::Func<()>).collect();
-        let tolerances = cobyla::StopTols { ftol_rel: TOLERANCE, xtol_abs: vec![STILL; point.len()], ..Default::default() };
+        let tolerances =
+            cobyla::StopTols { ftol_rel: TOLERANCE, xtol_abs: vec![STILL; point.len()], ..Default::default() };
         let begin = cobyla::RhoBeg::All(reach);
         drop(cobyla::minimize(objective, &point, &bounds, &limits, (), calls, begin, Some(tolerances)));
     }

@@ -136,7 +136,9 @@ fn of_numbers(uncertain: &Uncertain, gains: &Gains, varied: Varied, values: &[f6
     let mut values = values.iter();
     let mut filled = |polynomial: &Polynomial, leading: bool| {
         let count = polynomial.degree() + usize::from(leading);
-        let one = |(i, own): (usize, &f64)| if i < count && *own != 0.0 { values.next().copied().unwrap_or(*own) } else { *own };
+        let one = |(i, own): (usize, &f64)| {
+            if i < count && *own != 0.0 { values.next().copied().unwrap_or(*own) } else { *own }
+        };
         Polynomial::new(polynomial.coefficients().iter().enumerate().map(one).collect())
     };
     let (d, e) = (filled(&d, true), filled(&e, false));

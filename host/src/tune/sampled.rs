@@ -56,6 +56,15 @@ pub struct Exact {
 impl Exact {
     /// Prepares a plant.
     pub fn new(plant: &Plant, sampling: Sampling, flaws: Flaws) -> Self {
+        Self::prepared(plant, sampling, flaws, PARTS)
+    }
+
+    /// Prepares a plant without flaws that is looked at in ticks alone.
+    pub fn of_ticks(plant: &Plant, sampling: Sampling) -> Self {
+        Self::prepared(plant, sampling, Flaws::NONE, 1)
+    }
+
+    fn prepared(plant: &Plant, sampling: Sampling, flaws: Flaws, count: usize) -> Self {
         let tick = sampling.tick_s;
         // A command k acts from (k + late) T + rest on.
         let (whole, rest) = split(plant.delay_s, tick);
@@ -70,8 +79,8 @@ impl Exact {
             let earlier = both - &later;
             (phi, earlier, later)
         };
-        let parts = (1..=PARTS).map(|i| {
-            let (phi, earlier, later) = at(tick * i as f64 / PARTS as f64);
+        let parts = (1..=count).map(|i| {
+            let (phi, earlier, later) = at(tick * i as f64 / count as f64);
             let row: Vec<f64> = (c.transpose() * phi).iter().copied().collect();
             (row, c.dot(&earlier), c.dot(&later))
         });
@@ -114,7 +123,11 @@ impl Exact {
         let (overshoot, undershoot) = (extremes.overshoot.max(0.0), extremes.undershoot);
         // A loop that is lost has the shoots of one.
         let lost = step.overshoot >= 10.0;
-        let at_ticks = if lost { AtTicks { overshoot: step.overshoot, undershoot: step.undershoot } } else { AtTicks { overshoot, undershoot } };
+        let at_ticks = if lost {
+            AtTicks { overshoot: step.overshoot, undershoot: step.undershoot }
+        } else {
+            AtTicks { overshoot, undershoot }
+        };
         (step, at_ticks)
     }
 
@@ -150,18 +163,13 @@ impl Exact {
             let earlier = plant.acting;
             plant.tick(self, (earlier, later), |part, shaft| {
                 extremes.see((size_mm - shaft) / size_mm);
-                if part < PARTS {
+                if part < PARTS && self.parts.len() == PARTS {
                     see((k as f64 + part as f64 / PARTS as f64) * tick_s, shaft, f64::NAN);
                 }
             });
             plant.acting = later;
         }
-        Step {
-            cost: cost * tick_s / size_mm,
-            overshoot: extremes.overshoot,
-            undershoot: extremes.undershoot,
-            command,
-        }
+        Step { cost: cost * tick_s / size_mm, overshoot: extremes.overshoot, undershoot: extremes.undershoot, command }
     }
 }
 

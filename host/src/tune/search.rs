@@ -70,6 +70,15 @@ pub(super) struct Found {
     pub ends: Vec<f64>,
 }
 
+/// Where searches begin.
+#[derive(Debug, Clone)]
+pub(super) enum Begin {
+    /// At the best of many points all over the space, these among them.
+    Scattered(Vec<Gains>),
+    /// Here.
+    From(Vec<Gains>),
+}
+
 /// How exact the values are, and what is to be spared.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Precision {
@@ -83,28 +92,20 @@ pub(super) struct Precision {
 pub(super) fn search(
     of: &dyn Fn(&Gains) -> Values,
     space: &Space,
-    starts: &[Gains],
+    begin: &Begin,
     precision: Precision,
 ) -> Option<Found> {
     let bounds = space.bounds();
     let valued = |x: &[f64]| of(&space.gains(x));
     let programme = Programme::new(&valued, &bounds, precision.quotient, precision.spare);
-    let mut points: Vec<(Vec<f64>, Values)> = starts.iter().map(|gains| space.point(gains)).chain(scattered()).map(|x| {
-        let values = programme.values(&x);
-        (x, values)
-    }).collect();
-    // A start that breaks limits is worth a search if it costs little: both count.
-    let worth = |values: &Values| values.cost() * (1.0 + 10.0 * values.broken());
-    points.sort_by(|a, b| worth(&a.1).total_cmp(&worth(&b.1)));
-    let mut chosen: Vec<&Vec<f64>> = Vec::new();
-    for (x, _) in &points {
-        let near = |other: &&Vec<f64>| other.iter().zip(x).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt() < APART;
-        if chosen.len() < SEARCHES && !chosen.iter().any(near) {
-            chosen.push(x);
+    let starts = match begin {
+        Begin::From(starts) => starts.iter().map(|gains| space.point(gains)).collect(),
+        Begin::Scattered(starts) => {
+            best_apart(&programme, starts.iter().map(|gains| space.point(gains)).chain(scattered()))
         }
-    }
+    };
     let mut ends: Vec<(Vec<f64>, Values)> = Vec::new();
-    for start in chosen {
+    for start in &starts {
         programme.forget();
         programme.cobyla(start, 0.1, 150);
         if let Some((x, _)) = programme.best() {
@@ -112,14 +113,36 @@ pub(super) fn search(
         }
         ends.extend(programme.best());
     }
-    ends.sort_by(|a, b| if a.1.better(&b.1, programme.slack) { std::cmp::Ordering::Less } else { std::cmp::Ordering::Greater });
+    ends.sort_by(|a, b| {
+        if a.1.better(&b.1, programme.slack) { std::cmp::Ordering::Less } else { std::cmp::Ordering::Greater }
+    });
     // The best end once more by small steps: kinks between worst cases stop a search that relies on slopes.
     let (x, _) = ends.first()?.clone();
     programme.cobyla(&x, 0.01, 150);
-    let (x, values) = programme.best().filter(|best| !ends[0].1.better(&best.1, programme.slack)).unwrap_or_else(|| ends[0].clone());
+    let (x, values) =
+        programme.best().filter(|best| !ends[0].1.better(&best.1, programme.slack)).unwrap_or_else(|| ends[0].clone());
     let good = |values: &Values| values.broken() <= programme.slack;
     let ends = ends.iter().filter(|end| good(&end.1)).map(|end| end.1.cost()).collect();
     Some(Found { gains: space.gains(&x), values, calls: programme.calls(), ends })
+}
+
+/// The best of some points that are apart from each other.
+fn best_apart(programme: &Programme<'_>, points: impl Iterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
+    // A start that breaks limits is worth a search if it costs little: both count.
+    let worth = |x: &[f64]| {
+        let values = programme.values(x);
+        values.cost() * (1.0 + 10.0 * values.broken())
+    };
+    let mut points: Vec<(f64, Vec<f64>)> = points.map(|x| (worth(&x), x)).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut chosen: Vec<Vec<f64>> = Vec::new();
+    for (_, x) in points {
+        let near = |other: &Vec<f64>| other.iter().zip(&x).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt() < APART;
+        if chosen.len() < SEARCHES && !chosen.iter().any(near) {
+            chosen.push(x);
+        }
+    }
+    chosen
 }
 
 /// Points that fill the space evenly: an additive recurrence with the powers of the root of x^5 = x + 1.

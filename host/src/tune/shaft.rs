@@ -81,7 +81,8 @@ impl Shaft {
         } else {
             let free = self.next[1];
             let speed = braked(free).clamp(-limit, limit);
-            self.next[0] += 0.5 * self.h * (speed - free);
+            let moved = self.next[0] + 0.5 * self.h * (speed - free) - self.state[0];
+            self.next[0] = self.state[0] + moved.clamp(-limit * self.h, limit * self.h);
             self.next[1] = speed;
             // At rest a shaft that is held does not creep by what the step moved it before it was braked.
             if speed == 0.0 && self.state[1] == 0.0 {

@@ -25,14 +25,7 @@ pub(super) enum Controller {
     /// `firmware::pid`, in f32 as on the board.
     Board(Pid, PidState),
     /// The textbook's.
-    Frozen {
-        gains: Gains,
-        tick_s: f64,
-        limit_v: f64,
-        integral_v: f64,
-        derivative_v: f64,
-        before: f64,
-    },
+    Frozen { gains: Gains, tick_s: f64, limit_v: f64, integral_v: f64, derivative_v: f64, before: f64 },
 }
 
 impl Controller {
@@ -40,9 +33,7 @@ impl Controller {
     pub fn new(gains: &Gains, tick_s: f64, limit_v: Option<f64>, windup: Windup) -> Self {
         let limit_v = limit_v.unwrap_or(NO_LIMIT_V);
         match windup {
-            Windup::Board => {
-                Self::Board(Pid::build(&gains.sent(), tick_s as f32, limit_v as f32), PidState::default())
-            }
+            Windup::Board => Self::Board(Pid::build(&gains.sent(), tick_s as f32, limit_v as f32), PidState::default()),
             Windup::Frozen => {
                 Self::Frozen { gains: *gains, tick_s, limit_v, integral_v: 0.0, derivative_v: 0.0, before: 0.0 }
             }
@@ -63,7 +54,7 @@ impl Controller {
                 if !outward {
                     *integral_v = grown;
                 }
-                (gains.kp * error_mm + *integral_v + *derivative_v).clamp(-*limit_v, *limit_v)
+                wanted.clamp(-*limit_v, *limit_v)
             }
         }
     }

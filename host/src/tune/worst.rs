@@ -77,7 +77,9 @@ pub(super) fn worst(
             let enough = [found[0], found[1].max(SMALL), found[2].max(SMALL), found[3]];
             (0..4).map(|k| (part.most[k] - enough[k]) / close[k]).fold(0.0, f64::max)
         };
-        let Some((which, largest)) = parts.iter().map(gap).enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let Some((which, largest)) = parts.iter().map(gap).enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            break;
+        };
         if largest <= 1.0 {
             break;
         }
