@@ -61,7 +61,7 @@ fn continuous([kp, ki, kd, n]: [f64; 4]) -> Told {
         error = next;
         seen.position(1.0 - error);
         seen.command = seen.command.max((k * error + x[2] + 1.0 - c * x[3]).abs());
-        if !(error.abs() < 50.0) {
+        if error.is_nan() || error.abs() > 50.0 {
             return LOST;
         }
         if x.norm() < 1e-8 {
@@ -81,7 +81,7 @@ fn sampled([kp, ki, kd, n]: [f64; 4], late: bool) -> Told {
     let (mut cost, mut seen, mut still) = (0.0, Seen::default(), 0);
     for _ in 0..=5000 {
         let error = 1.0 - x[0] - x[1];
-        if !(error.abs() < 50.0) {
+        if error.is_nan() || error.abs() > 50.0 {
             return LOST;
         }
         integral += ki * t * error;

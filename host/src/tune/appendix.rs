@@ -35,7 +35,7 @@ pub fn evaluate(plant: &Plant, gains: &Gains) -> Sampled {
         Sampled { sum: step.cost / EVERY_S, step }
     };
     let Some(modal) = Modal::new(&own.chi) else { return lost(1e3) };
-    if !(modal.growth() < 0.0) {
+    if !modal.is_stable() {
         return lost(modal.growth());
     }
     let lead = own.chi.leading();

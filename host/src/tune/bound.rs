@@ -26,6 +26,9 @@ const FINER: f64 = 1.0;
 /// Integrals of absolute values are taken on points; this covers what they miss.
 const POINTS: f64 = 1.02;
 
+/// Largest gain that counts as small: at 1 there is no bound, and near it none that is worth having.
+pub(super) const SMALL_GAIN: f64 = 0.9;
+
 /// Bounds over a box.
 #[derive(Debug, Clone)]
 pub(super) struct Bound {
@@ -58,11 +61,12 @@ pub(super) fn bound(uncertain: &Uncertain, gains: &Gains, middle: &[f64], halves
     let plant = uncertain.at(middle);
     let own = Loop::continuous(&plant, gains);
     let even = vec![1.0; halves.len()];
-    let modal = Modal::new(&own.chi).filter(|modal| modal.growth() < 0.0).ok_or(even)?;
+    let modal = Modal::new(&own.chi).filter(Modal::is_stable).ok_or(even)?;
     let ways: Vec<_> = uncertain.bounds.iter().map(|(which, _, _)| direction(*which)).collect();
     let gammas = gammas(&own, &modal, &ways, halves);
     let gamma: f64 = gammas.iter().sum();
-    if !(gamma < 0.9) {
+    let small = gamma < SMALL_GAIN;
+    if !small {
         return Err(gammas);
     }
     let rest = gamma / (1.0 - gamma);

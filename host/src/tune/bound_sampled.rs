@@ -3,7 +3,7 @@
 //! The plant's coefficients in `z` are smooth functions of the uncertain ones: a tangent in the middle of the box, and a bend that
 //! interval arithmetic bounds. The tangent takes the place of the coefficients there, the bend is added by its size.
 
-use super::bound::Bound;
+use super::bound::{Bound, SMALL_GAIN};
 use super::continuous::Loop;
 use super::discrete::Held;
 use super::gains::Gains;
@@ -141,7 +141,8 @@ pub(super) fn bound(
     let even = || vec![1.0; halves.len()];
     let roots = own.chi.roots().ok_or_else(even)?;
     let slowest = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
-    if !(slowest < 1.0) {
+    let stable = slowest < 1.0;
+    if !stable {
         return Err(even());
     }
     let length = (OVER / -slowest.ln()).min(TICKS) as usize + 3 * own.chi.degree();
@@ -152,7 +153,8 @@ pub(super) fn bound(
     let gamma = shares.iter().sum::<f64>() + bent;
     // A bend is divided by dividing whatever bends most; all share it.
     shares.iter_mut().for_each(|share| *share += bent / halves.len() as f64);
-    if !(gamma < 0.9) {
+    let small = gamma < SMALL_GAIN;
+    if !small {
         return Err(shares);
     }
     let signals = |(db, da): &Change| {

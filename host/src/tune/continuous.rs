@@ -93,7 +93,7 @@ pub fn trace(plant: &Plant, gains: &Gains, length_s: f64) -> Vec<[f64; 3]> {
 fn modes(plant: &Plant, gains: &Gains, mut see: impl FnMut(f64, f64, Sample)) -> Result<(), f64> {
     let own = Loop::continuous(plant, gains);
     let modal = Modal::new(&own.chi).ok_or(f64::INFINITY)?;
-    if !(modal.growth() < 0.0) {
+    if !modal.is_stable() {
         return Err(modal.growth());
     }
     let signals = Signals::of(&own, &modal);

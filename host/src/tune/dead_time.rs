@@ -151,7 +151,8 @@ pub(super) fn walk(plant: &Plant, gains: &Gains, mut see: impl FnMut(f64, f64, S
         time += grid.h;
         see(time, grid.h, grid.sample());
         let (error, command) = grid.now;
-        if !(error.abs() < LOST) {
+        let here = error.abs() < LOST;
+        if !here {
             return Err(time);
         }
         still = if error.abs() < STILL && (command - last).abs() < STILL { still + grid.h } else { 0.0 };

@@ -65,6 +65,11 @@ impl Modal {
         self.roots.iter().map(|root| root.re * self.rate).fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// True if every mode dies away.
+    pub fn is_stable(&self) -> bool {
+        self.growth() < 0.0
+    }
+
     /// Order of the loop.
     pub fn order(&self) -> usize {
         self.chi.degree()

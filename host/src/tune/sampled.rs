@@ -143,7 +143,8 @@ impl Exact {
         let mut past = vec![0.0; self.late + 1];
         for k in 0..=ticks {
             let error = size_mm - plant.shaft;
-            if !(error.abs() < LOST * size_mm) {
+            let here = error.abs() < LOST * size_mm;
+            if !here {
                 return unstable(10.0 / (k as f64 * tick_s));
             }
             let u = controller.step(error);

@@ -1,8 +1,10 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 use super::gains::THESIS;
 use super::roots::{Varied, spread};
+use super::sampled::Exact;
 use super::windup::Windup;
 use super::*;
+use crate::actuator::plant::Plant;
 
 /// The thesis' plant with every coefficient within 10 %, on a loop.
 fn asked(way: Way) -> Asked {

@@ -42,12 +42,11 @@ fn step(list: [f64; 4]) -> Step {
     Step { cost: list[0], overshoot: list[1], undershoot: list[2], command: list[3] }
 }
 
+/// A bound of the part of the box with this middle and these half widths, or along which coefficient to divide it.
+pub(super) type Bounding<'a> = dyn Fn(&[f64], &[f64]) -> Result<Bound, Vec<f64>> + 'a;
+
 /// Divides the box until the bounds are close to what was found or there are too many parts.
-pub(super) fn worst(
-    uncertain: &Uncertain,
-    evaluate: &dyn Fn(&[f64]) -> Step,
-    bound: &dyn Fn(&[f64], &[f64]) -> Result<Bound, Vec<f64>>,
-) -> Worst {
+pub(super) fn worst(uncertain: &Uncertain, evaluate: &dyn Fn(&[f64]) -> Step, bound: &Bounding<'_>) -> Worst {
     let mut found = [0.0f64; 4];
     let mut at = Vec::new();
     let mut tried = |values: &[f64], found: &mut [f64; 4]| {
