@@ -17,7 +17,7 @@ fn parsed(words: &str) -> Arguments {
 fn what_cannot_be_asked_is_refused_with_what_was_expected() {
     for (words, expected) in [
         ("--u-max 0", "--u-max is 0; expected 0.001 to 1000 V"),
-        ("--overshoot -0.1", "--overshoot is -0.1; expected 0 to 1 of the step"),
+        ("--overshoot=-0.1", "--overshoot is -0.1; expected 0 to 1 of the step"),
         ("--overshoot=nan", "--overshoot is NaN; expected 0 to 1 of the step"),
         ("--box 60", "--box is 60; expected 0 to 50 %"),
         ("--numerator 86 --denominator 0,1", "the first number of both not 0"),
@@ -29,7 +29,7 @@ fn what_cannot_be_asked_is_refused_with_what_was_expected() {
             "--send with --loop sampled; expected --loop delayed, which is what runs on the board",
         ),
         ("--tick 0.01 --send", "--send with --tick 0.01; expected 0.02, the board's own"),
-        ("--actuator nowhere.toml", "nowhere.toml: cannot be read"),
+        ("--actuator nowhere.toml", "no such file: nowhere.toml"),
         ("--numerator 86 --denominator 1,-23.4,86", "the plant is not stable: it has a pole at 18.8"),
         ("--u-max 0.9", "takes 1.0000 V at rest, and the limit is 0.9 V"),
         ("--numerator=-86 --denominator 1,23.4,86", "a positive command pulls the shaft in"),
