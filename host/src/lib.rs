@@ -5,6 +5,7 @@
 #[macro_use]
 mod print;
 
+pub mod actuator;
 pub mod calibration;
 pub mod cli;
 pub mod control;
@@ -33,4 +34,5 @@ pub mod simulate;
 pub mod simulated_board;
 pub mod study;
 pub mod sweep;
+pub mod tune;
 pub mod unseen;

@@ -31,6 +31,7 @@ pub mod simulate;
 pub mod study;
 pub mod sweep;
 mod together;
+pub mod tune;
 
 use std::process::ExitCode;
 
@@ -85,6 +86,8 @@ enum Command {
     ControlCurve(control_curve::Arguments),
     /// Press the simulated display and tell how near it comes to the materials that it shows
     Feel(feel::Arguments),
+    /// Search the gains of the display's position loop, with margins and a certified worst case
+    Tune(tune::Arguments),
     /// Press a finger on a plate or a foam by finite elements: force, contact, pressure, Mises stress
     Finger(finger::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
@@ -117,6 +120,7 @@ pub fn main() -> ExitCode {
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::ControlCurve(arguments) => control_curve::run(&arguments),
         Command::Feel(arguments) => feel::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
         Command::Finger(arguments) => finger::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };

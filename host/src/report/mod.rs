@@ -23,6 +23,7 @@ mod scale;
 mod sheet;
 pub mod strip;
 pub mod table;
+pub mod tuning;
 pub mod valley;
 
 pub use page::{MARK, Page, Picture};
