@@ -1,5 +1,6 @@
 //! The commands of `palpate`.
 
+pub mod actuator;
 mod answer;
 pub mod board;
 mod calibrate;
@@ -29,6 +30,7 @@ mod series;
 pub mod simulate;
 pub mod study;
 pub mod sweep;
+pub mod trial;
 
 use std::process::ExitCode;
 
@@ -81,6 +83,10 @@ enum Command {
     Magnet(magnet::Arguments),
     /// Find what coil and actuator must do so that a material is felt: control curves by finite elements
     ControlCurve(control_curve::Arguments),
+    /// Identify the linear actuator of a display from recordings
+    Actuator(actuator::Arguments),
+    /// Test with blind subjects what a display is taken for, and analyse the answers
+    Trial(trial::Arguments),
     /// Press a finger on a plate or a foam by finite elements: force, contact, pressure, Mises stress
     Finger(finger::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
@@ -112,6 +118,8 @@ pub fn main() -> ExitCode {
         Command::Lut(arguments) => lut::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::ControlCurve(arguments) => control_curve::run(&arguments),
+        Command::Actuator(arguments) => actuator::run(&arguments),
+        Command::Trial(arguments) => trial::run(&arguments),
         Command::Finger(arguments) => finger::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };
