@@ -59,8 +59,9 @@ pub fn repeated(position_mm: &[f64], residual: &[f64]) -> Option<f64> {
     let (mut product, mut weight) = (0.0, 0.0);
     for up in [true, false] {
         for place in 0..PLACES {
+            let of_stroke = |s: usize| sums.get(s).and_then(|places| places.get(place)).copied();
             let there: Vec<(f64, usize)> =
-                (0..count).filter(|s| is_up[*s] == up).map(|s| sums[s][place]).filter(|(_, n)| *n > 0).collect();
+                (0..count).filter(|s| is_up[*s] == up).filter_map(of_stroke).filter(|(_, n)| *n > 0).collect();
             let samples: usize = there.iter().map(|(_, n)| n).sum();
             let m = there.len() as f64;
             if m < 2.0 {

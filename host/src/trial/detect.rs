@@ -82,6 +82,9 @@ pub fn distance_of(right: f64, choices: usize) -> f64 {
     if right >= 1.0 {
         return f64::INFINITY;
     }
+    if right * choices as f64 <= 1.0 {
+        return 0.0;
+    }
     let (mut low, mut high) = (0.0, MOST);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
@@ -93,6 +96,10 @@ pub fn distance_of(right: f64, choices: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_pcg::Pcg64Mcg;
+
     use super::*;
 
     #[test]
@@ -112,14 +119,18 @@ mod tests {
         assert_eq!(pair([[0, 0], [1, 2]]), None);
     }
 
-    /// For two choices the share is Phi(d / sqrt 2); for m at d = 0 it is 1 / m; d' of 1 among four: 0.5517 (Hacker and Ratcliff 1979).
+    /// For two choices the share is Phi(d / sqrt 2); for m at d = 0 it is 1 / m; of four it is counted over 200,000 draws, whose standard error
+    /// is 0.11 %.
     #[test]
-    fn shares_of_choices_agree_with_closed_forms_and_tables() {
+    fn shares_of_choices_agree_with_closed_forms_and_draws() {
         for d in [0.0, 0.5, 2.0] {
             assert!((right_of(d, 2) - normal_below(d / 2.0_f64.sqrt())).abs() < 1e-9);
         }
         assert!((right_of(0.0, 5) - 0.2).abs() < 1e-9);
-        assert!((right_of(1.0, 4) - 0.5517).abs() < 1e-4, "{}", right_of(1.0, 4));
+        let mut random = Pcg64Mcg::seed_from_u64(3);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let right = (0..200_000).filter(|_| normal() + 1.0 > normal().max(normal()).max(normal())).count();
+        assert!((right_of(1.0, 4) - right as f64 / 2e5).abs() < 0.0045, "{} {right}", right_of(1.0, 4));
         assert!((distance_of(right_of(1.7, 3), 3) - 1.7).abs() < 1e-9);
         assert_eq!(distance_of(0.2, 2), 0.0);
     }

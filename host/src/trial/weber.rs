@@ -1,9 +1,10 @@
 //! A subject as noise on the logarithm of stiffness (Thurstone 1927, case V; Weber's law).
 //!
 //! A touch of a material of stiffness k is felt as `ln k + sigma * normal`. The Weber fraction w is the relative difference that two touches
-//! tell apart in 75 of 100 cases: `ln(1 + w) = sqrt 2 * 0.6745 * sigma`. The subject names the material whose stiffness is nearest. If it
-//! touches the real ones as well, as in the thesis, they are felt with the same noise: the place between two of them, which the display is
-//! held against, then has noise of its own, and a choice between neighbours has the deviation `sqrt 1.5 * sigma`.
+//! tell apart in 75 of 100 cases: `ln(1 + w) = sqrt 2 * 0.6745 * sigma`. The subject names the material that felt nearest. If it touches the
+//! real ones as well, as in the thesis, they are felt with the same noise. Two of them may then even change places; of two materials this is
+//! the ABX test with differencing (Macmillan and Creelman 2005, chapter 9), `P = F(d/sqrt 2) F(d/sqrt 6) + F(-d/sqrt 2) F(-d/sqrt 6)`.
+//! If the real ones are known, only the display is felt with noise, and criteria between neighbours are free.
 
 use super::detect::quantile;
 use crate::infer::mixture::normal_below;
@@ -11,11 +12,19 @@ use crate::infer::mixture::normal_below;
 /// Rise of twice the logarithm of the likelihood at the ends of a 95 % interval.
 const RISE: f64 = 3.841_458_820_694_124;
 /// Steepness (one over the deviation of a choice) that stands for none and for any.
-const LEAST: f64 = 1e-3;
-const MOST: f64 = 1e3;
+const LEAST: f64 = 1e-2;
+const MOST: f64 = 100.0;
 /// Values on the grid that a maximum is looked for on, and shortenings of a bracket.
-const GRID: usize = 40;
-const SHORTENINGS: usize = 40;
+const GRID: usize = 28;
+const SHORTENINGS: usize = 26;
+const HALVINGS: usize = 60;
+/// Deviations that an integral over a touch goes to both sides, and its steps; the distance of two touches has a kink, which takes the
+/// finer steps.
+const REACH: f64 = 4.5;
+const DISPLAYS: i32 = 24;
+const TOUCHES: i32 = 48;
+/// A probability that is not followed further.
+const NOTHING: f64 = 1e-13;
 /// Rounds over all criteria, and what a round must gain.
 const ROUNDS: usize = 60;
 const GAIN: f64 = 1e-9;
@@ -31,16 +40,6 @@ pub enum References {
     Known,
 }
 
-impl References {
-    /// Deviation of a choice over that of a touch.
-    fn factor(self) -> f64 {
-        match self {
-            References::Touched => 1.5_f64.sqrt(),
-            References::Known => 1.0,
-        }
-    }
-}
-
 /// Deviation of a touch, in logarithms of stiffness, of a subject with a Weber fraction.
 #[must_use]
 pub fn deviation(weber: f64) -> f64 {
@@ -53,10 +52,18 @@ pub fn fraction(deviation: f64) -> f64 {
     (deviation * 2.0_f64.sqrt() * quantile(0.75)).exp_m1()
 }
 
-/// Ratio of two stiffnesses that are told apart by d' of a subject.
+/// Ratio of two stiffnesses that a subject tells apart with a share of right answers; 1 at chance and below, infinite at certainty.
 #[must_use]
-pub fn ratio_for(distance: f64, weber: f64, references: References) -> f64 {
-    (distance * deviation(weber) * references.factor()).exp()
+pub fn ratio_for(right: f64, weber: f64, references: References) -> f64 {
+    if right >= 1.0 {
+        return f64::INFINITY;
+    }
+    let (mut low, mut high) = (0.0, 20.0 * deviation(weber));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if answers(&[1.0, middle.exp()], weber, references)[0][0] < right { low = middle } else { high = middle }
+    }
+    (0.5 * (low + high)).exp()
 }
 
 /// Probabilities of the answers (columns) to what is shown (rows) of a subject without preferences; `stiffness` above 0, in any unit, in
@@ -65,9 +72,14 @@ pub fn ratio_for(distance: f64, weber: f64, references: References) -> f64 {
 pub fn answers(stiffness: &[f64], weber: f64, references: References) -> Vec<Vec<f64>> {
     let rank = ranks(stiffness);
     let sorted: Vec<f64> = rank.iter().map(|i| stiffness[*i].ln()).collect();
-    let steepness = 1.0 / (deviation(weber) * references.factor()).max(1.0 / MOST);
-    let criteria: Vec<f64> = sorted.windows(2).map(|w| 0.5 * (w[0] + w[1]) * steepness).collect();
-    let ordered = probabilities(&sorted, steepness, &criteria);
+    let sigma = deviation(weber);
+    let ordered = match references {
+        References::Touched => nearest(&sorted, sigma),
+        References::Known => {
+            let criteria: Vec<f64> = sorted.windows(2).map(|w| 0.5 * (w[0] + w[1]) / sigma).collect();
+            probabilities(&sorted, 1.0 / sigma, &criteria)
+        }
+    };
     let mut out = vec![vec![0.0; stiffness.len()]; stiffness.len()];
     for (i, row) in ordered.iter().enumerate() {
         for (j, p) in row.iter().enumerate() {
@@ -75,6 +87,51 @@ pub fn answers(stiffness: &[f64], weber: f64, references: References) -> Vec<Vec
         }
     }
     out
+}
+
+/// Probability that the touch of material j is the nearest to that of the display, by what is shown; `logarithms` rise.
+fn nearest(logarithms: &[f64], sigma: f64) -> Vec<Vec<f64>> {
+    if let [soft, stiff] = logarithms {
+        let d = (stiff - soft) / sigma;
+        let (a, b) = (normal_below(d / 2.0_f64.sqrt()), normal_below(d / 6.0_f64.sqrt()));
+        let right = a * b + (1.0 - a) * (1.0 - b);
+        return vec![vec![right, 1.0 - right], vec![1.0 - right, right]];
+    }
+    let nodes = |count: i32| -> Vec<(f64, f64)> {
+        let step = 2.0 * REACH / f64::from(count);
+        let all: Vec<(f64, f64)> = (0..=count)
+            .map(|k| {
+                let x = -REACH + step * f64::from(k);
+                (x, (-0.5 * x * x).exp())
+            })
+            .collect();
+        let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
+        all.into_iter().map(|(x, weight)| (x, weight / sum)).collect()
+    };
+    let (displays, touches) = (nodes(DISPLAYS), nodes(TOUCHES));
+    let row = |shown: &f64| -> Vec<f64> {
+        let mut row = vec![0.0; logarithms.len()];
+        for (x, weight) in &displays {
+            let display = shown + sigma * x;
+            for (j, own) in logarithms.iter().enumerate() {
+                for (y, of_touch) in &touches {
+                    let far = (own + sigma * y - display).abs();
+                    let mut left = weight * of_touch;
+                    for (_, other) in logarithms.iter().enumerate().filter(|(k, _)| *k != j) {
+                        let z = |edge: f64| normal_below((edge - other) / sigma);
+                        left *= 1.0 - (z(display + far) - z(display - far));
+                        if left < NOTHING {
+                            break;
+                        }
+                    }
+                    row[j] += left;
+                }
+            }
+        }
+        let sum: f64 = row.iter().sum();
+        row.iter().map(|p| p / sum).collect()
+    };
+    logarithms.iter().map(row).collect()
 }
 
 /// Indices from the softest to the stiffest.
@@ -106,7 +163,8 @@ pub struct Estimate {
     pub interval95: (f64, f64),
 }
 
-/// The Weber fraction of a subject from counts (rows shown, columns answered) and stiffnesses; its preferences (criteria) are free. None
+/// The Weber fraction of a subject from counts (rows shown, columns answered) and stiffnesses; where the references are
+/// known, its preferences (criteria) are free. None
 /// without two stimuli that were shown and differ in stiffness.
 #[must_use]
 pub fn estimate(counts: &[Vec<u32>], stiffness: &[f64], references: References) -> Option<Estimate> {
@@ -120,7 +178,10 @@ pub fn estimate(counts: &[Vec<u32>], stiffness: &[f64], references: References) 
     }
     let middle = shown.iter().sum::<f64>() / shown.len() as f64;
     let centred: Vec<f64> = sorted.iter().map(|s| s - middle).collect();
-    let likelihood = |log_steepness: f64| best(&centred, &by_rank, log_steepness.exp());
+    let likelihood = |log_steepness: f64| match references {
+        References::Known => best(&centred, &by_rank, log_steepness.exp()),
+        References::Touched => counted(&nearest(&centred, (-log_steepness).exp()), &by_rank),
+    };
     // Steepness in deviations over the spread, from none to any.
     let (low, high) = ((LEAST / spread).ln(), (MOST / spread).ln());
     let grid: Vec<(f64, f64)> = (0..=GRID)
@@ -145,7 +206,7 @@ pub fn estimate(counts: &[Vec<u32>], stiffness: &[f64], references: References) 
         }
         Some(0.5 * (inside + outside))
     };
-    let weber = |log_steepness: f64| fraction((-log_steepness).exp() / references.factor());
+    let weber = |log_steepness: f64| fraction((-log_steepness).exp());
     // Right to the end of what is looked at: the top of a plateau.
     let plateau = 2.0 * (value - grid[GRID].1) < 1e-6;
     let flat = 2.0 * (value - grid[0].1) < 1e-6;
@@ -184,7 +245,11 @@ fn best(logarithms: &[f64], counts: &[Vec<u32>], steepness: f64) -> f64 {
 }
 
 fn likelihood(logarithms: &[f64], counts: &[Vec<u32>], steepness: f64, criteria: &[f64]) -> f64 {
-    let probabilities = probabilities(logarithms, steepness, criteria);
+    counted(&probabilities(logarithms, steepness, criteria), counts)
+}
+
+/// Logarithm of the likelihood of counts.
+fn counted(probabilities: &[Vec<f64>], counts: &[Vec<u32>]) -> f64 {
     let cells = counts.iter().flatten().zip(probabilities.iter().flatten());
     cells.filter(|(n, _)| **n > 0).map(|(n, p)| f64::from(*n) * p.max(SLIP).ln()).sum()
 }
@@ -260,25 +325,48 @@ mod tests {
         counts
     }
 
-    /// Coverage of the interval over 400 subjects a case. For two materials the deviation of a choice is exact, so 95 % of 400 within 2.6
-    /// standard errors of 1.1 %: 92 to 98 %. For four it is that of neighbours only; the same band is asked of it.
+    /// Shares of simulated subjects agree with the integral: 20000 answers have a standard error of 0.35 %, four of them are 1.4 %.
+    #[test]
+    fn simulated_subjects_answer_as_computed() {
+        let mut random = Pcg64Mcg::seed_from_u64(7);
+        for stiffness in [vec![1.0, 1.2], vec![1.0, 1.2, 1.5, 1.6]] {
+            let computed = answers(&stiffness, 0.2, References::Touched);
+            for (row, counts) in computed.iter().zip(subject(&mut random, &stiffness, 0.2, 20_000)) {
+                for (p, n) in row.iter().zip(counts) {
+                    assert!((p - f64::from(n) / 2e4).abs() < 0.014, "{p} for {n}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_ratio_for_a_share_gives_the_share() {
+        for references in [References::Touched, References::Known] {
+            let ratio = ratio_for(0.62, 0.15, references);
+            assert!((answers(&[2.0, 2.0 * ratio], 0.15, references)[1][1] - 0.62).abs() < 1e-9);
+        }
+        assert!((ratio_for(0.5, 0.15, References::Touched) - 1.0).abs() < 1e-6);
+    }
+
+    /// Coverage of the interval over 300 subjects a case: 95 % of 300 has a standard error of 1.3 %, and the likelihood's interval is exact for
+    /// many trials only; so 91.5 to 98.5 %.
     #[test]
     fn a_stated_weber_fraction_is_recovered() {
         let mut random = Pcg64Mcg::seed_from_u64(2026);
         let cases: [(&[f64], f64, u32); 4] =
-            [(&[1.0, 1.2], 0.15, 60), (&[1.0, 1.3], 0.25, 40), (&[1.0, 1.25, 1.6, 2.0], 0.15, 25), (&[1.0, 1.4, 1.9], 0.3, 30)];
+            [(&[1.0, 1.3], 0.15, 60), (&[1.0, 1.5], 0.25, 40), (&[1.0, 1.4, 1.9], 0.3, 30), (&[1.0, 1.25, 1.6], 0.15, 25)];
         for (stiffness, weber, repeats) in cases {
-            let (mut inside, mut sum, mut finite) = (0, 0.0, 0);
-            for _ in 0..400 {
-                let found = estimate(&subject(&mut random, stiffness, weber, repeats), stiffness, References::Touched).unwrap();
-                inside += u32::from(found.interval95.0 <= weber && weber <= found.interval95.1);
-                if found.value.is_finite() {
-                    sum += found.value;
-                    finite += 1;
-                }
+            let mut inside = 0;
+            let mut found = Vec::new();
+            for _ in 0..300 {
+                let one = estimate(&subject(&mut random, stiffness, weber, repeats), stiffness, References::Touched).unwrap();
+                inside += u32::from(one.interval95.0 <= weber && weber <= one.interval95.1);
+                found.push(one.value);
             }
-            println!("{stiffness:?} {weber}: {inside} of 400, mean {:.3} of {finite}", sum / f64::from(finite));
-            assert!((368..=392).contains(&inside), "{stiffness:?}: {inside} of 400");
+            found.sort_by(f64::total_cmp);
+            println!("{stiffness:?} {weber}: {inside} of 300 intervals hold it, median {:.3}", found[150]);
+            assert!((275..=295).contains(&inside), "{stiffness:?}: {inside} of 300");
+            assert!((found[150] / weber - 1.0).abs() < 0.1, "{stiffness:?}: median {}", found[150]);
         }
     }
 }

@@ -77,20 +77,10 @@ fn pairs(found: &Analysed) -> Vec<String> {
     let each = table.pairs().into_iter().map(|(i, j, d)| {
         let (low, high) = d.interval95;
         let corrected = if d.corrected { ", half a count added to each cell" } else { "" };
-        let mut line = format!(
+        let line = format!(
             "{} against {}: d' {:.2} (95 %: {low:.2} to {high:.2}{corrected}), criterion {:.2}.",
             table.names[i], table.names[j], d.value, d.criterion
         );
-        if found.predicted.is_none() {
-            let ratio = |d: f64| ratio_for(d.max(0.0), found.weber, found.references);
-            line += &format!(
-                " A subject with a Weber fraction of {} has this d' where one is {} stiffer (95 %: {} to {}).",
-                percent(found.weber),
-                percent(ratio(d.value) - 1.0),
-                percent(ratio(low) - 1.0),
-                percent(ratio(high) - 1.0)
-            );
-        }
         line
     });
     each.collect()
@@ -106,6 +96,17 @@ fn weber(found: &Analysed) -> Vec<String> {
             "The stiffness of {} is not known, so no Weber fraction follows from the answers: --stiffness NAME=VALUE.",
             unknown.join(", ")
         ));
+        if table.names.len() == 2 {
+            let share = table.total();
+            let ratio = |right: f64| percent(ratio_for(right, found.weber, found.references) - 1.0);
+            lines.push(format!(
+                "A subject with a Weber fraction of {} is right this often where one is {} stiffer than the other (95 %: {} to {}).",
+                percent(found.weber),
+                ratio(share.value()),
+                ratio(share.interval95.0),
+                ratio(share.interval95.1)
+            ));
+        }
         return lines;
     };
     let known = table.names.iter().zip(&found.stiffness).filter_map(|(name, known)| Some((name, known.as_ref()?)));
