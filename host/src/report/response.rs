@@ -65,7 +65,10 @@ pub fn figures(found: &Identified) -> Vec<(Figure, &'static str)> {
     vec![
         (motion, "What was measured, and what the law makes of the command."),
         (residual, "What is left; of neighbouring samples the highest and the lowest."),
-        (correlation(&found.correlation(), record.time_s.len(), "residual"), "White noise stays between the dotted lines."),
+        (
+            correlation(&found.correlation(), record.time_s.len(), "residual"),
+            "White noise stays between the dotted lines.",
+        ),
         (loops, "Friction and backlash open the loop, dead time and lag widen it with the speed."),
     ]
 }
@@ -91,12 +94,17 @@ pub fn page(found: &Identified, file: &str) -> Page {
         page.verdict(first);
         page.list(rest);
     }
-    let shown = found.known.parameters.iter().filter(|k| !matches!(k.parameter, Parameter::Start | Parameter::StartShare));
+    let shown =
+        found.known.parameters.iter().filter(|k| !matches!(k.parameter, Parameter::Start | Parameter::StartShare));
     let mut rows: Vec<Vec<String>> = shown
         .map(|known| vec![known.parameter.name(law.structure).to_owned(), number(known.value), interval(known)])
         .collect();
     if let Some(least) = found.least_rate_mm_s {
-        rows.push(vec!["rate_limit_mm_per_s".to_owned(), "none reached".to_owned(), format!("at least {}", number(least))]);
+        rows.push(vec![
+            "rate_limit_mm_per_s".to_owned(),
+            "none reached".to_owned(),
+            format!("at least {}", number(least)),
+        ]);
     }
     page.section("Parameters");
     page.table(&["parameter", "value", "95 % interval"], &rows);

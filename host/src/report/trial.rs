@@ -41,7 +41,9 @@ pub fn page(table: &Confusion, lines: &[String], figure: &str) -> Page {
         page.list(rest);
     }
     page.section("Confusion table");
-    page.paragraph("Rows: shown. Columns: answered. Counts with exact 95 % intervals (Clopper and Pearson) of the row's share.");
+    page.paragraph(
+        "Rows: shown. Columns: answered. Counts with exact 95 % intervals (Clopper and Pearson) of the row's share.",
+    );
     let mut head = vec!["", "shown"];
     head.extend(table.names.iter().map(String::as_str));
     let rows: Vec<Vec<String>> = table

@@ -52,7 +52,8 @@ pub fn text(found: &Identified, title: &str, source: &str, limit_v: f64) -> Stri
 fn pair(known: &Known) -> Option<String> {
     let (low, high) = known.interval95;
     let low = if known.parameter.is_logarithmic() { low } else { low.max(0.0) };
-    (low.is_finite() && high.is_finite()).then(|| format!("[{}, {}]", number(low.min(known.value)), number(high.max(known.value))))
+    (low.is_finite() && high.is_finite())
+        .then(|| format!("[{}, {}]", number(low.min(known.value)), number(high.max(known.value))))
 }
 
 fn plant(out: &mut String, found: &Identified) {

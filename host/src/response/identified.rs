@@ -85,7 +85,11 @@ impl Identified {
             ));
         }
         for (parameter, name, more) in [
-            (Parameter::Friction, "Friction", "steps smaller than a hundredth of the travel and a slow triangle would show it"),
+            (
+                Parameter::Friction,
+                "Friction",
+                "steps smaller than a hundredth of the travel and a slow triangle would show it",
+            ),
             (Parameter::Play, "Backlash", "reversals sampled faster would show it"),
             (Parameter::Delay, "The delay", "faster sampling would show it"),
         ] {
@@ -116,9 +120,13 @@ impl Identified {
             Some((_, rival)) => {
                 let (other, far) = (rival.fitted.law.structure.name(), rival.bic - best.bic);
                 if far.abs() < CLEARLY {
-                    format!("Order: {name}. \"{other}\" describes the recording as well (BIC differs by {far:.1}), and is more complex.")
+                    format!(
+                        "Order: {name}. \"{other}\" describes the recording as well (BIC differs by {far:.1}), and is more complex."
+                    )
                 } else {
-                    format!("Order: {name}. The nearest rival, \"{other}\", is worse by {far:.0} in BIC; {CLEARLY} is strong evidence.")
+                    format!(
+                        "Order: {name}. The nearest rival, \"{other}\", is worse by {far:.0} in BIC; {CLEARLY} is strong evidence."
+                    )
                 }
             }
         }
@@ -143,7 +151,11 @@ impl Identified {
             ));
         }
         let counted = step / 12.0_f64.sqrt();
-        let share = if counted < sd { format!("{:.0} % of its variance", 100.0 * (counted / sd).powi(2)) } else { "all of it".to_owned() };
+        let share = if counted < sd {
+            format!("{:.0} % of its variance", 100.0 * (counted / sd).powi(2))
+        } else {
+            "all of it".to_owned()
+        };
         Some(format!("The residual of {sd:.4} mm is white; the sensor's step of {step:.4} mm makes {share}."))
     }
 

@@ -100,11 +100,7 @@ fn covariance(fitted: &Fitted, variance: f64, robust: bool) -> DMatrix<f64> {
     let mut unit = slopes;
     unit.column_iter_mut().zip(scale.iter()).for_each(|(mut column, s)| column /= *s);
     let Ok(inverse) = unit.tr_mul(&unit).pseudo_inverse(1e-13) else { return all };
-    let inner = if robust {
-        &inverse * meat(&unit, &fitted.white_mm, 0) * &inverse
-    } else {
-        inverse * variance
-    };
+    let inner = if robust { &inverse * meat(&unit, &fitted.white_mm, 0) * &inverse } else { inverse * variance };
     for (a, i) in free.iter().enumerate() {
         for (b, j) in free.iter().enumerate() {
             all[(*i, *j)] = inner[(a, b)] / (scale[a] * scale[b]);

@@ -28,6 +28,5 @@ pub mod push;
 pub mod recording;
 pub mod repeat;
 
-
 #[cfg(test)]
 mod tests;

@@ -68,7 +68,8 @@ impl Linear {
             }
             Structure::Mass | Structure::MassLag => {
                 let a1 = 2.0 * law.damping * w;
-                let rate = if law.structure == Structure::Mass { none } else { off_resonance(1.0 / law.lag_s, a1, w * w) };
+                let rate =
+                    if law.structure == Structure::Mass { none } else { off_resonance(1.0 / law.lag_s, a1, w * w) };
                 Self { has_mass: true, a1, a0: w * w, g: k * w * w, c: w * w * law.offset, rate }
             }
         }
@@ -326,7 +327,11 @@ impl Shaft {
             let part = Transition::over(&self.linear, at);
             let (x, v) = self.state(s, command_v, &part);
             let off = v - level;
-            if off * before > 0.0 { low = at } else { high = at }
+            if off * before > 0.0 {
+                low = at
+            } else {
+                high = at
+            }
             let w = command_v + (self.w - command_v) * part.left;
             let acceleration = g * (w - self.friction_v * s) + c - a0 * x - a1 * v;
             let newton = at - off / acceleration;

@@ -215,7 +215,10 @@ fn fitted(shapes: &Shapes<'_>, parts: &[Part], ways: [f64; 2]) -> One {
     let force = &shapes.record.force_n;
     let y = DVector::from_column_slice(force);
     let runs_in = parts.iter().any(|p| matches!(p, Part::RunIn | Part::FrictionRunIn));
-    let travel = { let (low, high) = ends(&shapes.record.position_mm); (high - low).max(1e-9) };
+    let travel = {
+        let (low, high) = ends(&shapes.record.position_mm);
+        (high - low).max(1e-9)
+    };
     let whole = shapes.travelled_mm.last().copied().unwrap_or(1.0).max(1e-9);
     let region = Region {
         low: vec![(1e-4 * travel).ln(), (0.05 * travel).ln()],
@@ -321,9 +324,9 @@ fn told(shapes: &Shapes<'_>, one: One) -> PushFit {
         (*part, value, (value - reach(j), value + reach(j)))
     };
     let place = |part: Part| one.parts.iter().position(|p| *p == part);
-    let beside_correlation = place(Part::Beside).zip(place(Part::Friction)).map(|(a, b)| {
-        inner[(a, b)] / (inner[(a, a)] * inner[(b, b)]).sqrt()
-    });
+    let beside_correlation = place(Part::Beside)
+        .zip(place(Part::Friction))
+        .map(|(a, b)| inner[(a, b)] / (inner[(a, a)] * inner[(b, b)]).sqrt());
     let alone = place(Part::Beside).map(|beside| {
         let parts: Vec<Part> = one.parts.iter().enumerate().filter(|(j, _)| *j != beside).map(|(_, p)| *p).collect();
         fitted(shapes, &parts, one.ways).amounts[1]
@@ -383,7 +386,11 @@ impl PushFit {
             ));
         }
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        let mut rest = format!("The parts explain {} of the force's variance; {:.3} N are left", percent(self.explained), self.sd_n);
+        let mut rest = format!(
+            "The parts explain {} of the force's variance; {:.3} N are left",
+            percent(self.explained),
+            self.sd_n
+        );
         if let Some(repeated) = self.repeated {
             rest += &format!(
                 ", {} of which comes again at the same place and direction in every stroke: a pattern of the bore and the seal, not noise",
@@ -392,7 +399,9 @@ impl PushFit {
         }
         told.push(format!("{rest}. The sensor's step is {:.3} N.", self.count_n));
         if self.whiteness.0 > self.whiteness.1 {
-            told.push("What is left depends on its past; the intervals take that into account (Newey and West).".to_owned());
+            told.push(
+                "What is left depends on its past; the intervals take that into account (Newey and West).".to_owned(),
+            );
         }
         told
     }

@@ -126,7 +126,8 @@ pub fn read(file: &Path, columns: &Columns) -> Result<Recorded, RecordingError> 
 /// As [`read`].
 pub fn parse(file: &Path, bytes: &[u8], columns: &Columns) -> Result<Recorded, RecordingError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).comment(Some(b'#')).from_reader(bytes);
+    let mut reader =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).comment(Some(b'#')).from_reader(bytes);
     let unreadable = |cause: csv::Error| RecordingError::Unreadable { file: file.to_owned(), cause: cause.to_string() };
     let header: Vec<String> = reader.headers().map_err(unreadable)?.iter().map(str::to_owned).collect();
     let head = Header { file, header: &header };
@@ -220,8 +221,8 @@ fn rows(
 ) -> Result<Vec<Vec<f64>>, RecordingError> {
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for record in reader.records() {
-        let record = record
-            .map_err(|cause| RecordingError::Unreadable { file: file.to_owned(), cause: cause.to_string() })?;
+        let record =
+            record.map_err(|cause| RecordingError::Unreadable { file: file.to_owned(), cause: cause.to_string() })?;
         let line = record.position().map_or(0, csv::Position::line);
         let cells: Vec<&str> = places.iter().map(|place| record.get(*place).unwrap_or("")).collect();
         if cells.iter().any(|cell| cell.is_empty()) {

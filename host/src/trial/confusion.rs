@@ -124,7 +124,8 @@ impl Confusion {
             subjects: Some(25),
             remarks: vec![
                 "\"Not recognized\" is counted as the other material, as there are two.".to_owned(),
-                "The two answers of a subject may depend on each other; the table does not tell how they pair.".to_owned(),
+                "The two answers of a subject may depend on each other; the table does not tell how they pair."
+                    .to_owned(),
             ],
         }
     }

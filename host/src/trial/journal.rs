@@ -133,13 +133,8 @@ impl Journal {
         if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder).map_err(refused(folder))?;
         }
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path)
-            .map_err(refused(path))?;
+        let mut file =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path).map_err(refused(path))?;
         if file.try_lock().is_err() {
             return Err(JournalError::Busy { file: path.to_owned() });
         }
@@ -164,9 +159,7 @@ impl Journal {
         }
         let (session, given) = parse(path, &text[..whole])?;
         if session != *asked {
-            let named = |s: &Session| {
-                format!("{}: {} shown {} times each", s.subject, s.stimuli.join(", "), s.repeats)
-            };
+            let named = |s: &Session| format!("{}: {} shown {} times each", s.subject, s.stimuli.join(", "), s.repeats);
             return Err(JournalError::Another { file: path.to_owned(), found: named(&session), asked: named(asked) });
         }
         file.set_len(whole as u64).map_err(refused(path))?;
@@ -233,10 +226,18 @@ fn parse(path: &Path, text: &str) -> Result<(Session, Vec<Given>), JournalError>
         .map_err(|cause| wrong(0, cause.to_string(), "subject, stimuli, repeats and order of a session"))?;
     let count = session.stimuli.len();
     if !(2..=MOST_STIMULI).contains(&count) || session.repeats > MOST_REPEATS {
-        return Err(wrong(0, format!("{count} stimuli, {} repeats", session.repeats), "2 to 9 stimuli, up to 1000 repeats"));
+        return Err(wrong(
+            0,
+            format!("{count} stimuli, {} repeats", session.repeats),
+            "2 to 9 stimuli, up to 1000 repeats",
+        ));
     }
     if session.order.len() != count * session.repeats || session.order.iter().any(|s| *s >= count) {
-        return Err(wrong(0, "the order does not fit the stimuli".to_owned(), "an index of a stimulus for each presentation"));
+        return Err(wrong(
+            0,
+            "the order does not fit the stimuli".to_owned(),
+            "an index of a stimulus for each presentation",
+        ));
     }
     let mut given = Vec::new();
     for (at, line) in lines {
@@ -297,7 +298,10 @@ mod tests {
         drop(Journal::open(&path, &session()).unwrap());
         let other = Session::new(vec!["ICF".into(), "A2".into()], 6, 3, 1);
         let error = Journal::open(&path, &other).unwrap_err().to_string();
-        assert!(error.contains("shown 5 times each; asked for is one of") && error.contains("shown 6 times"), "{error}");
+        assert!(
+            error.contains("shown 5 times each; asked for is one of") && error.contains("shown 6 times"),
+            "{error}"
+        );
         let _first = Journal::open(&path, &session()).unwrap();
         assert!(matches!(Journal::open(&path, &session()).unwrap_err(), JournalError::Busy { .. }));
     }
@@ -312,6 +316,9 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap().replace("\"answered\":0", "\"answered\":7");
         std::fs::write(&path, text).unwrap();
         let error = read(&path).unwrap_err().to_string();
-        assert!(error.contains("line 2: trial 1, shown") && error.contains("answered 7; expected the next trial"), "{error}");
+        assert!(
+            error.contains("line 2: trial 1, shown") && error.contains("answered 7; expected the next trial"),
+            "{error}"
+        );
     }
 }

@@ -28,7 +28,8 @@ pub fn of(names: &[String], given: &[(String, f64)], curves: &[ControlCurve]) ->
         own.or_else(|| ControlCurve::built_in(&known))
     };
     let told = |name: &str| given.iter().find(|(of, _)| of.eq_ignore_ascii_case(name)).map(|(_, value)| *value);
-    let used: Vec<ControlCurve> = names.iter().filter(|name| told(name).is_none()).filter_map(|name| curve(name)).collect();
+    let used: Vec<ControlCurve> =
+        names.iter().filter(|name| told(name).is_none()).filter_map(|name| curve(name)).collect();
     let force_n = used.iter().map(ControlCurve::most_n).fold(FELT_N, f64::min);
     let each = |name: &String| {
         if let Some(value) = told(name) {

@@ -171,7 +171,8 @@ pub fn estimate(counts: &[Vec<u32>], stiffness: &[f64], references: References) 
     let rank = ranks(stiffness);
     let sorted: Vec<f64> = rank.iter().map(|i| stiffness[*i].ln()).collect();
     let by_rank: Vec<Vec<u32>> = rank.iter().map(|i| rank.iter().map(|j| counts[*i][*j]).collect()).collect();
-    let shown: Vec<f64> = by_rank.iter().zip(&sorted).filter(|(row, _)| row.iter().sum::<u32>() > 0).map(|(_, s)| *s).collect();
+    let shown: Vec<f64> =
+        by_rank.iter().zip(&sorted).filter(|(row, _)| row.iter().sum::<u32>() > 0).map(|(_, s)| *s).collect();
     let spread = shown.last()? - shown.first()?;
     if spread <= 0.0 || !spread.is_finite() {
         return None;
@@ -211,7 +212,13 @@ pub fn estimate(counts: &[Vec<u32>], stiffness: &[f64], references: References) 
     let plateau = 2.0 * (value - grid[GRID].1) < 1e-6;
     let flat = 2.0 * (value - grid[0].1) < 1e-6;
     Some(Estimate {
-        value: if flat { f64::INFINITY } else if plateau { 0.0 } else { weber(at) },
+        value: if flat {
+            f64::INFINITY
+        } else if plateau {
+            0.0
+        } else {
+            weber(at)
+        },
         interval95: (end(at, high).map_or(0.0, weber), end(at, low).map_or(f64::INFINITY, weber)),
     })
 }
@@ -275,7 +282,7 @@ fn golden(mut low: f64, mut high: f64, of: &impl Fn(f64) -> f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, clippy::print_stdout)]
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64Mcg;
@@ -291,7 +298,8 @@ mod tests {
 
     #[test]
     fn rows_are_probabilities_in_any_order_of_the_stimuli() {
-        let (a, b) = (answers(&[1.0, 2.0, 3.0], 0.3, References::Known), answers(&[3.0, 1.0, 2.0], 0.3, References::Known));
+        let (a, b) =
+            (answers(&[1.0, 2.0, 3.0], 0.3, References::Known), answers(&[3.0, 1.0, 2.0], 0.3, References::Known));
         for row in &a {
             assert!((row.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         }
@@ -315,7 +323,8 @@ mod tests {
         let mut counts = vec![vec![0; stiffness.len()]; stiffness.len()];
         for (shown, row) in counts.iter_mut().enumerate() {
             for _ in 0..repeats {
-                let mut felt = |k: f64| k.ln() + sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, random);
+                let mut felt =
+                    |k: f64| k.ln() + sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, random);
                 let display = felt(stiffness[shown]);
                 let real: Vec<f64> = stiffness.iter().map(|k| (felt(*k) - display).abs()).collect();
                 let nearest = (0..real.len()).min_by(|a, b| real[*a].total_cmp(&real[*b])).unwrap();
@@ -348,25 +357,36 @@ mod tests {
         assert!((ratio_for(0.5, 0.15, References::Touched) - 1.0).abs() < 1e-6);
     }
 
-    /// Coverage of the interval over 300 subjects a case: 95 % of 300 has a standard error of 1.3 %, and the likelihood's interval is exact for
-    /// many trials only; so 91.5 to 98.5 %.
+    /// Coverage of the interval over 300 subjects a case of two materials, 100 of three, which take longer: three standard errors of 95 %
+    /// (1.3 and 2.2 %) on both sides.
     #[test]
     fn a_stated_weber_fraction_is_recovered() {
         let mut random = Pcg64Mcg::seed_from_u64(2026);
-        let cases: [(&[f64], f64, u32); 4] =
-            [(&[1.0, 1.3], 0.15, 60), (&[1.0, 1.5], 0.25, 40), (&[1.0, 1.4, 1.9], 0.3, 30), (&[1.0, 1.25, 1.6], 0.15, 25)];
+        let cases: [(&[f64], f64, u32); 4] = [
+            (&[1.0, 1.3], 0.15, 60),
+            (&[1.0, 1.5], 0.25, 40),
+            (&[1.0, 1.4, 1.9], 0.3, 30),
+            (&[1.0, 1.25, 1.6], 0.15, 25),
+        ];
         for (stiffness, weber, repeats) in cases {
             let mut inside = 0;
             let mut found = Vec::new();
-            for _ in 0..300 {
-                let one = estimate(&subject(&mut random, stiffness, weber, repeats), stiffness, References::Touched).unwrap();
+            let subjects = if stiffness.len() == 2 { 300 } else { 100 };
+            for _ in 0..subjects {
+                let one =
+                    estimate(&subject(&mut random, stiffness, weber, repeats), stiffness, References::Touched).unwrap();
                 inside += u32::from(one.interval95.0 <= weber && weber <= one.interval95.1);
                 found.push(one.value);
             }
             found.sort_by(f64::total_cmp);
-            println!("{stiffness:?} {weber}: {inside} of 300 intervals hold it, median {:.3}", found[150]);
-            assert!((275..=295).contains(&inside), "{stiffness:?}: {inside} of 300");
-            assert!((found[150] / weber - 1.0).abs() < 0.1, "{stiffness:?}: median {}", found[150]);
+            println!(
+                "{stiffness:?} {weber}: {inside} of {subjects} intervals hold it, median {:.3}",
+                found[subjects / 2]
+            );
+            let share = f64::from(inside) / subjects as f64;
+            let error = 3.0 * (0.95 * 0.05 / subjects as f64).sqrt();
+            assert!((share - 0.95).abs() <= error, "{stiffness:?}: {inside} of {subjects}");
+            assert!((found[subjects / 2] / weber - 1.0).abs() < 0.1, "{stiffness:?}: median {}", found[subjects / 2]);
         }
     }
 }

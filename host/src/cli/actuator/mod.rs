@@ -122,7 +122,8 @@ fn commanded(asked: &Identify, found: &Identified, column: &str) -> miette::Resu
 
 fn pushed(asked: &Identify, record: &Pushed, fit: &PushFit) -> miette::Result<()> {
     let log = asked.log.display().to_string();
-    let figures: Vec<String> = picture::pushed_figures(record, fit).into_iter().map(|(figure, _)| figure.svg()).collect();
+    let figures: Vec<String> =
+        picture::pushed_figures(record, fit).into_iter().map(|(figure, _)| figure.svg()).collect();
     let names = ["loop.svg", "force.svg", "residual.svg", "correlation.svg"];
     let files = write(asked, None, &picture::pushed_page(record, fit, &log), &names, &figures)?;
     let value = told::pushed_json(fit, &log, &files);

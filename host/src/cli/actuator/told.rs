@@ -24,7 +24,8 @@ pub(super) fn commanded(found: &Identified) -> Vec<String> {
     let mut lines = Vec::new();
     for known in found.known.parameters.iter().filter(|known| shown(known.parameter)) {
         let name = known.parameter.name(structure);
-        let of_command = known.parameter == Parameter::Gain || (known.parameter == Parameter::Offset && structure.integrates());
+        let of_command =
+            known.parameter == Parameter::Gain || (known.parameter == Parameter::Offset && structure.integrates());
         let mut known = *known;
         if of_command && sign < 0.0 {
             known.value = -known.value;
@@ -101,7 +102,9 @@ pub(super) fn pushed_json(fit: &PushFit, log: &str, files: &[PathBuf]) -> Value 
     let parts: serde_json::Map<String, Value> = fit
         .parts
         .iter()
-        .map(|(part, value, interval)| (part.name().to_owned(), json!({ "value": value, "interval95": ends(*interval) })))
+        .map(|(part, value, interval)| {
+            (part.name().to_owned(), json!({ "value": value, "interval95": ends(*interval) }))
+        })
         .collect();
     json!({
         "log": log, "law": Value::Null, "parts": parts,

@@ -64,7 +64,9 @@ fn analysed(asked: &Analyse) -> miette::Result<Analysed> {
     }
     let read = |file: &PathBuf| ControlCurve::read(file).into_diagnostic();
     let curves = asked.curve.iter().map(read).collect::<miette::Result<Vec<_>>>()?;
-    if let Some((name, _)) = asked.stiffness.iter().find(|(name, _)| !table.names.iter().any(|n| n.eq_ignore_ascii_case(name))) {
+    if let Some((name, _)) =
+        asked.stiffness.iter().find(|(name, _)| !table.names.iter().any(|n| n.eq_ignore_ascii_case(name)))
+    {
         return Err(miette!("--stiffness {name}: no such material; expected one of {}", table.names.join(", ")));
     }
     let stiffness = stiffness::of(&table.names, &asked.stiffness, &curves);
@@ -96,7 +98,8 @@ fn table(files: &[PathBuf]) -> miette::Result<Confusion> {
         Some("thesis-table-9") => Some(Confusion::thesis_table_9()),
         _ => None,
     };
-    let text = |file: &Path| std::fs::read_to_string(file).into_diagnostic().wrap_err_with(|| file.display().to_string());
+    let text =
+        |file: &Path| std::fs::read_to_string(file).into_diagnostic().wrap_err_with(|| file.display().to_string());
     if let [file] = files {
         if let Some(table) = example(file).filter(|_| !file.exists()) {
             return Ok(table);
@@ -109,7 +112,10 @@ fn table(files: &[PathBuf]) -> miette::Result<Confusion> {
     let mut sessions = Vec::new();
     for file in files {
         if !is_journal(&text(file)?) {
-            return Err(miette!("{}: no journal of palpate trial run; a table or an example stands alone", file.display()));
+            return Err(miette!(
+                "{}: no journal of palpate trial run; a table or an example stands alone",
+                file.display()
+            ));
         }
         let (session, given) = read(file)?;
         sessions.push((file.clone(), session, given));

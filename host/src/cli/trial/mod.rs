@@ -30,8 +30,10 @@ enum What {
 
 /// One session of one subject.
 #[derive(Debug, Args)]
-#[command(after_help = "Answers are the numbers of the materials, each followed by Enter; q ends the session, and the same command goes on \
-with it. What is shown stands nowhere on the screen.")]
+#[command(
+    after_help = "Answers are the numbers of the materials, each followed by Enter; q ends the session, and the same command goes on \
+with it. What is shown stands nowhere on the screen."
+)]
 pub struct Run {
     /// The journal: a file that only grows, one line an answer. If it is there, its session goes on
     #[arg(value_name = "FILE")]
@@ -130,7 +132,8 @@ fn materials(texts: &[String]) -> miette::Result<Vec<(String, Option<u8>)>> {
             None => (text.trim(), None),
             Some((name, entry)) => {
                 let number = entry.trim().parse::<u8>();
-                let number = number.map_err(|_| miette!("--materials {text}: expected NAME=ENTRY with a number of 0 to 255"))?;
+                let number =
+                    number.map_err(|_| miette!("--materials {text}: expected NAME=ENTRY with a number of 0 to 255"))?;
                 (name.trim(), Some(number))
             }
         };

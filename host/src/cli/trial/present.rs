@@ -131,9 +131,14 @@ impl Drop for Presenter {
 /// Library entries of the materials: as given, or by the names of the library.
 fn entries(materials: &[(String, Option<u8>)], names: &[String]) -> miette::Result<Vec<u8>> {
     let entry = |(name, given): &(String, Option<u8>)| {
-        let known = names.iter().position(|known| known.eq_ignore_ascii_case(name)).and_then(|at| u8::try_from(at).ok());
+        let known =
+            names.iter().position(|known| known.eq_ignore_ascii_case(name)).and_then(|at| u8::try_from(at).ok());
         given.or(known).ok_or_else(|| {
-            let library = if names.is_empty() { "is not known: --table FILE tells its names".to_owned() } else { format!("has {}", names.join(", ")) };
+            let library = if names.is_empty() {
+                "is not known: --table FILE tells its names".to_owned()
+            } else {
+                format!("has {}", names.join(", "))
+            };
             miette!("--materials {name}: the board's library {library}; expected one of its names, or {name}=ENTRY")
         })
     };
@@ -152,7 +157,10 @@ mod tests {
         assert_eq!(entries(&asked("icf", None), &names).unwrap(), [2]);
         assert_eq!(entries(&asked("mine", Some(7)), &names).unwrap(), [7]);
         let error = entries(&asked("A2", None), &names).unwrap_err().to_string();
-        assert_eq!(error, "--materials A2: the board's library has EVA, B1, ICF; expected one of its names, or A2=ENTRY");
+        assert_eq!(
+            error,
+            "--materials A2: the board's library has EVA, B1, ICF; expected one of its names, or A2=ENTRY"
+        );
         assert!(entries(&asked("A2", None), &[]).unwrap_err().to_string().contains("--table FILE"));
     }
 }

@@ -91,7 +91,8 @@ fn subject(asked: &Run, names: &[String]) -> miette::Result<Subject> {
     let Some(weber) = asked.simulate else { return Ok(Subject::Keys(Keys::new())) };
     let found = stiffness::of(names, &asked.stiffness, &[]);
     let values = names.iter().zip(found).map(|(name, found)| {
-        let found = found.ok_or_else(|| miette!("--simulate: the stiffness of {name} is not known; --stiffness {name}=VALUE"))?;
+        let found = found
+            .ok_or_else(|| miette!("--simulate: the stiffness of {name} is not known; --stiffness {name}=VALUE"))?;
         Ok(found.value)
     });
     let values = values.collect::<miette::Result<Vec<f64>>>()?;

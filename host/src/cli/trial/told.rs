@@ -25,7 +25,8 @@ fn share(share: &Share) -> String {
 pub(super) fn table(table: &Confusion) -> Vec<String> {
     let width = table.names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(5);
     let head: String = table.names.iter().map(|name| format!("  {name:CELL$}")).collect();
-    let mut lines = vec![format!("{}: share answered with exact 95 % intervals", table.title), format!("{:width$}{head}", "shown")];
+    let mut lines =
+        vec![format!("{}: share answered with exact 95 % intervals", table.title), format!("{:width$}{head}", "shown")];
     for (name, row) in table.names.iter().zip(table.cells()) {
         let cells: String = row.iter().map(|cell| format!("  {:CELL$}", share(cell))).collect();
         lines.push(format!("{name:width$}{}", cells.trim_end()));
@@ -54,7 +55,9 @@ pub(super) fn lines(found: &Analysed) -> Vec<String> {
     lines.push(distance(table));
     lines.extend(pairs(found));
     let (counted, corrected, most) = table.bits();
-    lines.push(format!("Information: {counted:.2} of {most:.2} bits an answer, {corrected:.2} less the bias of counting."));
+    lines.push(format!(
+        "Information: {counted:.2} of {most:.2} bits an answer, {corrected:.2} less the bias of counting."
+    ));
     lines.extend(weber(found));
     lines.extend(sizes(found));
     lines.extend(table.remarks.iter().cloned());
@@ -90,8 +93,13 @@ fn weber(found: &Analysed) -> Vec<String> {
     let table = &found.table;
     let mut lines = Vec::new();
     let Some(predicted) = &found.predicted else {
-        let unknown: Vec<&str> =
-            table.names.iter().zip(&found.stiffness).filter(|(_, known)| known.is_none()).map(|(name, _)| name.as_str()).collect();
+        let unknown: Vec<&str> = table
+            .names
+            .iter()
+            .zip(&found.stiffness)
+            .filter(|(_, known)| known.is_none())
+            .map(|(name, _)| name.as_str())
+            .collect();
         lines.push(format!(
             "The stiffness of {} is not known, so no Weber fraction follows from the answers: --stiffness NAME=VALUE.",
             unknown.join(", ")
@@ -110,7 +118,8 @@ fn weber(found: &Analysed) -> Vec<String> {
         return lines;
     };
     let known = table.names.iter().zip(&found.stiffness).filter_map(|(name, known)| Some((name, known.as_ref()?)));
-    let known: Vec<String> = known.map(|(name, known)| format!("{name} {} ({})", number(known.value), known.source)).collect();
+    let known: Vec<String> =
+        known.map(|(name, known)| format!("{name} {} ({})", number(known.value), known.source)).collect();
     lines.push(format!("Stiffness: {}.", known.join(", ")));
     let right: Vec<String> =
         table.names.iter().enumerate().map(|(i, name)| format!("{name} {}", percent(predicted[i][i]))).collect();
@@ -126,7 +135,10 @@ fn weber(found: &Analysed) -> Vec<String> {
         lines.push(if estimate.value == 0.0 {
             format!("The answers bound the Weber fraction from above only: at most {high} (95 %).")
         } else if estimate.value.is_infinite() {
-            format!("The answers do not depend on the stiffness: the Weber fraction is at least {} (95 %).", percent(low))
+            format!(
+                "The answers do not depend on the stiffness: the Weber fraction is at least {} (95 %).",
+                percent(low)
+            )
         } else {
             format!("Weber fraction of these answers: {} (95 %: {} to {high}).", percent(estimate.value), percent(low))
         });
@@ -139,12 +151,23 @@ fn sizes(found: &Analysed) -> Vec<String> {
     let right = percent(sizes.right);
     let mut lines = Vec::new();
     lines.push(match sizes.for_width {
-        Some(n) => format!("Sample size: {n} trials for a share of {right} within +-{} (95 %, exact).", percent(sizes.half_width)),
-        None => format!("Sample size: more than 5000 trials for a share of {right} within +-{}.", percent(sizes.half_width)),
+        Some(n) => format!(
+            "Sample size: {n} trials for a share of {right} within +-{} (95 %, exact).",
+            percent(sizes.half_width)
+        ),
+        None => {
+            format!("Sample size: more than 5000 trials for a share of {right} within +-{}.", percent(sizes.half_width))
+        }
     });
     lines.push(match sizes.to_beat_chance {
-        Some(n) => format!("{n} trials find a share of {right} better than guessing (one-sided 5 %) in {} of all tests.", percent(sizes.power)),
-        None => format!("No 5000 trials find a share of {right} better than guessing in {} of all tests.", percent(sizes.power)),
+        Some(n) => format!(
+            "{n} trials find a share of {right} better than guessing (one-sided 5 %) in {} of all tests.",
+            percent(sizes.power)
+        ),
+        None => format!(
+            "No 5000 trials find a share of {right} better than guessing in {} of all tests.",
+            percent(sizes.power)
+        ),
     });
     lines
 }

@@ -100,7 +100,14 @@ pub fn excitation(t: f64) -> f64 {
     if t < 10.0 {
         // two triangles of 5 s between 1.5 and 3.5 V
         let phase = (t / 5.0).fract();
-        return 2.5 + if phase < 0.25 { 4.0 * phase } else if phase < 0.75 { 2.0 - 4.0 * phase } else { 4.0 * phase - 4.0 };
+        return 2.5
+            + if phase < 0.25 {
+                4.0 * phase
+            } else if phase < 0.75 {
+                2.0 - 4.0 * phase
+            } else {
+                4.0 * phase - 4.0
+            };
     }
     let t = t - 10.0;
     // 0.2 to 4 Hz in 12 s
