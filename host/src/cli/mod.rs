@@ -1,5 +1,6 @@
 //! The commands of `palpate`.
 
+pub mod actuator;
 mod answer;
 pub mod board;
 mod calibrate;
@@ -31,6 +32,7 @@ pub mod simulate;
 pub mod study;
 pub mod sweep;
 mod together;
+pub mod trial;
 pub mod tune;
 
 use std::process::ExitCode;
@@ -88,6 +90,10 @@ enum Command {
     Feel(feel::Arguments),
     /// Search the gains of the display's position loop, with margins and a certified worst case
     Tune(tune::Arguments),
+    /// Identify the linear actuator of a display from recordings
+    Actuator(actuator::Arguments),
+    /// Test with blind subjects what a display is taken for, and analyse the answers
+    Trial(trial::Arguments),
     /// Press a finger on a plate or a foam by finite elements: force, contact, pressure, Mises stress
     Finger(finger::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
@@ -121,6 +127,8 @@ pub fn main() -> ExitCode {
         Command::ControlCurve(arguments) => control_curve::run(&arguments),
         Command::Feel(arguments) => feel::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
+        Command::Actuator(arguments) => actuator::run(&arguments),
+        Command::Trial(arguments) => trial::run(&arguments),
         Command::Finger(arguments) => finger::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };

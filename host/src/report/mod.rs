@@ -19,10 +19,12 @@ pub mod magnet;
 pub mod map;
 mod page;
 pub mod readings;
+pub mod response;
 mod scale;
 mod sheet;
 pub mod strip;
 pub mod table;
+pub mod trial;
 pub mod tuning;
 pub mod valley;
 
