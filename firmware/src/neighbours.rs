@@ -63,7 +63,8 @@ pub fn has_neighbours(table: &Table<'_>) -> bool {
 /// The place between entries nearest to a material. `None` outside the table's grid of exponents, for what is not positive and
 /// finite, and for a table without surface or library.
 pub fn between(table: &Table<'_>, at: &Parameters) -> Option<Placed> {
-    let (entries, material) = (Entries::of(table, at)?, point_of(table, at)?);
+    let slice = Slice::nearest(table, at.height_mm, at.rate_mm_s)?;
+    let (entries, material) = (Entries::of(table, &slice), point_of(table, &slice, at)?);
     let mut best: Option<(f32, Placed)> = None;
     for (i, low) in entries.iter() {
         for (k, high) in entries.iter().filter(|(k, high)| *k >= i && high.coil == low.coil) {
@@ -84,7 +85,8 @@ pub fn between(table: &Table<'_>, at: &Parameters) -> Option<Placed> {
 
 /// One entry as the place of a material; `None` as for [`between`], and where there is no such entry.
 pub fn entry(table: &Table<'_>, index: u8, at: &Parameters) -> Option<Placed> {
-    let (entries, material) = (Entries::of(table, at)?, point_of(table, at)?);
+    let slice = Slice::nearest(table, at.height_mm, at.rate_mm_s)?;
+    let (entries, material) = (Entries::of(table, &slice), point_of(table, &slice, at)?);
     let (_, own) = entries.iter().find(|(i, _)| *i == index)?;
     let (_, beside, _) = along(own.point, own.point, material);
     let curve = Curve::of(index);
@@ -97,16 +99,15 @@ struct Entries {
 }
 
 impl Entries {
-    fn of(table: &Table<'_>, at: &Parameters) -> Option<Self> {
-        let rate_mm_s = Slice::nearest(table, at.height_mm, at.rate_mm_s)?.rate_mm_s;
+    fn of(table: &Table<'_>, slice: &Slice) -> Self {
         let mut entries = [None; MAX_MATERIALS];
         for (entry, material) in entries.iter_mut().zip(table.materials()) {
-            if material.serves(rate_mm_s) {
+            if material.serves(slice.rate_mm_s) {
                 let point = logarithms(|depth_mm| table.locate(depth_mm).map(|p| material.force_n(p)), table);
                 *entry = point.map(|point| Entry { point, coil: material.coil().is_some() });
             }
         }
-        Some(Entries { entries })
+        Entries { entries }
     }
 
     fn iter(&self) -> impl Iterator<Item = (u8, Entry)> {
@@ -114,8 +115,8 @@ impl Entries {
     }
 }
 
-fn point_of(table: &Table<'_>, at: &Parameters) -> Option<Point> {
-    let surface = Surface::new(table, &Slice::nearest(table, at.height_mm, at.rate_mm_s)?)?;
+fn point_of(table: &Table<'_>, slice: &Slice, at: &Parameters) -> Option<Point> {
+    let surface = Surface::new(table, slice)?;
     logarithms(|depth_mm| surface.at(at.mu_mpa, at.alpha, depth_mm).map(|f| f.force_n), table)
 }
 

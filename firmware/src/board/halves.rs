@@ -206,12 +206,20 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         }
     }
 
-    /// Takes a verdict to memory, and shows it if that is asked for.
-    pub(super) fn follow(&mut self, verdict: &Verdict) {
-        let Some(identified) = Identified::of(verdict) else {
+    /// Takes a verdict to memory. It is shown in the next tick: this one has had the end of the analysis.
+    pub(super) fn remember(&mut self, verdict: &Verdict) {
+        if let Some(identified) = Identified::of(verdict) {
+            self.identified = Some(identified);
+            self.follow_due = true;
+        }
+    }
+
+    /// Shows what the tick before has identified, if that is asked for.
+    pub(super) fn follow(&mut self) {
+        let due = core::mem::take(&mut self.follow_due);
+        let Some(identified) = self.identified.filter(|_| due) else {
             return;
         };
-        self.identified = Some(identified);
         let placed = self.mode.displaying.follows().and_then(|by| identified.placed(&self.table()?, by));
         if let Some(placed) = placed {
             let before = self.mode.display_state();

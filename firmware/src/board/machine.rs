@@ -56,6 +56,8 @@ pub struct Machine<S> {
     pub(super) display: Display,
     /// What the latest palpation said, of the table in use.
     pub(super) identified: Option<Identified>,
+    /// It came in the tick before.
+    pub(super) follow_due: bool,
     /// Error bound of the displayed current, A.
     pub(super) bound_a: f32,
     pub(super) tick: u32,
@@ -102,6 +104,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             contact_ticks: (0, 0, 0),
             display: Display::default(),
             identified: None,
+            follow_due: false,
             bound_a: 0.0,
             tick: 0,
             age_ticks: 0,
@@ -126,6 +129,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             self.mode.stop();
         }
         let event = if self.upload.is_erasing() { ModeEvent::None } else { self.palpate(inputs) };
+        self.follow();
         if let ModeEvent::Ended(outcome) = event {
             self.tell_verdict(outcome, &mut tell);
         }
@@ -248,7 +252,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         if let Some(estimate) = estimate {
             tell(&Report::Estimate(estimate));
         }
-        self.follow(&verdict);
+        self.remember(&verdict);
         tell(&Report::Verdict(verdict));
     }
 

@@ -311,6 +311,8 @@ fn what_is_identified_is_displayed_from_its_verdict_on() {
             lay(&mut bench, LIBRARY[index]);
             let verdict = press(&mut bench);
             assert_eq!(usize::from(verdict.material.index), index);
+            // Shown from the next tick on.
+            bench.tick();
             bench.run_until(100, |b| b.board.machine.mode.displaying.showing().share() >= 1.0);
             let told = halves(&mut bench);
             assert_eq!((told.display, told.of_palpation), (DisplayState::On, number));
