@@ -195,6 +195,7 @@ pub fn control_curve(material: &str) -> ControlCurve {
         fluid: "MRF-122".to_owned(),
         bound_a: 0.05,
         reachable_n: (0.2, 2.0),
+        felt_error: None,
         provenance: "made up for tests".to_owned(),
         rows: (0..=40).map(row).collect(),
     }

@@ -41,6 +41,7 @@ prop_compose! {
         let name = name.trim().to_owned();
         ControlCurve {
             material: name.clone(), magnet: name.clone(), finger: name.clone(), fluid: name.clone(), bound_a, reachable_n,
+            felt_error: None,
             provenance: name, rows,
         }
     }

@@ -62,6 +62,7 @@ fn opened(asked: &Asked, display: Display) -> Result<Board, Unfelt> {
         remanence_t: constants.remanence_t,
         yields: constants.yields,
         response_s: constants.response_s,
+        rest_kpa: constants.rest_kpa,
     };
     let bench = Bench::new(asked.seed, Jitter::NONE).with(constants, under, Some(built));
     let board = SimulatedBoard::new(asked.seed, Jitter::NONE).on(bench);

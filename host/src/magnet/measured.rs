@@ -9,7 +9,7 @@ use crate::experiment::{ExperimentError, text_of};
 /// Table 6 of the thesis: what was measured at the centre of its fluid.
 const TABLE_6: &str = include_str!("../../magnets/table-6.csv");
 
-/// The name of [`TABLE_6`] where a magnet is asked for.
+/// The name of the thesis' readings where a magnet is asked for.
 pub const TABLE_6_NAME: &str = "table-6";
 
 /// Columns that hold a flux density, and tesla in one of their units.

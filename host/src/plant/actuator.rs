@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 /// DESIGN's reading of the thesis' units), with what real ones add: dry friction and a limit of speed.
 #[derive(Debug, Clone)]
 pub struct Actuator {
-    position_mm: f64,
+    spindle_mm: f64,
     rate_mm_s: f64,
     rest_mm: f64,
     /// Where the shaft is behind the spindle's play, mm.
@@ -67,7 +67,7 @@ impl Actuator {
 
     /// The same with stated flaws.
     pub fn with(rest_mm: f64, flaws: ActuatorFlaws) -> Self {
-        Actuator { position_mm: rest_mm, rate_mm_s: 0.0, rest_mm, shaft_mm: rest_mm, waiting: VecDeque::new(), flaws }
+        Actuator { spindle_mm: rest_mm, rate_mm_s: 0.0, rest_mm, shaft_mm: rest_mm, waiting: VecDeque::new(), flaws }
     }
 
     /// Shaft position, mm.
@@ -88,19 +88,19 @@ impl Actuator {
     /// Moves for `dt_s` under a command in V.
     pub fn step(&mut self, command_v: f64, dt_s: f64) {
         let command_v = self.delayed(command_v, dt_s);
-        let drive = SPRING * (self.rest_mm + command_v - self.position_mm) - DAMPER * self.rate_mm_s;
+        let drive = SPRING * (self.rest_mm + command_v - self.spindle_mm) - DAMPER * self.rate_mm_s;
         let free = self.rate_mm_s + drive * dt_s;
         // Friction takes speed away but never reverses it, which also holds a resting shaft.
         let taken = self.flaws.friction_v * SPRING * dt_s;
         let limit = self.flaws.rate_mm_s;
         self.rate_mm_s = if free.abs() <= taken { 0.0 } else { (free - taken * free.signum()).clamp(-limit, limit) };
-        let moved = self.position_mm + self.rate_mm_s * dt_s;
-        self.position_mm = moved.clamp(STROKE_MM.0, STROKE_MM.1);
-        if self.position_mm != moved {
+        let moved = self.spindle_mm + self.rate_mm_s * dt_s;
+        self.spindle_mm = moved.clamp(STROKE_MM.0, STROKE_MM.1);
+        if self.spindle_mm != moved {
             self.rate_mm_s = 0.0;
         }
         let play = 0.5 * self.flaws.backlash_mm;
-        self.shaft_mm = self.shaft_mm.clamp(self.position_mm - play, self.position_mm + play);
+        self.shaft_mm = self.shaft_mm.clamp(self.spindle_mm - play, self.spindle_mm + play);
     }
 
     /// The command of a while ago; none before the first.

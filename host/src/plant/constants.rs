@@ -26,6 +26,8 @@ pub struct Constants {
     pub yields: f64,
     /// Response time of the fluid, s.
     pub response_s: f64,
+    /// Yield stress of the fluid without a field, kPa.
+    pub rest_kpa: f64,
     /// Flux density over that of the magnet that curves are made for.
     pub flux: f64,
     /// Flux density without current, T.
@@ -37,7 +39,7 @@ pub struct Constants {
 type Key = (&'static str, &'static str, (f64, f64), &'static str, f64);
 
 /// All of them, in the order of [`Constants::of`].
-const KEYS: [Key; 18] = [
+const KEYS: [Key; 19] = [
     ("hand", "mass_g", (0.5, 500.0), "the moving mass, 0.5 to 500 g", 0.3),
     ("hand", "stiffness_N_mm", (0.01, 20.0), "the hand's stiffness, 0.01 to 20 N/mm", 0.3),
     ("hand", "damping_N_s_mm", (0.0, 1.0), "the hand's damping, 0 to 1 N s/mm", 0.3),
@@ -56,6 +58,7 @@ const KEYS: [Key; 18] = [
     ("fsr", "noise", (0.0, 0.2), "the noise of one reading, 0 to 0.2", 0.2),
     ("fluid", "yield", (0.1, 10.0), "the yield stress over that of the law, 0.1 to 10", 0.1),
     ("fluid", "response_s", (1e-4, 0.1), "the response time, 0.0001 to 0.1 s", 0.3),
+    ("fluid", "rest_kPa", (0.0, 5.0), "the yield stress without a field, 0 to 5 kPa", 0.3),
 ];
 /// The magnet's: the flux has a draw, the remanence is added.
 const MAGNET: [Key; 2] = [
@@ -138,8 +141,9 @@ impl Constants {
             fsr: FsrFlaws { hysteresis: at(13), creep: at(14), power: 1.0, noise: at(15) },
             yields: at(16),
             response_s: at(17),
-            flux: at(18),
-            remanence_t: at(19),
+            rest_kpa: at(18),
+            flux: at(19),
+            remanence_t: at(20),
         }
     }
 }

@@ -28,6 +28,8 @@ pub struct Built {
     pub yields: f64,
     /// Response time, s.
     pub response_s: f64,
+    /// Yield stress without a field, kPa.
+    pub rest_kpa: f64,
 }
 
 impl Default for Fluid {
@@ -125,8 +127,8 @@ impl Fluid {
 
     /// Yield stress, kPa, of Carlson's fits for a hydrocarbon fluid.
     pub fn yield_kpa(&self) -> f64 {
-        let factor = self.built.as_ref().map_or(1.0, |built| built.yields);
-        self.law.as_ref().map_or(0.0, |law| factor * law.yield_at_flux(self.flux_t))
+        let (factor, rest_kpa) = self.built.as_ref().map_or((1.0, 0.0), |built| (built.yields, built.rest_kpa));
+        rest_kpa + self.law.as_ref().map_or(0.0, |law| factor * law.yield_at_flux(self.flux_t))
     }
 }
 

@@ -51,7 +51,7 @@ pub struct Fitted {
     pub factor: f64,
     /// 95 % interval: by Student's t, and wider by what elements twice as long change.
     pub interval: (f64, f64),
-    /// The prints tell it: its interval is within a factor of [`TOLD`] of the value, and it stands at no bound.
+    /// The prints tell it: its interval is within a factor of two of the value, and it stands at no bound.
     pub is_told: bool,
 }
 
@@ -106,7 +106,7 @@ pub enum Unfitted {
 }
 
 /// An interval within this factor of its value tells something.
-pub const TOLD: f64 = 2.0;
+const TOLD: f64 = 2.0;
 /// Most rounds, and the step that ends them.
 const ROUNDS: usize = 200;
 const SETTLED: f64 = 1e-10;

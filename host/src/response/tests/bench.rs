@@ -52,11 +52,11 @@ impl Truth {
         let (mut x, mut v) = (self.rest_mm + self.gain * asked[0], 0.0_f64);
         let mut seen = x;
         let mut out = Vec::new();
-        for k in 0..count {
+        for from_s in &time {
             let y = seen + self.sd_mm * normal();
             out.push((y / self.count_mm).round() * self.count_mm);
             for i in 0..per {
-                let t = time[k] + (i as f64 + 0.5) * TINY_S - late;
+                let t = from_s + (i as f64 + 0.5) * TINY_S - late;
                 let at = (t * hz).floor();
                 let u = if at < 0.0 { asked[0] } else { asked[at as usize] };
                 let w2 = self.omega * self.omega;
