@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lut_gen::pad::body::section::Section;
 use lut_gen::pad::error::PadError;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::super::parse;
 use super::Print;
@@ -49,7 +49,7 @@ pub struct Fitted {
     pub of: Free,
     /// Over the file's number.
     pub factor: f64,
-    /// 95 % interval: by Student's t, and wider by what elements twice as long change.
+    /// 95 % interval by Student's t, with errors that all edges share, and wider by what elements twice as long change.
     pub interval: (f64, f64),
     /// The prints tell it: its interval is within a factor of two of the value, and it stands at no bound.
     pub is_told: bool,
@@ -114,11 +114,12 @@ const SETTLED: f64 = 1e-10;
 const STEP: f64 = 1e-4;
 /// Size and stiffness stay within this factor of the file's, in logarithms.
 const WIDEST: f64 = 4.6;
-/// How far all edges of prints may be read too far out or in, mm (one standard deviation, assumed): ink spreads, and the edge
-/// of a simulated contact is somewhere within an element.
+/// How far all edges of prints may be read too far out or in, mm (one standard deviation, assumed): ink spreads.
 pub const EDGE_MM: f64 = 0.1;
-/// A weight with which edges are where they are read.
-const UNSHIFTED: f64 = 1e6;
+/// How far the simulated edge may be off in a way that changes with the force over a factor of e, mm: a quarter of an element.
+const DRIFT_MM: f64 = 0.05;
+/// No edge is read more finely, mm.
+const FINEST_MM: f64 = 1e-3;
 /// Forces closer than this part of one another are the same.
 const SAME: f64 = 0.01;
 
@@ -141,7 +142,8 @@ pub fn fit(
     let press = |coarser: f64| Family::pressed((file, text), skins, coarser, told);
     let (family, coarse) = rayon::join(|| press(1.0), || press(COARSER));
     let (family, coarse) = (family?, coarse?);
-    let (mut own, coarse) = (fitted(&family, prints, free), fitted(&coarse, prints, free));
+    let both = fitted(&family, prints, free).zip(fitted(&coarse, prints, free));
+    let (mut own, coarse) = both.ok_or(Unfitted::NoCurve)?;
     for (own, coarse) in own.fitted.iter_mut().zip(&coarse.fitted) {
         let apart = (coarse.factor / own.factor).max(own.factor / coarse.factor);
         own.interval = (own.interval.0 / apart, own.interval.1 * apart);
@@ -160,20 +162,28 @@ fn enough(prints: &[Print], free: &[Free]) -> Result<(), Unfitted> {
     Err(Unfitted::Few { prints: prints.len(), forces: forces.len(), free: free.len() })
 }
 
-/// What a least-squares search moves: logarithms of the free factors, then how far all edges are read too far out, mm.
-type Unknowns = DVector<f64>;
-
-/// Prints beside a family of fingers.
+/// Prints beside a family of fingers; unknowns are the logarithms of the free factors.
 struct Problem<'a> {
     family: &'a Family,
     prints: &'a [Print],
     free: &'a [Free],
-    /// Weight of the edges' shift among the residuals: spread of a reading over [`EDGE_MM`].
-    weight: f64,
+    /// Lower triangle of the covariance of what is read, mm2.
+    errors: Cholesky<f64, Dyn>,
 }
 
-impl Problem<'_> {
-    fn logs(&self, unknowns: &Unknowns) -> [f64; 3] {
+impl<'a> Problem<'a> {
+    /// With edges that scatter by `scatter_mm` from print to print, and are read wrong together.
+    fn new(family: &'a Family, prints: &'a [Print], free: &'a [Free], scatter_mm: f64) -> Option<Self> {
+        let covariance = |i: usize, j: usize| {
+            let apart = prints[i].force_n.ln() - prints[j].force_n.ln();
+            let own = if i == j { scatter_mm.max(FINEST_MM).powi(2) } else { 0.0 };
+            own + EDGE_MM.powi(2) + DRIFT_MM.powi(2) * (-0.5 * apart * apart).exp()
+        };
+        let errors = DMatrix::from_fn(prints.len(), prints.len(), covariance).cholesky()?;
+        Some(Problem { family, prints, free, errors })
+    }
+
+    fn logs(&self, unknowns: &DVector<f64>) -> [f64; 3] {
         let mut logs = [0.0; 3];
         self.free.iter().zip(unknowns.iter()).for_each(|(own, log)| logs[*own as usize] = *log);
         logs
@@ -184,18 +194,19 @@ impl Problem<'_> {
     }
 
     /// Measured less simulated radius of every print, mm.
-    fn misfit(&self, unknowns: &Unknowns) -> DVector<f64> {
-        let (logs, shift_mm) = (self.logs(unknowns), unknowns[self.free.len()]);
-        let one = |print: &Print| radius_mm(print.area_mm2) - radius_mm(self.area_mm2(print, logs)) - shift_mm;
+    fn misfit(&self, unknowns: &DVector<f64>) -> DVector<f64> {
+        let logs = self.logs(unknowns);
+        let one = |print: &Print| radius_mm(print.area_mm2) - radius_mm(self.area_mm2(print, logs));
         DVector::from_iterator(self.prints.len(), self.prints.iter().map(one))
     }
 
-    /// The misfit, and the shift with its weight.
-    fn residuals(&self, unknowns: &Unknowns) -> DVector<f64> {
-        self.misfit(unknowns).push(self.weight * unknowns[self.free.len()])
+    /// The misfit in standard deviations that know nothing of each other.
+    fn residuals(&self, unknowns: &DVector<f64>) -> DVector<f64> {
+        let misfit = self.misfit(unknowns);
+        self.errors.l().solve_lower_triangular(&misfit).unwrap_or(misfit)
     }
 
-    fn jacobian(&self, unknowns: &Unknowns) -> DMatrix<f64> {
+    fn jacobian(&self, unknowns: &DVector<f64>) -> DMatrix<f64> {
         let column = |at: usize| {
             let moved = |by: f64| {
                 let mut there = unknowns.clone();
@@ -208,8 +219,8 @@ impl Problem<'_> {
     }
 
     /// Marquardt's damping: rounds end when a step no longer counts.
-    fn search(&self) -> Unknowns {
-        let (mut at, mut damping) = (Unknowns::zeros(self.free.len() + 1), 1e-3);
+    fn search(&self) -> DVector<f64> {
+        let (mut at, mut damping) = (DVector::zeros(self.free.len()), 1e-3);
         for _ in 0..ROUNDS {
             let (own, slope) = (self.residuals(&at), self.jacobian(&at));
             let mut normal = slope.transpose() * &slope;
@@ -235,47 +246,44 @@ impl Problem<'_> {
         at
     }
 
-    /// Root mean square of a misfit over the prints less the free numbers, mm.
-    fn spread_mm(&self, misfit: &DVector<f64>) -> f64 {
-        (misfit.norm_squared() / self.freedom()).sqrt()
-    }
-
     fn freedom(&self) -> f64 {
         self.prints.len().saturating_sub(self.free.len()).max(1) as f64
     }
 }
 
-/// Least squares from the file's numbers on: first with edges where they are read, then with what they may be shifted by.
-pub(super) fn fitted(family: &Family, prints: &[Print], free: &[Free]) -> Fit {
-    let mut problem = Problem { family, prints, free, weight: UNSHIFTED };
-    let spread_mm = problem.spread_mm(&problem.misfit(&problem.search()));
-    problem.weight = (spread_mm / EDGE_MM).max(f64::MIN_POSITIVE);
+/// Least squares from the file's numbers on: once to learn how edges scatter, once with that scatter. `None` where readings
+/// are no numbers.
+pub(super) fn fitted(family: &Family, prints: &[Print], free: &[Free]) -> Option<Fit> {
+    let first = Problem::new(family, prints, free, EDGE_MM)?;
+    let misfit = first.misfit(&first.search());
+    let middle = misfit.mean();
+    let scatter_mm = (misfit.map(|own| (own - middle).powi(2)).sum() / first.freedom()).sqrt();
+    let problem = Problem::new(family, prints, free, scatter_mm)?;
     let at = problem.search();
-    let (before, after) = (problem.misfit(&Unknowns::zeros(free.len() + 1)), problem.misfit(&at));
-    let after_mm = problem.spread_mm(&after);
+    let (before, after) = (problem.misfit(&DVector::zeros(free.len())), problem.misfit(&at));
     let jacobian = problem.jacobian(&at);
     let inverse = (jacobian.transpose() * &jacobian).try_inverse();
     let t = student_critical(0.05, problem.freedom());
     let one = |(i, own): (usize, &Free)| {
         let log = at[i];
-        let by = inverse.as_ref().map_or(f64::INFINITY, |inverse| t * spread_mm * inverse[(i, i)].max(0.0).sqrt());
+        let by = inverse.as_ref().map_or(f64::INFINITY, |inverse| t * inverse[(i, i)].max(0.0).sqrt());
         let (low, high) = bounds(family, *own);
         let is_told = by < TOLD.ln() && log > low && log < high;
         Fitted { of: *own, factor: log.exp(), interval: ((log - by).exp(), (log + by).exp()), is_told }
     };
     let logs = problem.logs(&at);
     let area = |logs: [f64; 3]| prints.iter().map(|print| problem.area_mm2(print, logs)).collect();
-    Fit {
+    Some(Fit {
         fitted: free.iter().enumerate().map(one).collect(),
         scale: Scale { stiffness: logs[0].exp(), size: logs[1].exp(), skin: logs[2].exp() },
-        shift_mm: at[free.len()],
+        shift_mm: after.mean(),
         before_mm: (before.norm_squared() / prints.len() as f64).sqrt(),
-        after_mm,
+        after_mm: (after.norm_squared() / problem.freedom()).sqrt(),
         area_mm2: area(logs),
         area_before_mm2: area([0.0; 3]),
         trend: trend(prints, &after, free.len()),
         beyond: prints.iter().filter(|print| family.is_beyond(print.force_n.ln(), logs)).count(),
-    }
+    })
 }
 
 /// Radius of a circle of this area.
@@ -328,13 +336,16 @@ mod tests {
     fn prints([stiffness, size]: [f64; 2], noise: f64, shifted: bool, seed: u64) -> Vec<Print> {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
         let scatter = Normal::new(0.0, noise).unwrap();
-        let shift_mm = if shifted { Normal::new(0.0, EDGE_MM).unwrap().sample(&mut random) } else { 0.0 };
+        let normal = Normal::new(0.0, 1.0).unwrap();
+        let [shift, cos, sin, pitch] = [0; 4].map(|_| if shifted { normal.sample(&mut random) } else { 0.0 });
+        // one wave of random pitch: its covariance is the kernel of the drift
+        let shared = |n: f64| EDGE_MM * shift + DRIFT_MM * (cos * (pitch * n.ln()).cos() + sin * (pitch * n.ln()).sin());
         (0..12)
             .map(|i| 0.2 * 1.35_f64.powi(i))
             .map(|force_n| {
                 let base = force_n / (stiffness * size * size);
                 let area = size * size * 60.0 * (base / (1.0 + base)).powf(0.5);
-                let radius_mm = radius_mm(area) + shift_mm + scatter.sample(&mut random);
+                let radius_mm = radius_mm(area) + shared(force_n) + scatter.sample(&mut random);
                 Print { force_n, area_mm2: std::f64::consts::PI * radius_mm * radius_mm, radii_mm: None, file: 0 }
             })
             .collect()
@@ -345,7 +356,7 @@ mod tests {
         let family = family(&[1.0]);
         let (mut hits, trials) = ([0; 2], 300);
         for seed in 0..trials {
-            let found = fitted(&family, &prints([1.8, 1.2], 0.05, true, seed), &[Free::Stiffness, Free::Size]);
+            let found = fitted(&family, &prints([1.8, 1.2], 0.15, true, seed), &[Free::Stiffness, Free::Size]).unwrap();
             for (hit, (own, truth)) in hits.iter_mut().zip(found.fitted.iter().zip([1.8, 1.2])) {
                 *hit += usize::from(own.interval.0 <= truth && truth <= own.interval.1);
             }
@@ -358,8 +369,8 @@ mod tests {
     fn one_free_number_where_two_differ_leaves_a_trend() {
         let family = family(&[1.0]);
         let prints = prints([1.8, 1.4], 0.01, false, 7);
-        let one = fitted(&family, &prints, &[Free::Stiffness]);
-        let two = fitted(&family, &prints, &[Free::Stiffness, Free::Size]);
+        let one = fitted(&family, &prints, &[Free::Stiffness]).unwrap();
+        let two = fitted(&family, &prints, &[Free::Stiffness, Free::Size]).unwrap();
         assert!(one.trend.1 < 1e-3 && two.trend.1 > 0.05, "{:?} {:?}", one.trend, two.trend);
         assert!(two.after_mm < 0.3 * one.after_mm && two.after_mm < 0.02, "{} {}", two.after_mm, one.after_mm);
     }
@@ -369,7 +380,7 @@ mod tests {
         let family = family(&[0.25, 0.5, 1.0, 2.0, 4.0]);
         // small prints alone: a power of the force, in which stiffness and skin are one
         let few: Vec<Print> = prints([1.0, 1.0], 0.05, false, 3).into_iter().take(4).collect();
-        let found = fitted(&family, &few, &Free::ALL);
+        let found = fitted(&family, &few, &Free::ALL).unwrap();
         assert!(found.fitted.iter().any(|own| !own.is_told), "{:?}", found.fitted);
     }
 }
