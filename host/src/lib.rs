@@ -32,4 +32,5 @@ pub mod simulate;
 pub mod simulated_board;
 pub mod study;
 pub mod sweep;
+pub mod track;
 pub mod unseen;

@@ -29,6 +29,7 @@ mod series;
 pub mod simulate;
 pub mod study;
 pub mod sweep;
+pub mod track;
 
 use std::process::ExitCode;
 
@@ -83,6 +84,8 @@ enum Command {
     ControlCurve(control_curve::Arguments),
     /// Press a finger on a plate or a foam by finite elements: force, contact, pressure, Mises stress
     Finger(finger::Arguments),
+    /// Follow a finger or probe tip through recorded frames: sub-pixel positions with their uncertainty
+    Track(track::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
     Field(field::Arguments),
 }
@@ -113,6 +116,7 @@ pub fn main() -> ExitCode {
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::ControlCurve(arguments) => control_curve::run(&arguments),
         Command::Finger(arguments) => finger::run(&arguments),
+        Command::Track(arguments) => track::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };
     let printed = crate::print::finish().into_diagnostic().wrap_err("standard output");

@@ -22,6 +22,7 @@ mod scale;
 mod sheet;
 pub mod strip;
 pub mod table;
+pub mod track;
 pub mod valley;
 
 pub use page::{MARK, Page, Picture};

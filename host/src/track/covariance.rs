@@ -1,0 +1,76 @@
+//! How uncertain an alignment is, from its residuals.
+//!
+//! The shift is linear in the residuals, `d = sum psi(x) r(x)`. Smoothed noise has a known correlation over pixels, so that its
+//! variance follows from that of the residuals. What is no noise (edges between pixels, a change of focus) is larger where
+//! `psi` is: sums of `psi r` over neighbourhoods measure it (White 1980, doi:10.2307/1912934; Conley 1999,
+//! doi:10.1016/S0304-4076(98)00084-0).
+
+use std::f64::consts::SQRT_2;
+
+use super::align::Fit;
+use super::gaussian::{NOISE_LEFT, SIGMA_PX, spread};
+use super::normal::{PICTURES, dot};
+use super::template::Template;
+
+/// Width of the neighbourhoods over which residuals count together, pixels.
+const NEIGHBOURHOOD_PX: f64 = 5.0;
+/// Part of smoothed noise's variance that such neighbourhoods hold: two Gaussians, integrated over the plane.
+const HELD: f64 =
+    NEIGHBOURHOOD_PX * NEIGHBOURHOOD_PX / (NEIGHBOURHOOD_PX * NEIGHBOURHOOD_PX + 2.0 * SIGMA_PX * SIGMA_PX);
+/// A slope that is noise for the most part carries no place: the part of its square that is taken for signal at least.
+const LEAST_SIGNAL: f64 = 0.05;
+
+/// Variances of a shift along x and y, pixels squared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// If all residuals are noise, of the same size everywhere.
+    pub noise: [f64; 2],
+    /// As neighbourhoods of residuals tell.
+    pub local: [f64; 2],
+    /// Variance of the smoothed residuals.
+    pub residual: f64,
+}
+
+/// Memory of the sums.
+#[derive(Debug, Default)]
+pub struct Sums {
+    influence: Vec<f32>,
+    spread: Vec<f32>,
+    rows: Vec<f32>,
+}
+
+impl Sums {
+    /// Of a fit with these weights and residuals; `None` where nothing holds the template.
+    pub fn spread(&mut self, template: &Template, fit: &Fit, weights: &[f32], residuals: &[f32]) -> Option<Spread> {
+        let inverse = fit.normal.inverse()?;
+        let squares: f64 = weights.iter().zip(residuals).map(|(w, r)| f64::from(w * r * r)).sum();
+        let independent = fit.normal.weight * NOISE_LEFT / (SIGMA_PX * SIGMA_PX);
+        let free = (independent / (independent - PICTURES as f64)).clamp(1.0, 4.0);
+        let free = if independent > PICTURES as f64 { free } else { 4.0 };
+        let residual = squares / fit.normal.weight.max(1.0) * free;
+        let (mut noise, mut local) = ([0.0; 2], [0.0; 2]);
+        for axis in 0..2 {
+            self.influence.clear();
+            self.influence.resize(weights.len(), 0.0);
+            for (k, picture) in template.basis.iter().enumerate() {
+                let factor = (inverse[(axis, k)] / fit.gain()) as f32;
+                for (out, value) in self.influence.iter_mut().zip(picture) {
+                    *out += factor * value;
+                }
+            }
+            self.influence.iter_mut().zip(weights).for_each(|(value, weight)| *value *= weight);
+            spread(&self.influence, template.size.0, SQRT_2 * SIGMA_PX, &mut self.spread, &mut self.rows);
+            noise[axis] = residual * dot(&self.influence, &self.spread).max(0.0);
+            self.influence.iter_mut().zip(residuals).for_each(|(value, residual)| *value *= residual);
+            spread(&self.influence, template.size.0, NEIGHBOURHOOD_PX, &mut self.spread, &mut self.rows);
+            local[axis] = dot(&self.influence, &self.spread).max(0.0) / HELD;
+            // The template's own noise makes its slopes larger than they are.
+            let slope = fit.normal.products[(axis, axis)];
+            let of_noise = 0.5 * residual / (2.0 * SIGMA_PX * SIGMA_PX) * fit.normal.weight;
+            let larger = slope / (slope - of_noise).max(LEAST_SIGNAL * slope);
+            noise[axis] *= larger * larger;
+            local[axis] *= larger * larger;
+        }
+        Some(Spread { noise, local, residual })
+    }
+}
