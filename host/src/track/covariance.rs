@@ -5,7 +5,7 @@
 //! `psi` is: sums of `psi r` over neighbourhoods measure it (White 1980, doi:10.2307/1912934; Conley 1999,
 //! doi:10.1016/S0304-4076(98)00084-0).
 
-use std::f64::consts::SQRT_2;
+use std::f64::consts::{PI, SQRT_2};
 
 use super::align::Fit;
 use super::gaussian::{NOISE_LEFT, SIGMA_PX, spread};
@@ -13,10 +13,12 @@ use super::normal::{PICTURES, dot};
 use super::template::Template;
 
 /// Width of the neighbourhoods over which residuals count together, pixels.
-const NEIGHBOURHOOD_PX: f64 = 5.0;
+const NEIGHBOURHOOD_PX: f64 = 3.0;
 /// Part of smoothed noise's variance that such neighbourhoods hold: two Gaussians, integrated over the plane.
 const HELD: f64 =
     NEIGHBOURHOOD_PX * NEIGHBOURHOOD_PX / (NEIGHBOURHOOD_PX * NEIGHBOURHOOD_PX + 2.0 * SIGMA_PX * SIGMA_PX);
+/// What a fit takes out of the residuals of neighbourhoods, as a number of them: two shifts, gain and focus.
+const FITTED: f64 = 4.0;
 /// A slope that is noise for the most part carries no place: the part of its square that is taken for signal at least.
 const LEAST_SIGNAL: f64 = 0.05;
 
@@ -47,6 +49,9 @@ impl Sums {
         let independent = fit.normal.weight * NOISE_LEFT / (SIGMA_PX * SIGMA_PX);
         let free = (independent / (independent - PICTURES as f64)).clamp(1.0, 4.0);
         let free = if independent > PICTURES as f64 { free } else { 4.0 };
+        // What was fitted is missing in the residuals of neighbourhoods as well.
+        let neighbourhoods = fit.normal.weight / (4.0 * PI * NEIGHBOURHOOD_PX * NEIGHBOURHOOD_PX);
+        let fitted = 1.0 / (1.0 - FITTED / neighbourhoods.max(2.0 * FITTED));
         let residual = squares / fit.normal.weight.max(1.0) * free;
         let (mut noise, mut local) = ([0.0; 2], [0.0; 2]);
         for axis in 0..2 {
@@ -63,7 +68,7 @@ impl Sums {
             noise[axis] = residual * dot(&self.influence, &self.spread).max(0.0);
             self.influence.iter_mut().zip(residuals).for_each(|(value, residual)| *value *= residual);
             spread(&self.influence, template.size.0, NEIGHBOURHOOD_PX, &mut self.spread, &mut self.rows);
-            local[axis] = dot(&self.influence, &self.spread).max(0.0) / HELD;
+            local[axis] = dot(&self.influence, &self.spread).max(0.0) / HELD * fitted;
             // The template's own noise makes its slopes larger than they are.
             let slope = fit.normal.products[(axis, axis)];
             let of_noise = 0.5 * residual / (2.0 * SIGMA_PX * SIGMA_PX) * fit.normal.weight;

@@ -1,7 +1,7 @@
 //! What can be wrong with a region and its frames.
 
 use super::frame::Roi;
-use super::tracker::LEAST_SIDE_PX;
+use super::template::LEAST_SIDE_PX;
 
 /// Why nothing can be followed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -22,6 +22,7 @@
 //! ```
 
 mod align;
+mod candidate;
 mod clutter;
 mod covariance;
 mod error;

@@ -13,7 +13,7 @@ const OF_SLOPE_PX: f64 = 0.15;
 /// Part of the template's range of brightness that light and surface may change by.
 const OF_RANGE: f64 = 0.06;
 /// The mean square of a pixel's noise over some frames is below so many times its variance,
-const OF_MEAN_SQUARE: f64 = 1.5;
+const OF_MEAN_SQUARE: f64 = 3.0;
 /// and what else changes stays below this part of the range of brightness.
 const OF_CHANGES: f64 = 0.01;
 /// Pixels of which the noise is the median; more cost time and tell little.
@@ -57,14 +57,15 @@ impl Tolerance {
         noise.min(2.0 * self.expected)
     }
 
-    /// Weights after Geman and McClure: a residual of the tolerance counts for a quarter. `wider` multiplies the tolerances.
+    /// Weights that are one for noise and fall by the eighth power beyond the tolerance, where a residual counts for a quarter;
+    /// `wider` multiplies the tolerances.
     pub fn weigh(&self, fit: &Fit, residuals: &[f32], wider: f64, trust: &[f32], out: &mut Vec<f32>) {
         let gain = fit.gain().min(2.0) as f32;
         let noise = (OF_NOISE * self.noise(residuals)) as f32;
         out.clear();
         out.extend(self.own.iter().zip(residuals).zip(trust).map(|((own, residual), inside)| {
             let off = residual / (wider as f32 * (noise + gain * own));
-            inside / ((1.0 + off * off) * (1.0 + off * off))
+            inside / (1.0 + off.powi(4)).powi(2)
         }));
     }
 }

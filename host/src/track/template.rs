@@ -4,6 +4,9 @@ use super::frame::{Frame, Roi};
 use super::gaussian::{BORDER_PX, Order, Sampler};
 use super::normal::{Basis, LIGHT, Normal, TEMPLATE};
 
+/// Smallest side of a region, pixels.
+pub const LEAST_SIDE_PX: usize = 8;
+
 /// The region at one level. It never changes, so that a track cannot drift.
 #[derive(Debug)]
 pub struct Template {

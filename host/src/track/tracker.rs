@@ -1,6 +1,7 @@
 //! A tip followed through frames.
 
 use super::align::{Aligner, Fit};
+use super::candidate::{ANYWHERE, Candidate, Demand, NEAR};
 use super::clutter::Clutter;
 use super::covariance::{Spread, Sums};
 use super::error::TrackError;
@@ -9,10 +10,8 @@ use super::gaussian::{NOISE_LEFT, Sampler};
 use super::noise::pixel_noise;
 use super::robust::{Tolerance, held};
 use super::search::Search;
-use super::template::Template;
+use super::template::{LEAST_SIDE_PX, Template};
 
-/// Smallest side of a region, pixels.
-pub const LEAST_SIDE_PX: usize = 8;
 /// The shorter side of the template at the coarsest level is at least this, pixels of the level.
 const COARSEST_SIDE_PX: usize = 16;
 /// The near search reaches so far at least to either side, pixels.
@@ -57,42 +56,8 @@ struct Known {
 /// Part of the tip that is seen when nothing hides it.
 const WHOLE: f64 = 0.75;
 
-/// What a place must show.
-#[derive(Debug, Clone, Copy)]
-struct Demand {
-    correlation: f64,
-    correlation_of_seen: f64,
-    seen: f64,
-    seen_of_all: f64,
-    gain: f64,
-}
-
-/// Near where it was: half of the tip may be hidden.
-const NEAR: Demand = Demand { correlation: 0.8, correlation_of_seen: 0.88, seen: 0.25, seen_of_all: 0.5, gain: 4.0 };
-/// Anywhere: a place that merely resembles the tip is none.
-const ANYWHERE: Demand =
-    Demand { correlation: 0.9, correlation_of_seen: 0.95, seen: 0.65, seen_of_all: 0.75, gain: 8.0 };
-
-/// An alignment with its weights taken into account.
-#[derive(Debug, Clone)]
-struct Candidate {
-    fit: Fit,
-    /// Of all pixels.
-    correlation: f64,
-    /// Of the weighted ones.
-    correlation_of_seen: f64,
-    seen: f64,
-    spread: Spread,
-}
-
-impl Candidate {
-    fn meets(&self, demand: &Demand, expected: f64, gain: f64) -> bool {
-        let ratio = self.fit.gain() / gain;
-        let whole = self.correlation >= demand.correlation * expected && self.seen >= demand.seen;
-        let part = self.correlation_of_seen >= demand.correlation_of_seen * expected && self.seen >= demand.seen_of_all;
-        (whole || part) && ratio < demand.gain && ratio * demand.gain > 1.0
-    }
-}
+/// So near to where it is expected a tip may be half hidden, pixels beside its last step.
+const EXPECTED_PX: f64 = 5.0;
 
 /// Follows what a region of the first frame shows.
 #[derive(Debug)]
@@ -228,7 +193,7 @@ impl Tracker {
         let coarse = self.levels.len() - 1;
         let places = self.near.places(&self.levels[coarse], frames[coarse], from);
         let starts = std::iter::once(ahead).chain(places.iter().map(|place| place.shift.map(|s| s * scale)));
-        self.best(frames, starts.collect(), &NEAR)
+        self.best(frames, starts.collect())
     }
 
     /// Anywhere in the frame.
@@ -244,11 +209,11 @@ impl Tracker {
         let places = search.places(template, frames[coarse], from);
         let scale = template.scale;
         let starts = places.iter().map(|place| place.shift.map(|s| s * scale)).collect();
-        self.best(frames, starts, &ANYWHERE)
+        self.best(frames, starts)
     }
 
-    /// The start that leads to the best place that meets the demand.
-    fn best(&mut self, frames: &[&Frame], starts: Vec<[f64; 2]>, demand: &Demand) -> Option<Candidate> {
+    /// The best place that a start leads to, if it shows what it must.
+    fn best(&mut self, frames: &[&Frame], starts: Vec<[f64; 2]>) -> Option<Candidate> {
         let mut found: Vec<Fit> = Vec::new();
         for start in starts {
             let Some(fit) = self.descend(frames, start) else { continue };
@@ -264,12 +229,21 @@ impl Tracker {
         }
         found.sort_by(|a, b| b.normal.correlation().total_cmp(&a.normal.correlation()));
         for fit in found.into_iter().take(2) {
+            let demand = self.demand(fit.shift);
             let candidate = self.weighed(frames[0], fit);
             if let Some(candidate) = candidate.filter(|c| c.meets(demand, self.expected, self.known.gain)) {
                 return Some(candidate);
             }
         }
         None
+    }
+
+    /// What a place must show.
+    fn demand(&self, shift: [f64; 2]) -> &'static Demand {
+        let Known { shift: last, velocity, lost, .. } = self.known;
+        let off = (shift[0] - last[0] - velocity[0]).hypot(shift[1] - last[1] - velocity[1]);
+        let is_expected = !lost && off < EXPECTED_PX + velocity[0].hypot(velocity[1]);
+        if is_expected { &NEAR } else { &ANYWHERE }
     }
 
     /// From the coarsest level to the pixels.

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod outside;
+mod press;
 mod render;
 mod sight;
 

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use miette::IntoDiagnostic;
 
-use super::{Tracked, told};
+use super::told;
+use super::tracked::Tracked;
 use crate::ownership::OwnFolder;
 use crate::report::{Page, track as picture};
 

@@ -3,6 +3,7 @@
 mod encoder;
 mod files;
 mod told;
+mod tracked;
 
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -18,6 +19,7 @@ use crate::signals;
 use crate::track::source::{Ending, Frames};
 use crate::track::{Frame, Marker, Measure, Position, Positions, Roi, Scale};
 use encoder::Encoder;
+use tracked::Tracked;
 
 /// A tip in recorded frames.
 #[derive(Debug, Args)]
@@ -82,18 +84,6 @@ enum Shape {
     Disc,
     /// Filled, by its side
     Square,
-}
-
-/// What a call has found.
-struct Tracked {
-    first: Frame,
-    roi: Roi,
-    measure: Measure,
-    rate_hz: Option<f64>,
-    positions: Vec<Position>,
-    encoder: Option<Encoder>,
-    /// Time that frames took, reading included, s.
-    seconds: f64,
 }
 
 /// Follows, tells positions as they come, and sums them up.

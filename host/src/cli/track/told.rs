@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::Tracked;
+use super::tracked::Tracked;
 use crate::report::number;
 use crate::track::{Position, Tip, stretches};
 

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::super::frame::Frame;
-use super::{Ending, SourceError, still};
+use super::ending::Ending;
+use super::error::SourceError;
+use super::still;
 
 /// A file that is still being written is whole after this time.
 const PATIENCE: Duration = Duration::from_secs(2);

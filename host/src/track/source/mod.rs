@@ -1,64 +1,23 @@
 //! Frames from outside: a folder of PNG files, or a YUV4MPEG2 stream (`.y4m`) from a file, a pipe or standard input.
 
+mod ending;
 mod error;
 mod folder;
+mod size;
 mod still;
 mod y4m;
 
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
+pub use ending::Ending;
 pub use error::SourceError;
 pub use y4m::Y4m;
 
 use super::frame::Frame;
+use ending::Growing;
 use folder::Folder;
-
-/// Between two looks at a file or folder that grows.
-const PAUSE: Duration = Duration::from_millis(5);
-/// Most pixels of a frame: 64 megapixels.
-const MOST_PIXELS: usize = 1 << 26;
-
-/// Whether a recording that has come to its end may go on.
-#[derive(Debug, Clone, Copy)]
-pub enum Ending<'a> {
-    /// It is whole.
-    Final,
-    /// It grows until this is set.
-    Until(&'a AtomicBool),
-}
-
-impl Ending<'_> {
-    /// Waits a little where there may be more; `false` where there is none.
-    fn wait(self) -> bool {
-        let Ending::Until(stop) = self else { return false };
-        if stop.load(Ordering::Relaxed) {
-            return false;
-        }
-        std::thread::sleep(PAUSE);
-        true
-    }
-}
-
-/// A file that is read as it grows.
-struct Growing<'a, R> {
-    inner: R,
-    ending: Ending<'a>,
-}
-
-impl<R: Read> Read for Growing<'_, R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        loop {
-            match self.inner.read(buffer)? {
-                0 if !buffer.is_empty() && self.ending.wait() => {}
-                read => return Ok(read),
-            }
-        }
-    }
-}
 
 /// Frames one after the other.
 pub enum Frames<'a> {
@@ -132,9 +91,4 @@ impl Iterator for Frames<'_> {
             Frames::Stream(stream) => stream.next(),
         }
     }
-}
-
-/// Room for a frame, where it is no larger than frames are.
-fn pixels(width: usize, height: usize) -> Option<usize> {
-    width.checked_mul(height).filter(|count| (1..=MOST_PIXELS).contains(count))
 }

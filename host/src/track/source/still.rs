@@ -7,7 +7,8 @@ use std::path::Path;
 use png::{ColorType, Decoder, Limits, Transformations};
 
 use super::super::frame::Frame;
-use super::{MOST_PIXELS, SourceError, pixels};
+use super::error::SourceError;
+use super::size::{MOST_PIXELS, pixels};
 
 /// Parts of red, green and blue in the brightness (ITU-R BT.601).
 const BRIGHTNESS: [f32; 3] = [0.299, 0.587, 0.114];

@@ -4,7 +4,8 @@
 use std::io::Read;
 
 use super::super::frame::Frame;
-use super::{SourceError, pixels};
+use super::error::SourceError;
+use super::size::pixels;
 
 /// Longest line of parameters, bytes.
 const LONGEST_LINE: usize = 4096;
