@@ -42,6 +42,16 @@ pub enum TrackError {
         /// As asked for.
         tip: [f64; 2],
     },
+    /// A frame has another number of pixels than its size asks for.
+    #[error("the frame has {count} pixels; expected {width} x {height}")]
+    Pixels {
+        /// Its values.
+        count: usize,
+        /// As it says.
+        width: usize,
+        /// As it says.
+        height: usize,
+    },
     /// Frames differ in size.
     #[error("the frame has {width} x {height} pixels; expected {} x {} as the first", expected.0, expected.1)]
     Size {
@@ -62,7 +72,7 @@ impl TrackError {
             Self::Outside { .. } => "--roi X,Y,WIDTH,HEIGHT is in whole pixels from the upper left corner",
             Self::Small { .. } | Self::Flat { .. } => "draw --roi around the tip as the first frame shows it",
             Self::Tip { .. } => "--tip X,Y is in pixels from the upper left corner of the first frame",
-            Self::Size { .. } => "all frames of a recording have the size of the first",
+            Self::Pixels { .. } | Self::Size { .. } => "all frames of a recording have the size of the first",
         }
     }
 }

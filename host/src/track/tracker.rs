@@ -18,6 +18,8 @@ const COARSEST_SIDE_PX: usize = 16;
 const NEAR_PX: f64 = 32.0;
 /// and so many pixels of the coarsest level.
 const NEAR_COARSE: usize = 10;
+/// Most columns or rows of places that are searched at the coarsest level: memory is wanted for all of them.
+const WIDEST_SEARCH: usize = 2048;
 /// Contrast of a region over that of its noise, below which there is nothing to follow.
 const LEAST_CONTRAST: f64 = 2.0;
 /// Frames over which the kind of residuals is averaged.
@@ -88,6 +90,10 @@ impl Tracker {
     /// # Errors
     /// A region outside the frame, one that is too small, one without contrast, a tip far from its region.
     pub fn new(frame: &Frame, roi: Roi, tip: Option<[f64; 2]>) -> Result<Self, TrackError> {
+        if frame.pixels.len() != frame.width.saturating_mul(frame.height) {
+            let (count, width, height) = (frame.pixels.len(), frame.width, frame.height);
+            return Err(TrackError::Pixels { count, width, height });
+        }
         if !roi.is_inside(frame.width, frame.height) {
             return Err(TrackError::Outside { roi, width: frame.width, height: frame.height });
         }
@@ -196,15 +202,18 @@ impl Tracker {
         self.best(frames, starts.collect())
     }
 
-    /// Anywhere in the frame.
+    /// Anywhere in the frame, of a very large one around the last place.
     fn elsewhere(&mut self, frames: &[&Frame]) -> Option<Candidate> {
         let coarse = self.levels.len() - 1;
         let template = &self.levels[coarse];
-        let (width, height) = (frames[coarse].width, frames[coarse].height);
-        let search = self.anywhere.get_or_insert_with(|| Search::new(template, (width, height)));
+        let size = [frames[coarse].width, frames[coarse].height];
+        let places = size.map(|length| length.min(WIDEST_SEARCH));
+        let search = self.anywhere.get_or_insert_with(|| Search::new(template, (places[0], places[1])));
+        let half = [template.size.0 / 2, template.size.1 / 2];
         let from = [0, 1].map(|axis| {
-            let half = [template.size.0, template.size.1][axis] / 2;
-            -(template.corner[axis].round() as i64) - half as i64
+            let first = -(template.corner[axis].round() as i64) - half[axis] as i64;
+            let around = (self.known.shift[axis] / template.scale).round() as i64 - places[axis] as i64 / 2;
+            around.clamp(first, first + (size[axis] - places[axis]) as i64)
         });
         let places = search.places(template, frames[coarse], from);
         let scale = template.scale;
