@@ -29,8 +29,14 @@ fn a_press_as_files() {
     let (width, height) = (320, 200);
     let mut bytes = format!("YUV4MPEG2 W{width} H{height} F30:1 Cmono\n").into_bytes();
     let mut encoder = "time_s,height_mm\n".to_owned();
-    let scene =
-        Scene { size: (width, height), noise: 0.012, blur: 1.0, gradient: [0.3, 0.2], ..Scene::new(Shape::Skin(22.0)) };
+    let scene = Scene {
+        size: (width, height),
+        noise: 0.012,
+        blur: 1.0,
+        gradient: [0.3, 0.2],
+        subsamples: 4,
+        ..Scene::new(Shape::Skin(22.0))
+    };
     let marker = Scene { size: (width, height), noise: 0.0, blur: 1.0, ..Scene::new(Shape::Disc(16.0)) };
     let marker = marker.frame([250.0, 60.0], &mut random);
     for i in 0..240 {

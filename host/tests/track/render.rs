@@ -144,7 +144,10 @@ impl Scene {
                 let seen = corners.map(value);
                 let low = seen.iter().copied().fold(f64::INFINITY, f64::min);
                 let high = seen.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                let is_smooth = high - low < 0.02 && !matches!(self.shape, Shape::Skin(_)) && self.hidden.is_none();
+                let is_ground = seen.iter().all(|value| *value < 0.0);
+                // Ridges may have equal brightness at all corners of a pixel.
+                let is_plain = high - low < 0.02 && !matches!(self.shape, Shape::Skin(_));
+                let is_smooth = (is_ground || is_plain) && self.hidden.is_none();
                 let n = if is_smooth { 1 } else { self.subsamples };
                 let part = |i: usize| (i as f64 + 0.5) / n as f64 - 0.5;
                 let mut sum = 0.0;
