@@ -23,7 +23,7 @@ pub const NEAR: Demand =
     Demand { correlation: 0.8, correlation_of_seen: 0.92, seen: 0.25, seen_of_all: 0.5, gain: 2.5 };
 /// Anywhere: a place that merely resembles the tip is none.
 pub const ANYWHERE: Demand =
-    Demand { correlation: 0.9, correlation_of_seen: 0.95, seen: 0.65, seen_of_all: 0.75, gain: 8.0 };
+    Demand { correlation: 0.9, correlation_of_seen: 0.95, seen: 0.8, seen_of_all: 0.8, gain: 8.0 };
 
 /// An alignment with its weights taken into account.
 #[derive(Debug, Clone)]
