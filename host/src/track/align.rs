@@ -65,7 +65,7 @@ impl Aligner {
                 let all = hide_outside(frame, corner, template.size, &mut self.weights);
                 normal = match all && trust.is_none() {
                     true => template.full.clone(),
-                    false => Normal::of_basis(&template.basis, &self.weights),
+                    false => Normal::of_basis(&template.basis, &self.weights, template.bend_noise),
                 };
                 weighed_at = Some(shift);
             }

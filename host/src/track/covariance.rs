@@ -9,16 +9,16 @@ use std::f64::consts::{PI, SQRT_2};
 
 use super::align::Fit;
 use super::gaussian::{NOISE_LEFT, SIGMA_PX, spread};
-use super::normal::{PICTURES, dot};
+use super::normal::{LIGHT, Matrix, PICTURES, TEMPLATE, Vector, dot};
 use super::template::Template;
 
 /// Width of the neighbourhoods over which residuals count together, pixels.
-const NEIGHBOURHOOD_PX: f64 = 3.0;
+const NEIGHBOURHOOD_PX: f64 = 5.0;
 /// Part of smoothed noise's variance that such neighbourhoods hold: two Gaussians, integrated over the plane.
 const HELD: f64 =
     NEIGHBOURHOOD_PX * NEIGHBOURHOOD_PX / (NEIGHBOURHOOD_PX * NEIGHBOURHOOD_PX + 2.0 * SIGMA_PX * SIGMA_PX);
-/// What a fit takes out of the residuals of neighbourhoods, as a number of them: two shifts, gain and focus.
-const FITTED: f64 = 4.0;
+/// What a fit takes out of the residuals of neighbourhoods, as a number of them: two shifts.
+const FITTED: f64 = 2.0;
 /// A slope that is noise for the most part carries no place: the part of its square that is taken for signal at least.
 const LEAST_SIGNAL: f64 = 0.05;
 
@@ -29,8 +29,8 @@ pub struct Spread {
     pub noise: [f64; 2],
     /// As neighbourhoods of residuals tell.
     pub local: [f64; 2],
-    /// Variance of the smoothed residuals.
-    pub residual: f64,
+    /// Square of what contrast that changes across the tip, which no picture follows, may move the place by.
+    pub uneven: [f64; 2],
 }
 
 /// Memory of the sums.
@@ -76,6 +76,41 @@ impl Sums {
             noise[axis] *= larger * larger;
             local[axis] *= larger * larger;
         }
-        Some(Spread { noise, local, residual })
+        let uneven = uneven(template, fit, &inverse, weights, residuals, residual);
+        Some(Spread { noise, local, uneven })
     }
+}
+
+/// Contrast that changes across the tip is the template times a slope. Its part that the pictures do not hold is looked for in the
+/// residuals; the part that they hold has moved the place (the bias of an omitted variable). What noise shows of it by chance
+/// is taken out.
+fn uneven(
+    template: &Template,
+    fit: &Fit,
+    inverse: &Matrix,
+    weights: &[f32],
+    residuals: &[f32],
+    residual: f64,
+) -> [f64; 2] {
+    let mut moved = [0.0; 2];
+    for slope in [LIGHT + 1, LIGHT + 2] {
+        let product = template.basis[TEMPLATE].iter().zip(&template.basis[slope]);
+        let weighted: Vec<f32> = product.zip(weights).map(|((value, slope), weight)| value * slope * weight).collect();
+        let product = template.basis[TEMPLATE].iter().zip(&template.basis[slope]);
+        let square: f64 = product.zip(&weighted).map(|((value, slope), w)| f64::from(value * slope * w)).sum();
+        let with = Vector::from_fn(|k, _| dot(&template.basis[k], &weighted));
+        let held = inverse * with;
+        let own = square - held.dot(&with);
+        if own < LEAST_SIGNAL * square || own <= 0.0 {
+            continue;
+        }
+        // The residuals are orthogonal to the pictures already.
+        let factor = dot(&weighted, residuals) / own;
+        let by_chance = residual * 4.0 * PI * SIGMA_PX * SIGMA_PX / own;
+        let excess = (factor * factor - by_chance).max(0.0);
+        for (axis, moved) in moved.iter_mut().enumerate() {
+            *moved += (held[axis] / fit.gain()).powi(2) * excess;
+        }
+    }
+    moved
 }

@@ -28,6 +28,7 @@ mod covariance;
 mod error;
 mod frame;
 mod gaussian;
+mod known;
 mod noise;
 mod normal;
 mod position;
@@ -36,6 +37,7 @@ mod robust;
 mod scale;
 mod search;
 pub mod source;
+mod stated;
 mod template;
 mod tracker;
 

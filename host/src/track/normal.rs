@@ -6,13 +6,17 @@ use nalgebra::{Cholesky, Matrix6, SMatrix, SVector};
 pub const PICTURES: usize = 7;
 /// Which of them is the template.
 pub const TEMPLATE: usize = 2;
+/// and its blur.
+pub const BLUR: usize = 3;
 /// The plane of light begins here.
 pub const LIGHT: usize = 4;
 
 /// The pictures, each with a value a pixel.
 pub type Basis = [Vec<f32>; PICTURES];
-type Matrix = SMatrix<f64, PICTURES, PICTURES>;
-type Vector = SVector<f64, PICTURES>;
+/// Their products.
+pub type Matrix = SMatrix<f64, PICTURES, PICTURES>;
+/// Their products with another picture.
+pub type Vector = SVector<f64, PICTURES>;
 
 /// Normal equations.
 #[derive(Debug, Clone)]
@@ -47,7 +51,10 @@ const PIECE: usize = 1024;
 
 impl Normal {
     /// Products of the pictures and the weights' sum, without a window.
-    pub fn of_basis(basis: &Basis, weights: &[f32]) -> Self {
+    ///
+    /// Noise of the template comes with its own blur, of opposite sign: fitted as it is, focus would be taken for changed because
+    /// a blurred template has less noise. `bend_noise` a pixel takes that out.
+    pub fn of_basis(basis: &Basis, weights: &[f32], bend_noise: f64) -> Self {
         let mut products = Matrix::zeros();
         let mut weighted = vec![0.0; PIECE.min(weights.len())];
         for from in (0..weights.len()).step_by(PIECE) {
@@ -62,8 +69,9 @@ impl Normal {
                 }
             }
         }
-        products.fill_lower_triangle_with_upper_triangle();
         let weight = weights.iter().map(|w| f64::from(*w)).sum();
+        products[(TEMPLATE, BLUR)] += bend_noise * weight;
+        products.fill_lower_triangle_with_upper_triangle();
         Self { products, with_window: Vector::zeros(), window: 0.0, weight }
     }
 

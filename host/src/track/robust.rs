@@ -1,7 +1,10 @@
 //! Weights of pixels: what does not look like the template says nothing of its place.
 
+use std::f64::consts::PI;
+use std::ops::Range;
+
 use super::align::Fit;
-use super::gaussian::NOISE_LEFT;
+use super::gaussian::{NOISE_LEFT, spread};
 use super::noise::{SD_OF_MEDIAN, median};
 use super::normal::TEMPLATE;
 use super::template::Template;
@@ -16,6 +19,14 @@ const OF_RANGE: f64 = 0.06;
 const OF_MEAN_SQUARE: f64 = 3.0;
 /// and what else changes stays below this part of the range of brightness.
 const OF_CHANGES: f64 = 0.01;
+/// So far around hidden pixels others lose weight, as the width of a Gaussian, pixels.
+const AWAY_PX: f64 = 2.0;
+/// Sums run side by side, which the compiler makes vectors of.
+const LANES: usize = 8;
+/// Parts of a region, each way, that must all be seen where a tip is found anew,
+const PARTS: usize = 4;
+/// if they hold this part of an even share of the edges.
+const EDGES_OF_PART: f64 = 0.5;
 /// Pixels of which the noise is the median; more cost time and tell little.
 const LOOKED_AT: usize = 4000;
 
@@ -70,14 +81,59 @@ impl Tolerance {
     }
 }
 
+/// Takes weight from pixels near those that have none: the border of what hides the tip is smoothed over them, and pulls.
+/// A single pixel without weight, as noise makes them, takes little.
+pub fn keep_away(weights: &mut [f32], trust: &[f32], width: usize, memory: &mut [Vec<f32>; 3]) {
+    let [lost, near, rows] = memory;
+    lost.clear();
+    lost.extend(weights.iter().zip(trust).map(|(weight, trust)| trust - weight));
+    spread(lost, width, AWAY_PX, near, rows);
+    let whole = (2.0 * PI * AWAY_PX * AWAY_PX) as f32;
+    for ((weight, trust), near) in weights.iter_mut().zip(trust).zip(near.iter()) {
+        // Half of the neighbourhood is lost at a straight border.
+        let left = (1.0 - 2.0 * near / whole).max(0.0);
+        *weight = weight.min(trust * left);
+    }
+}
+
+/// Sums of squared slopes along both axes, under weights, of a run of pixels.
+fn holds(template: &Template, weights: &[f32], pixels: Range<usize>) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for (sum, slopes) in sums.iter_mut().zip(&template.basis[..2]) {
+        let mut lanes = [0.0_f32; LANES];
+        let (slopes, weights) = (slopes[pixels.clone()].chunks(LANES), weights[pixels.clone()].chunks(LANES));
+        for (slopes, weights) in slopes.zip(weights) {
+            for ((lane, slope), weight) in lanes.iter_mut().zip(slopes).zip(weights) {
+                *lane += slope * slope * weight;
+            }
+        }
+        *sum = lanes.iter().map(|lane| f64::from(*lane)).sum();
+    }
+    sums
+}
+
 /// Part of what holds the template that weights leave of what is trusted, along the axis of which less is left; 0 to 1.
 pub fn held(template: &Template, weights: &[f32], trust: &[f32]) -> f64 {
-    let part = |axis: usize| {
-        let sum = |weights: &[f32]| -> f64 {
-            let slopes = template.basis[axis].iter().zip(weights);
-            slopes.map(|(slope, weight)| f64::from(slope * slope * weight)).sum()
-        };
-        sum(weights) / sum(trust).max(f64::MIN_POSITIVE)
-    };
-    part(0).min(part(1))
+    let all = |weights: &[f32]| holds(template, weights, 0..weights.len());
+    let (left, whole) = (all(weights), all(trust));
+    (0..2).map(|axis| left[axis] / whole[axis].max(f64::MIN_POSITIVE)).fold(1.0, f64::min)
+}
+
+/// The same of parts of the region, in both axes together: of the part of which least is left. What hides a tip hides some parts
+/// of it wholly, whereas noise and light take a little of all. Parts with few edges are passed over.
+pub fn least_held(template: &Template, weights: &[f32], trust: &[f32]) -> f64 {
+    let (width, height) = template.size;
+    let sum = |weights: &[f32], pixels: Range<usize>| holds(template, weights, pixels).iter().sum::<f64>();
+    let range = |part: usize, length: usize| part * length / PARTS..(part + 1) * length / PARTS;
+    let whole = sum(trust, 0..trust.len());
+    let mut least = 1.0_f64;
+    for part in 0..PARTS * PARTS {
+        let columns = range(part % PARTS, width);
+        let rows = || range(part / PARTS, height).map(|y| y * width + columns.start..y * width + columns.end);
+        let all: f64 = rows().map(|row| sum(trust, row)).sum();
+        if all > EDGES_OF_PART * whole / (PARTS * PARTS) as f64 {
+            least = least.min(rows().map(|row| sum(weights, row)).sum::<f64>() / all);
+        }
+    }
+    least
 }

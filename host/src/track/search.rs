@@ -58,7 +58,7 @@ fn quick(length: usize) -> usize {
     let is_quick = |n: &usize| {
         let mut n = *n;
         for factor in [2, 3, 5] {
-            while n % factor == 0 {
+            while n.is_multiple_of(factor) {
                 n /= factor;
             }
         }

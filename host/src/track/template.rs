@@ -1,7 +1,7 @@
 //! What is looked for: the region of the first frame, at one level of a pyramid.
 
 use super::frame::{Frame, Roi};
-use super::gaussian::{BORDER_PX, Order, Sampler};
+use super::gaussian::{BORDER_PX, NOISE_LEFT, Order, SIGMA_PX, Sampler};
 use super::normal::{Basis, LIGHT, Normal, TEMPLATE};
 
 /// Smallest side of a region, pixels.
@@ -20,13 +20,16 @@ pub struct Template {
     pub basis: Basis,
     /// One inside the first frame, zero at its border.
     pub inside: Vec<f32>,
+    /// Noise of the template and of its blur: their product's mean, with its sign turned.
+    pub bend_noise: f64,
     /// Normal equations of all pixels.
     pub full: Normal,
 }
 
 impl Template {
-    /// The region at `level` of the pyramid whose frame of that level is given.
-    pub fn new(frame: &Frame, roi: Roi, level: u32, sampler: &mut Sampler) -> Self {
+    /// The region at `level` of the pyramid whose frame of that level is given; `noise` is the standard deviation of a pixel's
+    /// noise there.
+    pub fn new(frame: &Frame, roi: Roi, level: u32, noise: f64, sampler: &mut Sampler) -> Self {
         let scale = f64::from(1_u32 << level);
         let corner = [roi.x as f64 / scale, roi.y as f64 / scale];
         let length = |whole: usize| ((whole as f64 / scale).floor() as usize).max(1);
@@ -55,8 +58,9 @@ impl Template {
         basis[LIGHT + 2] = (0..count).map(|i| along(i / size.0, size.1)).collect();
         let mut inside = vec![1.0; count];
         hide_outside(frame, corner, size, &mut inside);
-        let full = Normal::of_basis(&basis, &inside);
-        Self { size, corner, scale, basis, inside, full }
+        let bend_noise = noise * noise * NOISE_LEFT / (2.0 * SIGMA_PX * SIGMA_PX);
+        let full = Normal::of_basis(&basis, &inside, bend_noise);
+        Self { size, corner, scale, basis, inside, bend_noise, full }
     }
 
     /// Variance of the template's brightness beyond a plane of light.

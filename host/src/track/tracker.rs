@@ -1,15 +1,17 @@
 //! A tip followed through frames.
 
 use super::align::{Aligner, Fit};
-use super::candidate::{ANYWHERE, Candidate, Demand, NEAR};
+use super::candidate::Candidate;
 use super::clutter::Clutter;
-use super::covariance::{Spread, Sums};
+use super::covariance::Sums;
 use super::error::TrackError;
 use super::frame::{Frame, Roi};
 use super::gaussian::{NOISE_LEFT, Sampler};
+use super::known::Known;
 use super::noise::pixel_noise;
-use super::robust::{Tolerance, held};
+use super::robust::{Tolerance, held, keep_away, least_held};
 use super::search::Search;
+use super::stated::{self, Stated};
 use super::template::{LEAST_SIDE_PX, Template};
 
 /// The shorter side of the template at the coarsest level is at least this, pixels of the level.
@@ -22,13 +24,6 @@ const NEAR_COARSE: usize = 10;
 const WIDEST_SEARCH: usize = 2048;
 /// Contrast of a region over that of its noise, below which there is nothing to follow.
 const LEAST_CONTRAST: f64 = 2.0;
-/// Frames over which the kind of residuals is averaged.
-const REMEMBERED: f64 = 30.0;
-/// Share of the position's variance that is not there in the first frame: a frame's own noise and the template's are alike.
-const FRESH: f64 = 0.5;
-/// Edges between pixels and rounding put a shift off by so much that residuals do not tell, pixels.
-const SYSTEMATIC_PX: f64 = 0.005;
-
 /// Where the tip is in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tip {
@@ -46,20 +41,8 @@ pub struct Tip {
     pub gain: f64,
 }
 
-/// What has been found so far.
-#[derive(Debug, Clone, Copy)]
-struct Known {
-    shift: [f64; 2],
-    velocity: [f64; 2],
-    gain: f64,
-    lost: bool,
-}
-
 /// Part of the tip that is seen when nothing hides it.
 const WHOLE: f64 = 0.75;
-
-/// So near to where it is expected a tip may be half hidden, pixels beside its last step.
-const EXPECTED_PX: f64 = 5.0;
 
 /// Follows what a region of the first frame shows.
 #[derive(Debug)]
@@ -76,11 +59,11 @@ pub struct Tracker {
     /// Correlation that noise leaves.
     expected: f64,
     known: Known,
-    /// Variance that neighbourhoods of residuals tell, over that of noise; and of how many frames it is the mean.
-    kind: ([f64; 2], f64),
+    stated: Stated,
     aligner: Aligner,
     sums: Sums,
     residuals: Vec<f32>,
+    memory: [Vec<f32>; 3],
     first: Tip,
 }
 
@@ -104,16 +87,16 @@ impl Tracker {
         if !(tip[0].abs() < 1e6 && tip[1].abs() < 1e6) {
             return Err(TrackError::Tip { tip });
         }
+        let noise = pixel_noise(frame, roi);
         let mut sampler = Sampler::default();
-        let mut levels = vec![Template::new(frame, roi, 0, &mut sampler)];
+        let mut levels = vec![Template::new(frame, roi, 0, noise, &mut sampler)];
         let mut smaller = frame.clone();
         let mut level = 0;
         while roi.width.min(roi.height) >> (level + 1) >= COARSEST_SIDE_PX {
             level += 1;
             smaller = smaller.halved();
-            levels.push(Template::new(&smaller, roi, level, &mut sampler));
+            levels.push(Template::new(&smaller, roi, level, noise / f64::from(1_u32 << level), &mut sampler));
         }
-        let noise = pixel_noise(frame, roi);
         let variance = levels[0].contrast_variance();
         let of_noise = noise * noise * NOISE_LEFT;
         if variance < LEAST_CONTRAST * LEAST_CONTRAST * of_noise {
@@ -123,7 +106,6 @@ impl Tracker {
         let reach = NEAR_COARSE.max((NEAR_PX / f64::from(scale)).ceil() as usize);
         let near = Search::new(&levels[level as usize], (2 * reach + 1, 2 * reach + 1));
         let tolerance = Tolerance::new(&levels[0], noise);
-        let known = Known { shift: [0.0; 2], velocity: [0.0; 2], gain: 1.0, lost: false };
         let blank =
             Tip { place_px: tip, sigma_px: [0.0; 2], own_sigma_px: [0.0; 2], correlation: 1.0, seen: 1.0, gain: 1.0 };
         let mut tracker = Self {
@@ -135,11 +117,12 @@ impl Tracker {
             near,
             anywhere: None,
             expected: ((variance - of_noise) / variance).clamp(0.3, 1.0),
-            known,
-            kind: ([1.0; 2], 0.0),
+            known: Known::default(),
+            stated: Stated::default(),
             aligner: Aligner::default(),
             sums: Sums::default(),
             residuals: Vec::new(),
+            memory: Default::default(),
             first: blank,
         };
         tracker.first.own_sigma_px = tracker.first_sigma(frame, of_noise);
@@ -159,9 +142,7 @@ impl Tracker {
         let Some(fit) = self.aligner.align(template, frame, [0.0; 2], 1, None) else { return [f64::INFINITY; 2] };
         let residuals = vec![(2.0 * of_noise).sqrt() as f32; template.inside.len()];
         let spread = self.sums.spread(template, &fit, &template.inside, &residuals);
-        let sigma =
-            |axis: usize| spread.map_or(f64::INFINITY, |s| (FRESH * s.noise[axis] + SYSTEMATIC_PX.powi(2)).sqrt());
-        [sigma(0), sigma(1)]
+        stated::of_template(spread)
     }
 
     /// The tip in the next frame; `None` where it is lost.
@@ -188,11 +169,10 @@ impl Tracker {
 
     /// Around where it is expected.
     fn nearby(&mut self, frames: &[&Frame]) -> Option<Candidate> {
-        if self.known.lost {
+        if self.known.is_lost() {
             return None;
         }
-        let Known { shift, velocity, .. } = self.known;
-        let ahead = [shift[0] + velocity[0], shift[1] + velocity[1]];
+        let ahead = self.known.ahead();
         let scale = self.coarsest().scale;
         let reach = self.near.reach();
         let from = [0, 1].map(|axis| (ahead[axis] / scale).round() as i64 - reach[axis]);
@@ -238,21 +218,13 @@ impl Tracker {
         }
         found.sort_by(|a, b| b.normal.correlation().total_cmp(&a.normal.correlation()));
         for fit in found.into_iter().take(2) {
-            let demand = self.demand(fit.shift);
+            let demand = self.known.demand(fit.shift);
             let candidate = self.weighed(frames[0], fit);
             if let Some(candidate) = candidate.filter(|c| c.meets(demand, self.expected, self.known.gain)) {
                 return Some(candidate);
             }
         }
         None
-    }
-
-    /// What a place must show.
-    fn demand(&self, shift: [f64; 2]) -> &'static Demand {
-        let Known { shift: last, velocity, lost, .. } = self.known;
-        let off = (shift[0] - last[0] - velocity[0]).hypot(shift[1] - last[1] - velocity[1]);
-        let is_expected = !lost && off < EXPECTED_PX + velocity[0].hypot(velocity[1]);
-        if is_expected { &NEAR } else { &ANYWHERE }
     }
 
     /// From the coarsest level to the pixels.
@@ -282,6 +254,7 @@ impl Tracker {
         if !is_whole {
             for wider in [4.0, 2.0, 1.0, 1.0] {
                 self.tolerance.weigh(&fit, &self.residuals, wider, trust, &mut weights);
+                keep_away(&mut weights, trust, template.size.0, &mut self.memory);
                 fit = self.aligner.align(template, frame, fit.shift, 3, Some(&weights))?;
                 self.aligner.residuals(template, &fit, &mut self.residuals);
             }
@@ -293,36 +266,29 @@ impl Tracker {
             *weight = if *inside > 0.0 { *weight } else { 0.0 };
         }
         let seen = held(template, &weights, trust);
-        Some(Candidate { seen, fit, correlation, correlation_of_seen, spread })
+        let least_seen = least_held(template, &weights, trust);
+        Some(Candidate { seen, least_seen, fit, correlation, correlation_of_seen, spread })
     }
 
     fn remember(&mut self, found: Option<Candidate>) -> Option<Tip> {
         let Some(found) = found else {
-            self.known = Known { velocity: [0.0; 2], lost: true, ..self.known };
+            self.known.miss();
             return None;
         };
         if found.seen > WHOLE {
             // The residuals are those of the place that was taken: it was tried last.
             self.clutter.learn(&self.levels[0], &self.tolerance, &found.fit, &self.residuals);
         }
-        let (shift, before) = (found.fit.shift, self.known);
-        let velocity = if before.lost { [0.0; 2] } else { [shift[0] - before.shift[0], shift[1] - before.shift[1]] };
-        let gain = before.gain + 0.2 * (found.fit.gain() - before.gain);
-        self.known = Known { shift, velocity, gain, lost: false };
-        let (kind, count) = &mut self.kind;
-        *count = (*count + 1.0).min(REMEMBERED);
-        let Spread { noise, local, .. } = found.spread;
-        let mut sigma_px = [0.0; 2];
-        let mut own_sigma_px = [0.0; 2];
-        for axis in 0..2 {
-            let ratio = if noise[axis] > 0.0 { local[axis] / noise[axis] } else { 1.0 };
-            kind[axis] += (ratio.clamp(0.1, 100.0) - kind[axis]) / *count;
-            let variance = noise[axis] * kind[axis].max(1.0);
-            sigma_px[axis] = (variance + SYSTEMATIC_PX.powi(2)).sqrt();
-            own_sigma_px[axis] = (FRESH * variance + SYSTEMATIC_PX.powi(2)).sqrt();
-        }
-        let place_px = [self.tip[0] + shift[0], self.tip[1] + shift[1]];
-        let correlation = found.correlation_of_seen;
-        Some(Tip { place_px, sigma_px, own_sigma_px, correlation, seen: found.seen.min(1.0), gain: found.fit.gain() })
+        let (shift, gain) = (found.fit.shift, found.fit.gain());
+        self.known.find(shift, gain);
+        let sigma = self.stated.of(&found);
+        Some(Tip {
+            place_px: [self.tip[0] + shift[0], self.tip[1] + shift[1]],
+            sigma_px: sigma.total,
+            own_sigma_px: sigma.own,
+            correlation: found.correlation_of_seen,
+            seen: found.seen.min(1.0),
+            gain,
+        })
     }
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod accuracy;
+mod fresh;
 mod outside;
 mod press;
 mod render;

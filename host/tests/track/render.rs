@@ -19,6 +19,8 @@ pub enum Shape {
     Skin(f64),
     /// A flat square with a cross in it, turned by 20 degrees.
     Marker(f64),
+    /// A plain probe that tapers to a point, with a bright band.
+    Probe(f64),
 }
 
 fn smooth_noise(x: f64, y: f64, seed: u64) -> f64 {
@@ -67,6 +69,10 @@ impl Shape {
                 let inside = x.abs() < a && y.abs() < a;
                 inside.then(|| if x.abs() < 0.25 * a || y.abs() < 0.25 * a { 0.1 } else { 1.0 })
             }
+            Shape::Probe(a) => {
+                let half = (0.8 * (a - y)).min(0.7 * a);
+                (x.abs() < half).then_some(if (-0.5 * a..0.0).contains(&y) { 1.0 } else { 0.6 })
+            }
         }
     }
 }
@@ -94,6 +100,10 @@ pub struct Scene {
     pub bits: u32,
     /// Rectangle that hides what is behind it: x, y, width, height, brightness.
     pub hidden: Option<[f64; 5]>,
+    /// Amplitude of a texture of that rectangle, which moves with it.
+    pub hand: f64,
+    /// Of textures.
+    pub seed: u64,
     /// Factor of all brightness.
     pub light: f64,
     /// Points a pixel at edges, each way.
@@ -113,6 +123,8 @@ impl Scene {
             noise: 0.0,
             bits: 8,
             hidden: None,
+            hand: 0.0,
+            seed: 3,
             light: 1.0,
             subsamples: 8,
         }
@@ -123,13 +135,21 @@ impl Scene {
             && (left..left + width).contains(&x)
             && (top..top + height).contains(&y)
         {
-            return value;
+            let (u, v) = ((x - left) / 4.0, (y - top) / 4.0);
+            return value + self.hand * (smooth_noise(u, v, self.seed + 1) - 0.5);
         }
         let (w, h) = (self.size.0 as f64, self.size.1 as f64);
         let lit = self.light * (1.0 + self.gradient[0] * (x / w - 0.5) + self.gradient[1] * (y / h - 0.5));
-        let ground = self.ground + self.texture * (smooth_noise(x / 5.0, y / 5.0, 3) - 0.5);
+        let ground = self.ground + self.texture * (smooth_noise(x / 5.0, y / 5.0, self.seed) - 0.5);
         let own = self.shape.at(x - tip[0], y - tip[1]).map(|v| self.ground + (self.bright - self.ground) * v);
         lit * own.unwrap_or(ground)
+    }
+
+    /// The border of what hides the tip runs through the pixel, or nearly.
+    fn is_at_sheet(&self, x: f64, y: f64) -> bool {
+        let Some([left, top, width, height, _]) = self.hidden else { return false };
+        let near = |at: f64, edge: f64| (at - edge).abs() < 1.5;
+        near(x, left) || near(x, left + width) || near(y, top) || near(y, top + height)
     }
 
     /// The frame with the tip there.
@@ -147,7 +167,7 @@ impl Scene {
                 let is_ground = seen.iter().all(|value| *value < 0.0);
                 // Ridges may have equal brightness at all corners of a pixel.
                 let is_plain = high - low < 0.02 && !matches!(self.shape, Shape::Skin(_));
-                let is_smooth = (is_ground || is_plain) && self.hidden.is_none();
+                let is_smooth = (is_ground || is_plain) && !self.is_at_sheet(x as f64, y as f64);
                 let n = if is_smooth { 1 } else { self.subsamples };
                 let part = |i: usize| (i as f64 + 0.5) / n as f64 - 0.5;
                 let mut sum = 0.0;
@@ -181,15 +201,14 @@ fn blurred(pixels: &[f64], width: usize, height: usize, sigma: f64) -> Vec<f64> 
     let sum: f64 = weights.iter().sum();
     let pass = |from: &[f64], along: bool| {
         let mut out = vec![0.0; from.len()];
-        for y in 0..height as i64 {
-            for x in 0..width as i64 {
-                let mut value = 0.0;
-                for (d, weight) in (-radius..=radius).zip(&weights) {
-                    let (u, v) = if along { (x + d, y) } else { (x, y + d) };
-                    let (u, v) = (u.clamp(0, width as i64 - 1) as usize, v.clamp(0, height as i64 - 1) as usize);
-                    value += weight * from[v * width + u];
+        let (columns, rows) = (width as i64, height as i64);
+        for (d, weight) in (-radius..=radius).zip(weights.iter().map(|weight| weight / sum)) {
+            for y in 0..rows {
+                let row = if along { y } else { (y + d).clamp(0, rows - 1) } as usize * width;
+                for (x, out) in out[y as usize * width..][..width].iter_mut().enumerate() {
+                    let at = if along { (x as i64 + d).clamp(0, columns - 1) as usize } else { x };
+                    *out += weight * from[row + at];
                 }
-                out[y as usize * width + x as usize] = value / sum;
             }
         }
         out

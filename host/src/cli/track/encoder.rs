@@ -10,7 +10,7 @@ use crate::track::{Measure, Position};
 #[derive(Debug)]
 pub(super) struct Encoder {
     file: PathBuf,
-    /// Time (s, rising) and height (mm, up), shifted by the mean difference once compared.
+    /// Time (s, rising) and height (mm, up), shifted by the median difference once compared.
     pub rows: Vec<[f64; 2]>,
     /// Root of the mean squared difference after that shift, mm; none where no time is common.
     pub apart_mm: Option<f64>,
@@ -65,14 +65,16 @@ impl Encoder {
             let (time, tip) = (position.time_s?, position.tip?);
             Some(measure.height(&first, &tip) - self.at(time)?)
         });
-        let apart: Vec<f64> = pairs.collect();
-        if apart.is_empty() {
+        let mut apart: Vec<f64> = pairs.collect();
+        apart.sort_by(f64::total_cmp);
+        let (Some(low), Some(high)) = (apart.get(apart.len().saturating_sub(1) / 2), apart.get(apart.len() / 2)) else {
             return;
-        }
-        let count = apart.len() as f64;
-        let mean = apart.iter().sum::<f64>() / count;
-        self.rows.iter_mut().for_each(|row| row[1] += mean);
-        self.apart_mm = Some((apart.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / count).sqrt());
+        };
+        // The median: a place that is wrong, or an encoder that slips for a while, leaves the zero where it is.
+        let zero = 0.5 * (low + high);
+        self.rows.iter_mut().for_each(|row| row[1] += zero);
+        let squares = apart.iter().map(|d| (d - zero).powi(2)).sum::<f64>();
+        self.apart_mm = Some((squares / apart.len() as f64).sqrt());
         self.compared = apart.len();
     }
 }

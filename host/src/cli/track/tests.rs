@@ -2,6 +2,7 @@
 use clap::Parser;
 
 use super::*;
+use crate::track::{Measure, Position, Tip};
 
 #[derive(Debug, Parser)]
 struct Line {
@@ -46,4 +47,28 @@ fn an_encoder_with_a_mistake_is_told_by_its_line() {
     assert!(Encoder::read(&file).unwrap_err().to_string().contains("line 3: expected time (s) and height (mm)"));
     std::fs::write(&file, "0,1\n0,2\n").unwrap();
     assert!(Encoder::read(&file).unwrap_err().to_string().contains("rising times"));
+}
+
+/// Places of 0, 1, 2, ... px are heights of the same numbers; one is wrong by 1000.
+#[test]
+fn one_wrong_place_leaves_the_zero_of_the_encoder() {
+    let tip = |height: f64| Tip {
+        place_px: [0.0, -height],
+        sigma_px: [0.1; 2],
+        own_sigma_px: [0.1; 2],
+        correlation: 1.0,
+        seen: 1.0,
+        gain: 1.0,
+    };
+    let position = |frame: usize| {
+        let height = frame as f64 + if frame == 7 { 1000.0 } else { 0.0 };
+        Position { frame, time_s: Some(frame as f64), tip: Some(tip(height)) }
+    };
+    let positions: Vec<Position> = (0..10).map(position).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("encoder.csv");
+    std::fs::write(&file, (0..12).map(|t| format!("{t},{}\n", t + 40)).collect::<String>()).unwrap();
+    let mut encoder = Encoder::read(&file).unwrap();
+    encoder.compare(&positions, &Measure::default());
+    assert!((encoder.rows[3][1] - 3.0).abs() < 1e-9, "{:?}", encoder.rows);
 }

@@ -95,7 +95,7 @@ pub(super) fn lines(tracked: &Tracked, out: Option<&Path>, page: Option<&Path>) 
     if let Some(encoder) = &tracked.encoder {
         let told = encoder.apart_mm.map_or_else(
             || "no time in common with the frames".to_owned(),
-            |mm| format!("{} mm rms apart in {} frames, mean difference taken out", number(mm), encoder.compared),
+            |mm| format!("{} mm rms apart in {} frames, median difference taken out", number(mm), encoder.compared),
         );
         lines.push(format!("encoder    {}: {told}", encoder.name()));
     }

@@ -161,10 +161,14 @@ impl<R: Read> Iterator for Y4m<R> {
 /// Bytes up to the end of a line, without it; what is too long for one is cut.
 fn line(source: &mut impl Read) -> std::io::Result<Vec<u8>> {
     let mut line = Vec::new();
-    for byte in source.bytes().take(LONGEST_LINE) {
-        match byte? {
-            b'\n' => break,
-            byte => line.push(byte),
+    let mut byte = [0];
+    for _ in 0..LONGEST_LINE {
+        match source.read(&mut byte) {
+            Ok(0) => break,
+            Ok(_) if byte == *b"\n" => break,
+            Ok(_) => line.extend(byte),
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
         }
     }
     Ok(line)
