@@ -35,6 +35,7 @@ pub mod simulate;
 pub mod simulated_board;
 pub mod study;
 pub mod sweep;
+pub mod track;
 pub mod trial;
 pub mod tune;
 pub mod unseen;

@@ -32,6 +32,7 @@ pub mod simulate;
 pub mod study;
 pub mod sweep;
 mod together;
+pub mod track;
 pub mod trial;
 pub mod tune;
 
@@ -96,6 +97,8 @@ enum Command {
     Trial(trial::Arguments),
     /// Press a finger on a plate or a foam by finite elements: force, contact, pressure, Mises stress
     Finger(finger::Arguments),
+    /// Follow a finger or probe tip through recorded frames: sub-pixel positions with their uncertainty
+    Track(track::Arguments),
     /// Look inside a specimen under the ball: stretch, stress and pressure for ParaView, and a picture
     Field(field::Arguments),
 }
@@ -130,6 +133,7 @@ pub fn main() -> ExitCode {
         Command::Actuator(arguments) => actuator::run(&arguments),
         Command::Trial(arguments) => trial::run(&arguments),
         Command::Finger(arguments) => finger::run(&arguments),
+        Command::Track(arguments) => track::run(&arguments),
         Command::Field(arguments) => field::run(&arguments),
     };
     let printed = crate::print::finish().into_diagnostic().wrap_err("standard output");

@@ -24,6 +24,7 @@ mod scale;
 mod sheet;
 pub mod strip;
 pub mod table;
+pub mod track;
 pub mod trial;
 pub mod tuning;
 pub mod valley;

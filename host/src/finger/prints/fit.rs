@@ -339,7 +339,8 @@ mod tests {
         let normal = Normal::new(0.0, 1.0).unwrap();
         let [shift, cos, sin, pitch] = [0; 4].map(|_| if shifted { normal.sample(&mut random) } else { 0.0 });
         // one wave of random pitch: its covariance is the kernel of the drift
-        let shared = |n: f64| EDGE_MM * shift + DRIFT_MM * (cos * (pitch * n.ln()).cos() + sin * (pitch * n.ln()).sin());
+        let shared =
+            |n: f64| EDGE_MM * shift + DRIFT_MM * (cos * (pitch * n.ln()).cos() + sin * (pitch * n.ln()).sin());
         (0..12)
             .map(|i| 0.2 * 1.35_f64.powi(i))
             .map(|force_n| {
