@@ -55,7 +55,8 @@ fn the_moduli_of_another_solvers_finger_lie_in_the_interval() {
         let one = found(folder.path(), &finger, "stiffness");
         let (low, high) = one.fitted[0].interval;
         assert!(low < by && by < high && one.fitted[0].is_told, "{by}: {low} to {high}");
-        assert!((one.fitted[0].factor / by - 1.0).abs() < 0.05, "{by}: {}", one.fitted[0].factor);
+        // 0.1 mm of edge is 3 % of the mean radius and 6 % of the area; the force of one area goes with its power of 1.6
+        assert!((one.fitted[0].factor / by - 1.0).abs() < 0.1, "{by}: {}", one.fitted[0].factor);
         // what was wrong shows, and what is left is where an edge is read: 0.03 mm by the other solver's word
         assert!(one.after_mm < 0.05 && one.before_mm > 10.0 * one.after_mm, "{} {}", one.before_mm, one.after_mm);
         let all = found(folder.path(), &finger, "stiffness size skin");
