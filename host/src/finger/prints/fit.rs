@@ -64,7 +64,7 @@ pub struct Fit {
     pub scale: Scale,
     /// Root mean square of measured less simulated radius, mm, of circles of the prints' areas: of the finger as it is.
     pub before_mm: f64,
-    /// Of the fitted finger, over the prints less the free numbers.
+    /// Of the fitted finger less the shift of all edges, over the prints less the free numbers.
     pub after_mm: f64,
     /// How far all edges are read farther out than the fitted finger's, mm.
     pub shift_mm: f64,
@@ -118,8 +118,9 @@ const WIDEST: f64 = 4.6;
 pub const EDGE_MM: f64 = 0.1;
 /// How far the simulated edge may be off in a way that changes with the force over a factor of e, mm: a quarter of an element.
 const DRIFT_MM: f64 = 0.05;
-/// No edge is read more finely, mm.
-const FINEST_MM: f64 = 1e-3;
+/// Least scatter of an edge from print to print, mm: the simulated one goes from element to element, and other people's
+/// solvers state as much for theirs.
+const FINEST_MM: f64 = 0.03;
 /// Forces closer than this part of one another are the same.
 const SAME: f64 = 0.01;
 
@@ -260,7 +261,9 @@ pub(super) fn fitted(family: &Family, prints: &[Print], free: &[Free]) -> Option
     let scatter_mm = (misfit.map(|own| (own - middle).powi(2)).sum() / first.freedom()).sqrt();
     let problem = Problem::new(family, prints, free, scatter_mm)?;
     let at = problem.search();
-    let (before, after) = (problem.misfit(&DVector::zeros(free.len())), problem.misfit(&at));
+    let (before, misfit) = (problem.misfit(&DVector::zeros(free.len())), problem.misfit(&at));
+    let shift_mm = misfit.mean();
+    let after = misfit.map(|own| own - shift_mm);
     let jacobian = problem.jacobian(&at);
     let inverse = (jacobian.transpose() * &jacobian).try_inverse();
     let t = student_critical(0.05, problem.freedom());
@@ -276,7 +279,7 @@ pub(super) fn fitted(family: &Family, prints: &[Print], free: &[Free]) -> Option
     Some(Fit {
         fitted: free.iter().enumerate().map(one).collect(),
         scale: Scale { stiffness: logs[0].exp(), size: logs[1].exp(), skin: logs[2].exp() },
-        shift_mm: after.mean(),
+        shift_mm,
         before_mm: (before.norm_squared() / prints.len() as f64).sqrt(),
         after_mm: (after.norm_squared() / problem.freedom()).sqrt(),
         area_mm2: area(logs),
