@@ -28,7 +28,7 @@ fn bad_words_are_told_with_what_was_expected() {
     assert!(told(&[empty, "--roi", "1,2,3"]).contains("expected X,Y,WIDTH,HEIGHT in whole pixels"));
     assert!(with(&[]).contains("has no PNG file; expected frames such as frame_0001.png"));
     assert!(with(&["--fps", "0"]).contains("--fps is 0; expected more than 0"));
-    assert!(with(&["--mm-per-px", "-1"]).contains("--mm-per-px"));
+    assert!(with(&["--mm-per-px=-1"]).contains("--mm-per-px"));
     assert!(with(&["--marker", "1,1,9,9"]).contains("--marker-mm"));
     assert!(with(&["--surface", "nan"]).contains("--surface is NaN; expected a row in pixels"));
     assert!(told(&["absent.y4m", "--roi", "1,1,9,9"]).contains("cannot read absent.y4m"));
