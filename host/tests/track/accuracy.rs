@@ -128,6 +128,7 @@ fn a_marker_gives_the_scale() {
 
 /// 60 frames a second of 640 x 480 pixels with a region of 200 px, with room for a busy machine: the median time of a step.
 #[test]
+#[ignore = "times a step: for a machine that does nothing else"]
 fn a_step_is_quicker_than_a_camera() {
     let scene = Scene { size: (640, 480), noise: 0.02, subsamples: 2, ..Scene::new(Shape::Skin(70.0)) };
     let place = |i: usize| [300.0 + 3.0 * i as f64, 240.0 + 1.3 * i as f64];
