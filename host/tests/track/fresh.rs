@@ -35,6 +35,7 @@ fn z(noise: f64, seeds: std::ops::Range<u64>) -> f64 {
 /// Noise of 5 and 20 % of the contrast. Each sequence shares the noise of its first frame: 36 sequences with two axes are some
 /// 72 draws, whose rms scatters by 8 %; two and a half times that is allowed.
 #[test]
+#[ignore = "takes a minute; accuracy.rs has a shorter one"]
 fn uncertainty_is_honest_at_any_noise() {
     for noise in [0.025, 0.1] {
         let z = z(noise, 6000..6006);

@@ -81,11 +81,11 @@ fn covered(seeds: std::ops::Range<u64>, structures: &[Structure]) -> (u32, u32) 
     (inside, count)
 }
 
-/// Four actuators, with the order chosen among all: of 32 values, each inside with 95 %, fewer than 26 come once in some thousand sets.
+/// Two actuators, with the order chosen among all: of 16 values, each inside with 95 %, fewer than 12 come once in some thousand sets.
 #[test]
 fn true_values_lie_in_their_intervals() {
-    let (inside, count) = covered(0..4, &Structure::ALL);
-    assert!(count == 32 && inside >= 26, "{inside} of {count}");
+    let (inside, count) = covered(0..2, &Structure::ALL);
+    assert!(count == 16 && inside >= 12, "{inside} of {count}");
 }
 
 /// Fifty actuators, minutes: `cargo test -p palpate --lib fifty_actuators -- --ignored --nocapture`. `PALPATE_FIRST` is the first seed.
