@@ -4,9 +4,9 @@ use nalgebra::Complex;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-use super::Way;
 use super::discrete::Held;
 use super::gains::Gains;
+use super::way::Way;
 use crate::actuator::plant::Plant;
 use crate::actuator::polynomial::Polynomial;
 use crate::actuator::uncertain::Uncertain;

@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::Way;
 use super::appendix;
 use super::continuous;
 use super::frequency::{Coarse, OpenLoop};
@@ -10,6 +9,7 @@ use super::gains::Gains;
 use super::programme::Values;
 use super::sampled::Exact;
 use super::step::{HORIZON_S, Step};
+use super::way::Way;
 use crate::actuator::flaws::Flaws;
 use crate::actuator::plant::Plant;
 

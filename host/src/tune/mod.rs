@@ -37,6 +37,7 @@ mod shaft;
 pub mod step;
 pub mod study;
 mod tuning;
+mod way;
 pub mod windup;
 pub mod worst;
 
@@ -45,6 +46,7 @@ pub use error::TuneError;
 pub use gains::Gains;
 pub use judged::judge;
 pub use tuning::tune;
+pub use way::Way;
 
 use nalgebra::Complex;
 
@@ -54,15 +56,6 @@ use frequency::Margins;
 use limits::{Limits, Rule};
 use sampled::Sampling;
 use step::{AtTicks, Step};
-
-/// Which loop.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Way {
-    /// A continuous controller.
-    Continuous,
-    /// A sampled one with a hold.
-    Sampled(Sampling),
-}
 
 impl Way {
     /// The board's limit on its command, if it cuts.

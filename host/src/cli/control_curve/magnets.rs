@@ -8,6 +8,10 @@ use crate::control::compose::Links;
 use crate::magnet::fluid::NamedFluid;
 use crate::magnet::measured;
 
+/// What no bound of a curve holds.
+pub(in crate::cli) const ABOUT_FLUIDS: &str = "Models fitted to the same data of such fluids differ by 13 to 24 % in yield stress \
+    (Xie, Liu and Cai 2020). The bound of a current does not hold that.";
+
 /// Currents that the magnet is computed at, up to the driver's largest.
 const CURRENTS: usize = 16;
 
@@ -33,4 +37,10 @@ fn drawn(asked: &str, most_a: f64) -> miette::Result<lut_gen::magnet::curve::Flu
     magnet.flux_curve(&study.states).ok_or_else(|| {
         miette!("{asked} has no flux density over current; expected a coil, and `control` naming a point or probe")
     })
+}
+
+/// Letters and digits of a name, small, with dashes for all else.
+pub(in crate::cli) fn file_name(name: &str) -> String {
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join("-").to_ascii_lowercase()
 }

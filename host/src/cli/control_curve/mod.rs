@@ -18,6 +18,7 @@ use crate::control::study::Study;
 use crate::finger::opposite::{Block, Opposite};
 use crate::ownership::OwnFolder;
 use crate::report::control as picture;
+use magnets::file_name;
 use recipe::Recipe;
 
 /// Folder of files where none is asked for.
@@ -97,7 +98,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for made in &made {
         told::print(made, links);
     }
-    outln!("{}", told::ABOUT_FLUIDS);
+    outln!("{}", magnets::ABOUT_FLUIDS);
     if let Some(file) = files.first() {
         outln!("written {} and {} more files beside it", file.display(), files.len() - 1);
     }
@@ -122,7 +123,7 @@ fn blocks(arguments: &Arguments) -> miette::Result<Vec<Block>> {
 fn write(folder: &mut OwnFolder, links: &Links, made: &[Made]) -> miette::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     let mut page = crate::report::Page::new("Control curves", &told::subtitle(links));
-    page.paragraph(told::ABOUT_FLUIDS);
+    page.paragraph(magnets::ABOUT_FLUIDS);
     page.figure(
         &picture::currents(&curves(made)).svg(),
         "Current of the coil over the finger's force, computed (Fig. 61).",
@@ -148,12 +149,6 @@ fn write(folder: &mut OwnFolder, links: &Links, made: &[Made]) -> miette::Result
 
 fn curves(made: &[Made]) -> Vec<&ControlCurve> {
     made.iter().map(|made| &made.curve).collect()
-}
-
-/// Letters and digits of a name, small, with dashes for all else.
-pub(super) fn file_name(name: &str) -> String {
-    let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
-    words.collect::<Vec<_>>().join("-").to_ascii_lowercase()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use clap::Args;
 use miette::{IntoDiagnostic, miette};
 use serde_json::json;
 
-use super::{file_name, magnets};
+use super::magnets::{self, file_name};
 use crate::cli::progress::Progress;
 use crate::control::compose::Links;
 use crate::control::{ControlCurve, CurveError};
@@ -152,7 +152,7 @@ fn write(folder: &mut OwnFolder, wanted: &[ControlCurve], all: &[Reach]) -> miet
     );
     let head = head(all);
     page.table(&head.iter().map(String::as_str).collect::<Vec<_>>(), &rows(wanted, all));
-    page.paragraph(super::told::ABOUT_FLUIDS);
+    page.paragraph(magnets::ABOUT_FLUIDS);
     let mut files = vec![folder.write("reach.svg", stresses.svg().as_bytes()).into_diagnostic()?];
     for reach in all {
         let curves: Vec<&ControlCurve> = reach.curves.iter().flatten().collect();

@@ -7,10 +7,6 @@ use crate::control::compose::{Links, UNIAXIAL};
 use crate::control::study::Tried;
 use crate::report::number;
 
-/// What no bound of a curve holds.
-pub(super) const ABOUT_FLUIDS: &str = "Models fitted to the same data of such fluids differ by 13 to 24 % in yield stress \
-    (Xie, Liu and Cai 2020). The bound of a current does not hold that.";
-
 /// Above the page.
 pub(super) fn subtitle(links: &Links) -> String {
     format!(

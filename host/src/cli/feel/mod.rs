@@ -167,7 +167,7 @@ fn write(folder: &mut OwnFolder, arguments: &Arguments, all: &[Felt]) -> miette:
     page.list(&told::NOTES.map(str::to_owned));
     let mut files = Vec::new();
     for felt in all {
-        let name = format!("{}-{}", super::control_curve::file_name(&felt.curve.material), told::word(felt.display));
+        let name = format!("{}-{}", magnets::file_name(&felt.curve.material), told::word(felt.display));
         page.section(&format!("{}, {}", felt.curve.material, told::name(felt.display)));
         for (what, figure, caption) in picture::figures(felt) {
             page.figure(&figure.svg(), caption);

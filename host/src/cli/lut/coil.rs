@@ -5,7 +5,7 @@ use std::path::Path;
 use miette::miette;
 use protocol::lut::MaterialSpec;
 
-use super::Arguments;
+use crate::cli::control_curve::recipe::Recipe;
 use crate::cli::progress::Progress;
 use crate::control::{ControlCurve, Curves};
 use crate::extended::ExtendedModel;
@@ -17,17 +17,20 @@ use crate::report::number;
 ///
 /// # Errors
 /// Nothing to make, a file with a mistake, a press without equilibrium, two magnets in one table.
-pub(super) fn make(arguments: &Arguments, given: &Curves, library: &mut [MaterialSpec]) -> miette::Result<()> {
-    let files: Vec<&Path> = arguments.material.iter().chain(&arguments.model).map(AsRef::as_ref).collect();
+pub(super) fn make(
+    (recipe, files, beside_foams): (&Recipe, &[&Path], bool),
+    given: &Curves,
+    library: &mut [MaterialSpec],
+) -> miette::Result<()> {
     if files.is_empty() {
         return Err(miette!("--make-control has no own material; expected --material FILE or --model FILE with it"));
     }
     let progress = Progress::new();
     progress.set("the magnet", 0, 0);
-    let recipe = arguments.recipe.opened()?;
+    let recipe = recipe.opened()?;
     let (magnet, fluid) = (&recipe.links.magnet, &recipe.links.fluid);
     // The thesis' foams stand beside a model with curves of their own.
-    let built_in = ControlCurve::all_built_in().next().filter(|_| arguments.model.is_some());
+    let built_in = ControlCurve::all_built_in().next().filter(|_| beside_foams);
     let others = built_in.as_ref().map(|curve| (curve.magnet.as_str(), curve.fluid.as_str()));
     if let Some(other) = given.display().or(others).filter(|other| *other != (magnet.as_str(), fluid.as_str())) {
         return Err(miette!(
@@ -39,11 +42,13 @@ pub(super) fn make(arguments: &Arguments, given: &Curves, library: &mut [Materia
     }
     for file in files {
         let name = library_name(&ExtendedModel::read(file)?.material);
-        let own: Vec<f64> = library.iter().filter(|one| one.name == name).map(|one| one.height_mm).collect();
+        let mut own: Vec<f64> = library.iter().filter(|one| one.name == name).map(|one| one.height_mm).collect();
         if given.names(&name) {
             continue;
         }
-        for height_mm in super::sorted(&own) {
+        own.sort_by(f64::total_cmp);
+        own.dedup();
+        for height_mm in own {
             let Opposite::Block(block) = Opposite::located(&file.display().to_string(), Some(height_mm))? else {
                 continue;
             };

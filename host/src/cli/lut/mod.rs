@@ -155,7 +155,8 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
     };
     curves.give(&mut library).into_diagnostic()?;
     if arguments.make_control {
-        coil::make(arguments, &curves, &mut library)?;
+        let files: Vec<&Path> = arguments.material.iter().chain(&arguments.model).map(AsRef::as_ref).collect();
+        coil::make((&arguments.recipe, &files, arguments.model.is_some()), &curves, &mut library)?;
     }
     let alone = actuator_only(&library).join(", ");
     if !alone.is_empty() {

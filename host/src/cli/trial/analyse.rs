@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, WrapErr, miette};
 
-use super::{Analyse, DEFAULT_FOLDER, told};
+use super::arguments::{Analyse, DEFAULT_FOLDER};
+use super::told;
 use crate::control::ControlCurve;
 use crate::ownership::OwnFolder;
 use crate::report::trial as picture;

@@ -9,7 +9,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde_json::json;
 
-use super::Run;
+use super::arguments::Run;
 use super::present::{Keys, Presenter};
 use crate::signals;
 use crate::trial::journal::{Journal, Session};
