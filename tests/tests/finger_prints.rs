@@ -6,11 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// Force (N) and radius of the contact (mm) of the finger that NGSolve pressed on a plate; `None` where it is absent.
 fn reference() -> Option<Vec<(f64, f64)>> {
-    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference/display/finger_F1_axi.csv");
-    let Ok(text) = std::fs::read_to_string(&file) else {
-        println!("SKIPPED: {} is absent", file.display());
-        return None;
-    };
+    let file = tests::shared_or_skipped("reference/display/finger_F1_axi.csv")?;
+    let text = std::fs::read_to_string(file).unwrap();
     let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
     let numbers = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
     Some(rows.map(numbers).map(|row| (row[1], row[2])).collect())
