@@ -1,6 +1,6 @@
 //! Files that commands write.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use miette::IntoDiagnostic;
 
@@ -17,4 +17,16 @@ pub(super) fn copy(file: &Path, text: &str) -> miette::Result<()> {
     save(file, text.as_bytes())?;
     outln!("written {}", file.display());
     Ok(())
+}
+
+/// Paths as an answer for programs has them.
+pub(super) fn names(files: &[PathBuf]) -> Vec<String> {
+    files.iter().map(|file| file.display().to_string()).collect()
+}
+
+/// Says where files were written: the first is what people look at.
+pub(super) fn told(files: &[PathBuf]) {
+    if let Some(first) = files.first() {
+        outln!("written {} and {} more files beside it", first.display(), files.len() - 1);
+    }
 }

@@ -26,6 +26,7 @@ pub mod monitor;
 pub mod plan;
 pub mod press;
 pub mod progress;
+mod range;
 pub mod selftest;
 mod series;
 pub mod simulate;

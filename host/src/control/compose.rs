@@ -120,7 +120,7 @@ pub fn compose(
     let mut reachable_n = (forces[from], forces[last]);
     // the magnet ends between two rows: a row of its own there
     if let Some(next) = forces.get(last + 1).copied() {
-        reachable_n.1 = edge(study, links, forces[last], next);
+        reachable_n.1 = last_made(forces[last], next, |force_n| self::reached(study, links, force_n));
         if reachable_n.1 > forces[last] {
             forces.insert(last + 1, reachable_n.1);
         }
@@ -167,11 +167,11 @@ fn reached(study: &Study, links: &Links, force_n: f64) -> bool {
     matches!(links.current(1e3 * study.followed.at(force_n) / UNIAXIAL), Current::Made(..))
 }
 
-/// The last force that the magnet reaches, between one that it does and one that it does not.
-fn edge(study: &Study, links: &Links, mut within: f64, mut beyond: f64) -> f64 {
+/// The last place that the magnet makes, between one that it does and one that it does not.
+pub(super) fn last_made(mut within: f64, mut beyond: f64, made: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..40 {
         let middle = 0.5 * (within + beyond);
-        if reached(study, links, middle) { within = middle } else { beyond = middle }
+        if made(middle) { within = middle } else { beyond = middle }
     }
     within
 }

@@ -1,6 +1,7 @@
 //! Control curves: what coil and actuator of the display must do under a finger's force so that a
 //! material is felt.
 
+mod along;
 pub mod compose;
 mod curve;
 mod error;

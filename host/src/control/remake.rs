@@ -1,6 +1,6 @@
 //! A control curve for another magnet or fluid: the finger and the yield stress over its force stay.
 
-use super::compose::{Current, Links, Uncomposed};
+use super::compose::{Current, Links, Uncomposed, last_made};
 use super::curve::{ControlCurve, MOST_ROWS, Row};
 
 /// Parts of a stretch between two rows where a current is compared with the straight line.
@@ -52,13 +52,6 @@ impl ControlCurve {
         bound
     }
 
-    /// Current at a force, A, on the straight line between two rows.
-    fn current_at(&self, force_n: f64) -> f64 {
-        let i = self.rows.partition_point(|row| row.force_n < force_n).clamp(1, self.rows.len() - 1);
-        let part = (force_n - self.rows[i - 1].force_n) / (self.rows[i].force_n - self.rows[i - 1].force_n);
-        between(&self.rows[i - 1], &self.rows[i], part).current_a
-    }
-
     /// Largest shear yield stress that the curve asks for, kPa.
     pub fn most_kpa(&self) -> f64 {
         self.rows.iter().map(|row| row.yield_kpa).fold(0.0, f64::max)
@@ -87,15 +80,8 @@ fn between(a: &Row, b: &Row, part: f64) -> Row {
 
 /// The last row that the magnet reaches, between one that it does and one that it does not.
 fn edge(within: &Row, beyond: &Row, links: &Links) -> Row {
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        match links.current(between(within, beyond, middle).yield_kpa) {
-            Current::Made(..) => low = middle,
-            _ => high = middle,
-        }
-    }
-    between(within, beyond, low)
+    let made = |part: f64| matches!(links.current(between(within, beyond, part).yield_kpa), Current::Made(..));
+    between(within, beyond, last_made(0.0, 1.0, made))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Noise, Source};
+use super::{Source, Tremor};
 
 /// What the hand wants to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,18 +18,11 @@ pub struct Touch {
 pub struct Finger {
     touch: Option<Touch>,
     elapsed_s: f64,
-    tremor: [f64; 2],
-    noise: Noise,
+    tremor: Tremor,
     force_n: f64,
 }
 
-/// Physiological tremor: 8 to 12 Hz, here its middle.
-const TREMOR_HZ: f64 = 10.0;
-
-/// Its damping ratio as a narrow-band filter (assumed).
-const TREMOR_DAMPING: f64 = 0.15;
-
-/// Its standard deviation, fraction of the intended force (assumed; isometric force tremor is a few percent).
+/// Standard deviation of the tremor, fraction of the intended force (assumed; isometric force tremor is a few percent).
 const TREMOR: f64 = 0.03;
 
 /// Loss of force when the shaft gives way, N s/mm (assumed damping of a hand, 4 N s/m).
@@ -38,7 +31,7 @@ const YIELDING_N_S_MM: f64 = 0.004;
 impl Finger {
     /// A hand that does not touch yet.
     pub fn new(seed: u64) -> Self {
-        Finger { touch: None, elapsed_s: 0.0, tremor: [0.0; 2], noise: Noise::new(seed, Source::Tremor), force_n: 0.0 }
+        Finger { touch: None, elapsed_s: 0.0, tremor: Tremor::new(seed, Source::Tremor), force_n: 0.0 }
     }
 
     /// Starts pressing, or lifts the finger.
@@ -54,19 +47,13 @@ impl Finger {
 
     /// Lets `dt_s` pass; `retreat_mm_s` is the speed at which the cap gives way under the finger.
     pub fn step(&mut self, retreat_mm_s: f64, dt_s: f64) {
-        // White noise through a resonance at the tremor's frequency; the gain makes its output deviation 1
-        // (variance of x'' + 2 z w x' + w^2 x = a n is a^2 / (4 z w^3)).
-        let w = TAU * TREMOR_HZ;
-        let gain = (4.0 * TREMOR_DAMPING * w.powi(3) / dt_s).sqrt();
-        let [x, v] = self.tremor;
-        let v = v + dt_s * (gain * self.noise.normal() - 2.0 * TREMOR_DAMPING * w * v - w * w * x);
-        self.tremor = [x + dt_s * v, v];
+        self.tremor.step(dt_s);
         self.elapsed_s += dt_s;
         self.force_n = match self.touch {
             Some(touch) => {
                 let phase = TAU * self.elapsed_s / touch.period_s.max(dt_s);
                 let intended = 0.5 * touch.peak_n * (1.0 - phase.cos());
-                let force = intended * (1.0 + TREMOR * self.tremor[0]) - YIELDING_N_S_MM * retreat_mm_s;
+                let force = intended * (1.0 + TREMOR * self.tremor.now()) - YIELDING_N_S_MM * retreat_mm_s;
                 // A finger pushes; it cannot pull.
                 if intended > 0.0 { force.max(0.0) } else { 0.0 }
             }

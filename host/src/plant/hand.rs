@@ -1,8 +1,8 @@
 //! A hand that moves a finger's bone: an intended path through the hand's impedance, with tremor.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
-use super::{Dented, Noise, Pulp, PulpLaw, Source};
+use super::{Dented, Pulp, PulpLaw, Source, Tremor};
 
 /// What the hand wants its bone to do: down from [`ABOVE_MM`] above the surface, rest, and up again.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,13 +72,9 @@ pub struct Hand {
     bone_mm: f64,
     rate_mm_s: f64,
     force_n: f64,
-    tremor: [f64; 2],
-    noise: Noise,
+    tremor: Tremor,
 }
 
-/// Tremor: 8 to 12 Hz, here its middle, and its damping ratio as a narrow-band filter (assumed).
-const TREMOR_HZ: f64 = 10.0;
-const TREMOR_DAMPING: f64 = 0.15;
 /// Longest step, s: 6 g on 5 N/mm swing at 900 rad/s.
 const STEP_S: f64 = 1e-4;
 
@@ -94,8 +90,7 @@ impl Hand {
             bone_mm: -ABOVE_MM,
             rate_mm_s: 0.0,
             force_n: 0.0,
-            tremor: [0.0; 2],
-            noise: Noise::new(seed, Source::Hand),
+            tremor: Tremor::new(seed, Source::Hand),
         }
     }
 
@@ -127,7 +122,7 @@ impl Hand {
     }
 
     fn part(&mut self, cap_mm: f64, yield_kpa: f64, dt_s: f64) {
-        self.tremble(dt_s);
+        self.tremor.step(dt_s);
         self.elapsed_s += dt_s;
         let Some(press) = self.press else { return };
         if self.elapsed_s > press.lasts_s() {
@@ -144,21 +139,11 @@ impl Hand {
         self.force_n = self.pulp.force_n(compression_mm);
         self.pulp.step(compression_mm, dt_s);
         let law = &self.law;
-        let pulls = law.stiffness_n_mm * (wanted + law.tremor_mm * self.tremor[0] - self.bone_mm)
+        let pulls = law.stiffness_n_mm * (wanted + law.tremor_mm * self.tremor.now() - self.bone_mm)
             + law.damping_n_s_mm * (wanted_rate - self.rate_mm_s);
         // 1 g is 1e-6 N s2/mm
         self.rate_mm_s += dt_s * (pulls - self.force_n) / (1e-6 * law.mass_g);
         self.bone_mm += dt_s * self.rate_mm_s;
-    }
-
-    /// White noise through a resonance whose output has the deviation 1 (variance of x'' + 2 z w x' + w^2 x = a n is
-    /// a^2 / (4 z w^3)).
-    fn tremble(&mut self, dt_s: f64) {
-        let w = TAU * TREMOR_HZ;
-        let gain = (4.0 * TREMOR_DAMPING * w.powi(3) / dt_s).sqrt();
-        let [x, v] = self.tremor;
-        let v = v + dt_s * (gain * self.noise.normal() - 2.0 * TREMOR_DAMPING * w * v - w * w * x);
-        self.tremor = [x + dt_s * v, v];
     }
 }
 

@@ -26,6 +26,7 @@ mod potentiometer;
 mod pulp;
 mod specimen;
 mod transducer;
+mod tremor;
 mod truth;
 
 pub use actuator::{Actuator, ActuatorFlaws};
@@ -47,6 +48,7 @@ pub use potentiometer::Potentiometer;
 pub use pulp::{Pulp, PulpLaw};
 pub use specimen::{Foam, Jitter, Placed};
 pub use transducer::Transducer;
+pub use tremor::Tremor;
 pub use truth::Truth;
 
 /// Integration step of the surroundings, s; also the period of the board's fast loop.

@@ -138,9 +138,7 @@ fn told(asked: &Identify, value: &Value, files: &[PathBuf], lines: impl Fn() -> 
     for line in lines() {
         outln!("{line}");
     }
-    for file in files.iter().take(1) {
-        outln!("written {} and {} more files beside it", file.display(), files.len() - 1);
-    }
+    crate::cli::file::told(files);
     Ok(())
 }
 

@@ -55,10 +55,6 @@ fn ends((low, high): (f64, f64)) -> Value {
     json!([end(low), end(high)])
 }
 
-fn listed(files: &[PathBuf]) -> Vec<String> {
-    files.iter().map(|file| file.display().to_string()).collect()
-}
-
 /// The answer for programs.
 pub(super) fn commanded_json(found: &Identified, log: &str, column: &str, files: &[PathBuf]) -> Value {
     let law = found.law();
@@ -93,7 +89,7 @@ pub(super) fn commanded_json(found: &Identified, log: &str, column: &str, files:
             "whiteness": { "ljung_box_per_degree": found.known.whiteness.0, "white_99": found.known.whiteness.1 },
             "noise_coefficients": found.best().fitted.noise.coefficients,
         },
-        "tried": tried, "remarks": found.remarks(), "files": listed(files),
+        "tried": tried, "remarks": found.remarks(), "files": crate::cli::file::names(files),
     })
 }
 
@@ -112,6 +108,6 @@ pub(super) fn pushed_json(fit: &PushFit, log: &str, files: &[PathBuf]) -> Value 
         "run_in_mm": fit.run_in_mm, "samples": fit.residual_n.len(),
         "residual": { "sd_N": fit.sd_n, "explained": fit.explained, "repeated": fit.repeated, "count_N": fit.count_n,
             "whiteness": { "ljung_box_per_degree": fit.whiteness.0, "white_99": fit.whiteness.1 } },
-        "remarks": fit.remarks(), "files": listed(files),
+        "remarks": fit.remarks(), "files": crate::cli::file::names(files),
     })
 }

@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let files = write(&mut folder, links, &made)?;
     if arguments.json {
         let materials: Vec<_> = made.iter().map(|made| told::summary(made, links)).collect();
-        let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+        let files = crate::cli::file::names(&files);
         outln!(
             "{}",
             json!({"magnet": links.magnet, "fluid": links.fluid, "finger": recipe.finger.title,
@@ -99,9 +99,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         told::print(made, links);
     }
     outln!("{}", magnets::ABOUT_FLUIDS);
-    if let Some(file) = files.first() {
-        outln!("written {} and {} more files beside it", file.display(), files.len() - 1);
-    }
+    crate::cli::file::told(&files);
     Ok(())
 }
 
@@ -128,20 +126,24 @@ fn write(folder: &mut OwnFolder, links: &Links, made: &[Made]) -> miette::Result
         &picture::currents(&curves(made)).svg(),
         "Current of the coil over the finger's force, computed (Fig. 61).",
     );
+    let mut pictures = Vec::new();
     for made in made {
         page.section(&made.block.name);
         told::sentences(made, links).iter().for_each(|line| page.paragraph(line));
+        let mut drawn = Vec::new();
         for (figure, caption) in picture::figures(&made.study, &made.curve) {
-            page.figure(&figure.svg(), caption);
+            let svg = figure.svg();
+            page.figure(&svg, caption);
+            drawn.push((format!("{}-{}.svg", file_name(&made.block.name), file_name(&figure.y.label)), svg));
         }
+        pictures.push(drawn);
     }
     files.push(folder.write("control.html", page.html().as_bytes()).into_diagnostic()?);
-    for made in made {
+    for (made, drawn) in made.iter().zip(&pictures) {
         let name = format!("{}.csv", file_name(&made.block.name));
         files.push(folder.write(&name, made.curve.to_csv().into_diagnostic()?.as_bytes()).into_diagnostic()?);
-        for (figure, _) in picture::figures(&made.study, &made.curve) {
-            let name = format!("{}-{}.svg", file_name(&made.block.name), file_name(&figure.y.label));
-            files.push(folder.write(&name, figure.svg().as_bytes()).into_diagnostic()?);
+        for (name, svg) in drawn {
+            files.push(folder.write(name, svg.as_bytes()).into_diagnostic()?);
         }
     }
     Ok(files)

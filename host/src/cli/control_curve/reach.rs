@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::magnets::{self, file_name};
 use crate::cli::progress::Progress;
+use crate::cli::range::within;
 use crate::control::compose::Links;
 use crate::control::{ControlCurve, CurveError};
 use crate::ownership::OwnFolder;
@@ -51,7 +52,7 @@ struct Reach {
 /// # Errors
 /// A file with a mistake, a number out of range, a file that cannot be written.
 pub(super) fn run(arguments: &Arguments) -> miette::Result<()> {
-    super::recipe::within("current", arguments.current, (0.1, f64::from(protocol::lut::CURRENT_MAX_A)), "A")?;
+    within("--current", arguments.current, 0.1..=f64::from(protocol::lut::CURRENT_MAX_A), "A")?;
     let wanted = wanted(&arguments.curves)?;
     let fluid = crate::cli::magnet::fluid::found(&arguments.fluid)?;
     let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
@@ -73,7 +74,7 @@ pub(super) fn run(arguments: &Arguments) -> miette::Result<()> {
         return Ok(());
     }
     print(&wanted, &all);
-    outln!("written {} and {} more files beside it", files[0].display(), files.len() - 1);
+    crate::cli::file::told(&files);
     Ok(())
 }
 
@@ -188,6 +189,6 @@ fn summary(wanted: &[ControlCurve], all: &[Reach], files: &[PathBuf]) -> serde_j
             "magnets": all.iter().map(magnet(at)).collect::<Vec<_>>(),
         })
     };
-    let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let files = crate::cli::file::names(files);
     json!({"materials": wanted.iter().enumerate().map(material).collect::<Vec<_>>(), "files": files})
 }

@@ -5,6 +5,7 @@ use lut_gen::pad::body::finger::Finger;
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use super::magnets;
+use crate::cli::range::within;
 use crate::control::ControlCurve;
 use crate::control::compose::{Links, compose};
 use crate::control::study::{Asked, FluidBody, Study, Told};
@@ -56,32 +57,26 @@ pub(in crate::cli) struct Opened<'a> {
     pub links: Links,
 }
 
-/// Refuses an option outside its range.
-pub(in crate::cli) fn within(name: &str, value: f64, (least, most): (f64, f64), unit: &str) -> miette::Result<()> {
-    let good = (least..=most).contains(&value);
-    good.then_some(()).ok_or_else(|| miette!("--{name} is {value}; expected {least} to {most} {unit}"))
-}
-
 impl Recipe {
     /// Refuses what is out of range, before anything is computed.
     ///
     /// # Errors
     /// The option, its value and what was expected.
     pub fn check(&self) -> miette::Result<()> {
-        within("travel-mm", self.travel_mm, (0.5, 8.0), "mm")?;
-        within("element-mm", self.element_mm, (0.1, 1.0), "mm")?;
-        within("current", self.current, (0.1, f64::from(protocol::lut::CURRENT_MAX_A)), "A")?;
-        within("loop-gain", self.loop_gain, (0.1, 0.95), "")?;
+        within("--travel-mm", self.travel_mm, 0.5..=8.0, "mm")?;
+        within("--element-mm", self.element_mm, 0.1..=1.0, "mm")?;
+        within("--current", self.current, 0.1..=f64::from(protocol::lut::CURRENT_MAX_A), "A")?;
+        within("--loop-gain", self.loop_gain, 0.1..=0.95, "")?;
         for (name, list) in [("fluid-mm", &self.fluid_mm), ("fluid-elastic", &self.fluid_elastic)] {
             if list.len() != 2 {
                 return Err(miette!("--{name} has {} numbers; expected two with a comma", list.len()));
             }
         }
         for (value, what) in self.fluid_mm.iter().zip(["height", "radius"]) {
-            within(&format!("fluid-mm ({what})"), *value, (2.0, 100.0), "mm")?;
+            within(&format!("--fluid-mm ({what})"), *value, 2.0..=100.0, "mm")?;
         }
-        within("fluid-elastic (strain)", self.fluid_elastic[0], (1e-3, 0.2), "")?;
-        within("fluid-elastic (nu)", self.fluid_elastic[1], (0.0, 0.499), "")
+        within("--fluid-elastic (strain)", self.fluid_elastic[0], 1e-3..=0.2, "")?;
+        within("--fluid-elastic (nu)", self.fluid_elastic[1], 0.0..=0.499, "")
     }
 
     /// Reads finger and fluid, and computes the magnet.

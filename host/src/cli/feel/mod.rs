@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return Ok(());
     }
     told::print(&all);
-    outln!("written {} and {} more files beside it", files[0].display(), files.len() - 1);
+    crate::cli::file::told(&files);
     Ok(())
 }
 
@@ -170,8 +170,9 @@ fn write(folder: &mut OwnFolder, arguments: &Arguments, all: &[Felt]) -> miette:
         let name = format!("{}-{}", magnets::file_name(&felt.curve.material), told::word(felt.display));
         page.section(&format!("{}, {}", felt.curve.material, told::name(felt.display)));
         for (what, figure, caption) in picture::figures(felt) {
-            page.figure(&figure.svg(), caption);
-            files.push(folder.write(&format!("{name}-{what}.svg"), figure.svg().as_bytes()).into_diagnostic()?);
+            let svg = figure.svg();
+            page.figure(&svg, caption);
+            files.push(folder.write(&format!("{name}-{what}.svg"), svg.as_bytes()).into_diagnostic()?);
         }
         files.push(folder.write(&format!("{name}.csv"), told::csv(felt).as_bytes()).into_diagnostic()?);
     }

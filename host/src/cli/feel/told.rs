@@ -124,7 +124,7 @@ pub(super) fn summary(plant: &str, magnet: &str, all: &[Felt], files: &[PathBuf]
         json!({"material": felt.curve.material, "display": word(felt.display),
                "presses": felt.presses.iter().map(|p| press(felt, p)).collect::<Vec<_>>()})
     };
-    let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let files = crate::cli::file::names(files);
     json!({"plant": plant, "magnet": magnet, "least_N": number(LEAST_N), "felt": all.iter().map(felt).collect::<Vec<_>>(),
            "files": files})
 }

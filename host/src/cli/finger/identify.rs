@@ -171,7 +171,7 @@ fn summary(prints: &[Print], fit: &Fit, lines: &[String], files: &[PathBuf]) -> 
         json!({"force_N": print.force_n, "area_mm2": print.area_mm2, "radii_mm": print.radii_mm,
                "simulated_mm2": after, "simulated_before_mm2": before})
     });
-    let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let files = crate::cli::file::names(files);
     json!({"parameters": fitted.collect::<Vec<_>>(), "rms_before_mm": fit.before_mm, "rms_after_mm": fit.after_mm,
            "trend": {"mm_per_ln_force": fit.trend.0, "probability": fit.trend.1}, "beyond": fit.beyond, "edge_shift_mm": fit.shift_mm,
            "prints": rows.collect::<Vec<_>>(), "remarks": lines, "files": files})

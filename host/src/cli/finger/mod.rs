@@ -13,6 +13,7 @@ use lut_gen::pad::hertz::FINGERTIP;
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use super::progress::Progress;
+use super::range::within;
 use crate::finger::opposite::Opposite;
 use crate::finger::press::{Asked, Pressed};
 use crate::finger::reading::{Reading, apart};
@@ -112,9 +113,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return Ok(());
     }
     told::print(&study);
-    for file in files.iter().take(1) {
-        outln!("written {} and {} more files beside it", file.display(), files.len() - 1);
-    }
+    super::file::told(&files);
     Ok(())
 }
 
@@ -126,27 +125,19 @@ fn list() {
     }
 }
 
-/// Refuses an option outside its range.
-fn within(option: &str, value: f64, range: std::ops::RangeInclusive<f64>) -> miette::Result<()> {
-    if range.contains(&value) {
-        return Ok(());
-    }
-    Err(miette!("{option} is {value}; expected {} to {}", range.start(), range.end()))
-}
-
 /// What the options ask for.
 fn asked(arguments: &Arguments) -> miette::Result<Asked> {
     let mut finger = located(arguments.finger())?;
     let on = Opposite::located(&arguments.on, arguments.height_mm)?;
     if let Some(edge) = arguments.element_mm {
-        within("--element-mm", edge, 0.02..=5.0)?;
+        within("--element-mm", edge, 0.02..=5.0, "")?;
         finger.finger.edge_mm = edge;
     }
-    within("--radius-mm", arguments.radius_mm, 1.0..=200.0)?;
-    within("--speed-mm-s", arguments.speed_mm_s, 1e-3..=1e3)?;
-    within("--friction", arguments.friction, 0.0..=2.0)?;
+    within("--radius-mm", arguments.radius_mm, 1.0..=200.0, "")?;
+    within("--speed-mm-s", arguments.speed_mm_s, 1e-3..=1e3, "")?;
+    within("--friction", arguments.friction, 0.0..=2.0, "")?;
     if let Some(ratio) = arguments.ratio {
-        within("--ratio", ratio, 0.5..=2.0)?;
+        within("--ratio", ratio, 0.5..=2.0, "")?;
     }
     let usual = if on == Opposite::Plate { "0.25:2:0.25" } else { "0.5:4:0.5" };
     let text = arguments.travel_mm.as_deref().unwrap_or(usual);

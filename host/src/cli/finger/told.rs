@@ -124,7 +124,7 @@ pub(super) fn summary(study: &Study, files: &[PathBuf]) -> Value {
                "hertz_over_finger": sphere.map(|n| n / r.force_n), "two_radii": two, "error": error})
     });
     let section = if study.pressed.section == Section::Ring { "ring" } else { "plane" };
-    let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let files = crate::cli::file::names(files);
     json!({"title": finger.title, "source": finger.source, "section": section, "on": study.asked.on.name(),
            "friction": study.asked.friction, "speed_mm_s": study.asked.speed_mm_s, "element_mm": finger.finger.edge_mm,
            "travels": rows.collect::<Vec<_>>(), "remarks": remarks(study), "files": files})

@@ -76,9 +76,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for [h, b, tau] in rows.iter().step_by(3) {
         outln!("{:>8}  {:>8}  {:>10}", number(*h), format!("{b:.4}"), format!("{tau:.2}"));
     }
-    if let Some(file) = files.first() {
-        outln!("written {} and {} more files beside it", file.display(), files.len() - 1);
-    }
+    crate::cli::file::told(&files);
     Ok(())
 }
 

@@ -114,9 +114,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         outln!("{}", told::summary(&magnet, &study, &files));
     } else {
         told::print(&magnet, &study);
-        for file in files.iter().take(1) {
-            outln!("written {} and {} more files beside it", file.display(), files.len() - 1);
-        }
+        crate::cli::file::told(&files);
     }
     Ok(())
 }

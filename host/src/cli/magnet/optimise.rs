@@ -83,9 +83,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for row in table(&sources, &front) {
         outln!("{}", row.iter().map(|cell| format!("{cell:>12}")).collect::<Vec<_>>().join("  "));
     }
-    if let Some(file) = files.first() {
-        outln!("written {} and {} more files beside it", file.display(), files.len() - 1);
-    }
+    crate::cli::file::told(&files);
     Ok(())
 }
 

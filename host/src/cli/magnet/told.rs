@@ -173,7 +173,7 @@ pub(super) fn summary(magnet: &Magnet, study: &Study, files: &[PathBuf]) -> Valu
     let control = magnet
         .flux_curve(&study.states)
         .map(|c| json!({"most_A": c.most_a(), "most_T": c.flux_t(c.most_a()), "bound_T": c.bound_t()}));
-    let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let files = crate::cli::file::names(files);
     json!({"title": magnet.title, "depth": depth_line(magnet), "source": magnet.source, "unknowns": study.field.unknowns(),
            "coils": coils.collect::<Vec<_>>(), "states": states.collect::<Vec<_>>(), "control": control, "files": files})
 }

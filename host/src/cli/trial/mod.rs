@@ -11,6 +11,7 @@ use miette::miette;
 
 use arguments::{Analyse, Run};
 
+use super::range::within;
 use crate::trial::journal::{MOST_REPEATS, MOST_STIMULI};
 
 /// Subject tests of a softness display.
@@ -26,14 +27,6 @@ enum What {
     Run(Run),
     /// Confusion table with exact intervals, d', information, Weber fraction, sample size
     Analyse(Analyse),
-}
-
-/// Refuses a number outside its range.
-fn within(option: &str, value: f64, low: f64, high: f64) -> miette::Result<()> {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    Err(miette!("{option} is {value}; expected {low} to {high}"))
 }
 
 /// Names and library entries of the materials.
@@ -71,16 +64,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
                 return Err(miette!("--repeats is {}; expected 1 to {MOST_REPEATS}", asked.repeats));
             }
             if let Some(weber) = asked.simulate {
-                within("--simulate", weber, 0.001, 10.0)?;
+                within("--simulate", weber, 0.001..=10.0, "")?;
             }
             session::run(asked, &materials(&asked.materials)?)
         }
         What::Analyse(asked) => {
-            within("--weber", asked.weber, 0.001, 10.0)?;
-            within("--half-width", asked.half_width, 0.01, 0.5)?;
-            within("--power", asked.power, 0.5, 0.999)?;
+            within("--weber", asked.weber, 0.001..=10.0, "")?;
+            within("--half-width", asked.half_width, 0.01..=0.5, "")?;
+            within("--power", asked.power, 0.5..=0.999, "")?;
             if let Some(right) = asked.right {
-                within("--right", right, 0.0, 1.0)?;
+                within("--right", right, 0.0..=1.0, "")?;
             }
             analyse::run(asked)
         }

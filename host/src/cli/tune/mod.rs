@@ -158,18 +158,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(sent) = sent {
         outln!("sent        {sent}");
     }
-    if let Some(file) = files.first() {
-        outln!("written {} and {} more files beside it", file.display(), files.len() - 1);
-    }
+    super::file::told(&files);
     Ok(())
 }
 
 fn check(arguments: &Arguments) -> miette::Result<()> {
-    let within = |name: &str, value: Option<f64>, (least, most): (f64, f64), unit: &str| match value {
-        Some(value) if !(least..=most).contains(&value) => {
-            Err(miette!("--{name} is {value}; expected {least} to {most} {unit}"))
-        }
-        _ => Ok(()),
+    let within = |name: &str, value: Option<f64>, (least, most): (f64, f64), unit: &str| {
+        value.map_or(Ok(()), |value| super::range::within(&format!("--{name}"), value, least..=most, unit))
     };
     within("delay", arguments.delay, (0.0, 1.0), "s")?;
     within("tick", Some(arguments.tick), (1e-4, 1.0), "s")?;
