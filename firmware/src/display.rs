@@ -21,6 +21,11 @@ pub struct DisplayConfig {
     pub end_zone_mm: f32,
     /// Highest coil current, A.
     pub coil_max_a: f32,
+    /// Force below which the coil waits with the current of this force, N: the fluid bears the finger from the
+    /// first touch (`docs/decisions/0022-waiting-displays.md`).
+    pub coil_standby_n: f32,
+    /// Most that the sensor's threshold counts for, N: a calibration may state any.
+    pub least_max_n: f32,
 }
 
 impl Default for DisplayConfig {
@@ -31,6 +36,8 @@ impl Default for DisplayConfig {
             homing_rate_mm_s: 5.0,
             end_zone_mm: 0.3,
             coil_max_a: protocol::lut::CURRENT_MAX_A,
+            coil_standby_n: 0.1,
+            least_max_n: 0.5,
         }
     }
 }

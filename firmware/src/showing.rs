@@ -3,9 +3,10 @@
 //! # The transition
 //! Curves are exchanged by mixing: over [`FADE_TICKS`] the share of the new one rises evenly from 0 to 1, at
 //! every force between what both ask for. So an exchange in the middle of a press moves shaft and current by a
-//! fiftieth of the difference of both a tick, and nothing jumps; without force all curves ask for no current,
-//! and none flows. A curve that is asked for meanwhile waits for the end of the transition.
+//! fiftieth of the difference of both a tick, and nothing jumps. A curve that is asked for meanwhile waits for the end of the transition.
 
+use crate::display::DisplayConfig;
+use crate::number::limit;
 use protocol::TICK_HZ;
 use protocol::lut::{Between, Current, Table, mixed};
 use protocol::message::Curve;
@@ -24,6 +25,18 @@ pub struct Wanted {
     pub current: Option<Current>,
     /// Error bound of the current, A; 0 without control curve.
     pub bound_a: f32,
+}
+
+/// The force that shaft and coil answer to: what is read, and while that is less, what they wait at.
+///
+/// A sensor with a threshold tells no force below it. The shaft waits where the threshold's force will have it, so
+/// nothing jumps when the finger begins to be felt.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Felt {
+    /// The shaft's, N.
+    pub shaft_n: f32,
+    /// The coil's, N.
+    pub coil_n: f32,
 }
 
 /// Where a curve comes from.
@@ -102,13 +115,13 @@ impl Showing {
 
     /// What is wanted at a force; nothing without a curve, or without its entries in the table. `still_mm` is
     /// where the shaft stays as long as nothing is shown.
-    pub fn at(&self, table: &Table<'_>, force_n: f32, still_mm: f32) -> Option<Wanted> {
+    pub fn at(&self, table: &Table<'_>, felt: Felt, still_mm: f32) -> Option<Wanted> {
         let of = |curve: Curve| {
             let between = Between::new(table, curve.low, curve.high, curve.weight)?;
             Some(Wanted {
-                shaft_mm: between.shaft_mm(force_n),
-                current: between.current(force_n),
-                bound_a: between.bound_a(force_n).unwrap_or(0.0),
+                shaft_mm: between.shaft_mm(felt.shaft_n),
+                current: between.current(felt.coil_n),
+                bound_a: between.bound_a(felt.coil_n).unwrap_or(0.0),
             })
         };
         let to = of(self.to())?;
@@ -123,6 +136,15 @@ impl Showing {
 impl Origin {
     /// Asked for by itself.
     pub const ASKED: Origin = Origin { of_palpation: 0, departs: 0.0, outside: false };
+}
+
+impl Felt {
+    /// Of a reading and the least that the sensor tells, both N.
+    pub fn new(config: &DisplayConfig, read_n: f32, least_n: f32) -> Self {
+        let above = |a: f32, b: f32| if a > b { a } else { b };
+        let shaft_n = above(read_n, limit(least_n, 0.0, config.least_max_n));
+        Felt { shaft_n, coil_n: above(shaft_n, config.coil_standby_n) }
+    }
 }
 
 impl Wanted {

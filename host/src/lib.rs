@@ -11,6 +11,7 @@ pub mod cli;
 pub mod control;
 pub mod demo;
 pub mod diagnose;
+pub mod displacement;
 pub mod experiment;
 pub mod extended;
 pub mod feel;

@@ -49,7 +49,7 @@ fn forces(kpa: f64) -> Result<Vec<f64>, PadError> {
         fine_mm: 7.0,
     };
     let (section, block) = (Section::Ring, block.body()?);
-    let display = Display { section, finger: finger.body()?, block, least_mpa: mpa, step_mm: 0.25 };
+    let display = Display { section, finger: finger.body()?, block, least_mpa: mpa, step_mm: 0.25, area_weight: 1.0 };
     let constant = Curve::Knots(vec![(1e-9, mpa), (100.0, mpa)]);
     for travels in (2..=TRAVELS).rev() {
         let places: Vec<f64> = (1..=travels).map(|i| STEP_MM * i as f64).collect();

@@ -1,6 +1,6 @@
 //! Hidden cases that each led to a rule of the diagnosis. They are kept so that no rule is lost, and count in no score.
 //!
-//! `cargo run --release -p tests --example regressions` runs all of them in some minutes; what runs with every test is `tests/tests/diagnose_hidden.rs`.
+//! `cargo run --release -p tests --example regressions` runs all of them in some minutes; what runs with every test is `tests/tests/suite/diagnose_hidden.rs`.
 
 use crate::hidden::{Case, Design, NoiseKind, What};
 use crate::score::outcome::Outcome::{self, Both, Exact, InSet, OutsideUnknown, Unknown};

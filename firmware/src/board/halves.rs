@@ -9,7 +9,8 @@ use crate::flash::{CalibrationStore, TableStore};
 use crate::link::LinkId;
 use crate::mode::Press;
 use crate::neighbours::{self, Parameters, Placed};
-use crate::showing::Origin;
+use crate::sensor::least_n;
+use crate::showing::{Felt, Origin};
 use protocol::lut::Table;
 use protocol::message::{
     Curve, DisplayMode, DisplayRequest, DisplayState, Fitted, Halves, Mode, ModeRequest, Outcome, PalpationMode,
@@ -243,7 +244,8 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         let mut display = self.display;
         let (force_n, shaft_mm) = (self.measured.fsr_n, self.measured.shaft_mm);
         let showing = self.mode.displaying.showing();
-        let wanted = self.table().and_then(|table| showing.at(&table, force_n, display.still_mm()));
+        let felt = Felt::new(&self.config.display, force_n, least_n(&self.calibration.fsr));
+        let wanted = self.table().and_then(|table| showing.at(&table, felt, display.still_mm()));
         self.bound_a = wanted.map_or(0.0, |wanted| wanted.bound_a);
         let output = wanted.map(|wanted| {
             let input = DisplayInput { shaft_mm, coil_c: self.coil_c };

@@ -2,7 +2,7 @@
 //! they are.
 //!
 //! Source: `host/magnets/ring.toml` by finite elements (`palpate magnet ring --current
-//! 0.25:3:0.25`). The test `tests/tests/winding.rs` computes them again and fails where these
+//! 0.25:3:0.25`). The test `tests/tests/suite/winding.rs` computes them again and fails where these
 //! numbers are apart. Another magnet: its numbers here, from its own file, and resistance and
 //! heating measured (`docs/bring-up.md`, step 11).
 

@@ -26,6 +26,12 @@ pub fn fsr_n(ratio: f32, law: &ResistiveSensor) -> f32 {
     if force_n > 0.0 { force_n } else { 0.0 }
 }
 
+/// Least force that the sensor tells, N: what it reads of the first that it conducts. 0 where the law has no threshold.
+pub fn least_n(law: &ResistiveSensor) -> f32 {
+    let force_n = (UNLOADED_MS - law.offset) / law.slope * FSR_UNIT_N;
+    if force_n > 0.0 { force_n } else { 0.0 }
+}
+
 /// Reading for a force; the inverse of [`fsr_n`]. Forces below the law's zero give no conductance.
 pub fn fsr_ratio(force_n: f32, law: &ResistiveSensor) -> f32 {
     let conductance_ms = law.slope * force_n / FSR_UNIT_N + law.offset;
@@ -49,6 +55,19 @@ mod tests {
             let n = fsr_n(sensor_ratio(1.0 / ms, law.divider_kohm), &law);
             assert!((n - units * FSR_UNIT_N).abs() < 0.47 * FSR_UNIT_N, "{units}00 gf: {n} N");
         }
+    }
+
+    /// Just below the threshold nothing is read, just above it hardly more than it.
+    #[test]
+    fn the_threshold_is_the_least_that_is_read() {
+        let law = DEFAULT_CALIBRATION.fsr;
+        let least = least_n(&law);
+        assert!((0.19..0.22).contains(&least), "{least}");
+        assert_eq!(fsr_n(fsr_ratio(0.999 * least, &law), &law), 0.0);
+        assert!((fsr_n(fsr_ratio(1.001 * least, &law), &law) - least).abs() < 1e-3);
+        // a load cell's line has none
+        assert!(least_n(&ResistiveSensor { offset: 0.0, ..law.clone() }) < 0.02);
+        assert_eq!(least_n(&ResistiveSensor { offset: 0.1, ..law }), 0.0);
     }
 
     #[test]

@@ -12,7 +12,7 @@ mod probe;
 
 pub use coil_current::{CoilShunt, coil_a, coil_ratio};
 pub use divider::{resistance_kohm, sensor_ratio};
-pub use fsr::{FSR_UNIT_N, fsr_conductance_ms, fsr_n, fsr_ratio};
+pub use fsr::{FSR_UNIT_N, fsr_conductance_ms, fsr_n, fsr_ratio, least_n};
 pub use load_cell::{load_cell_n, load_cell_ratio, tared};
 pub use potentiometer::{potentiometer_ratio, shaft_mm};
 pub use probe::{probe_mm, probe_ratio};

@@ -11,7 +11,30 @@ fn shown(curve: Curve) -> Showing {
 }
 
 fn at(showing: &Showing, table: &Table<'_>, force_n: f32) -> Wanted {
-    showing.at(table, force_n, 1.5).unwrap()
+    showing.at(table, felt(force_n), 1.5).unwrap()
+}
+
+fn felt(force_n: f32) -> Felt {
+    Felt { shaft_n: force_n, coil_n: force_n }
+}
+
+/// Below the threshold both wait, and the first reading above it moves nothing.
+#[test]
+fn shaft_and_coil_wait_for_the_least_force_that_is_told() {
+    let config = DisplayConfig::default();
+    let of = |read_n, least_n| {
+        let felt = Felt::new(&config, read_n, least_n);
+        (felt.shaft_n, felt.coil_n)
+    };
+    assert_eq!(of(0.0, 0.2), (0.2, 0.2));
+    assert_eq!(of(0.2, 0.2), (0.2, 0.2));
+    assert_eq!(of(0.3, 0.2), (0.3, 0.3));
+    // without a threshold only the coil waits
+    assert_eq!(of(0.0, 0.0), (0.0, config.coil_standby_n));
+    assert_eq!(of(f32::NAN, -3.0), (0.0, config.coil_standby_n));
+    // a calibration that states a threshold of newtons, or none
+    assert_eq!(of(0.0, 12.0), (config.least_max_n, config.least_max_n));
+    assert_eq!(of(0.0, f32::NAN), (0.0, config.coil_standby_n));
 }
 
 /// At every force: what is wanted a tick later differs by a fiftieth of the difference of both curves.
@@ -126,7 +149,7 @@ fn a_first_curve_is_gone_over_to_from_a_shaft_at_rest_and_no_current() {
     let bytes = factored_table();
     let table = Table::parse(&bytes).unwrap();
     let mut showing = Showing::NOTHING;
-    assert_eq!(showing.at(&table, 1.0, 1.5), None);
+    assert_eq!(showing.at(&table, felt(1.0), 1.5), None);
     showing.go_over(SOFT, Origin::ASKED);
     let first = at(&showing, &table, 1.0);
     assert_eq!((first.shaft_mm, first.current.unwrap().a), (1.5, 0.0));
@@ -156,6 +179,6 @@ fn towards_a_material_without_control_curve_the_current_fades() {
 fn a_curve_that_is_not_in_the_table_is_none() {
     let bytes = factored_table();
     let table = Table::parse(&bytes).unwrap();
-    assert_eq!(shown(Curve::of(8)).at(&table, 1.0, 0.0), None);
-    assert!(shown(Curve::of(7)).at(&table, 1.0, 0.0).is_some());
+    assert_eq!(shown(Curve::of(8)).at(&table, felt(1.0), 0.0), None);
+    assert!(shown(Curve::of(7)).at(&table, felt(1.0), 0.0).is_some());
 }

@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::IntoDiagnostic;
 
 use crate::control::Curves;
+use crate::control::compose::Links;
 use crate::demo::{self, Options, Stage};
 use crate::extended::ExtendedModel;
 use crate::link::Disturbance;
@@ -65,15 +66,17 @@ fn probability(text: &str) -> Result<f64, String> {
 /// # Errors
 /// Whatever stops the demo.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let control = Curves::read(&arguments.control).into_diagnostic()?;
     let options = Options {
         palpations: arguments.palpations as usize,
         rate_mm_s: arguments.rate,
         seed: arguments.seed,
         out: arguments.out.clone(),
         table: arguments.table.clone(),
-        control: Curves::read(&arguments.control).into_diagnostic()?,
         model: arguments.model.as_deref().map(ExtendedModel::read).transpose()?,
         line: Disturbance { flip: arguments.line_noise, ..Disturbance::default() },
+        magnet: links(&control)?,
+        control,
         ..Options::default()
     };
     let solves = Progress::new();
@@ -85,6 +88,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         outln!("{summary}");
     }
     Ok(())
+}
+
+/// Magnet and fluid of the curves' display, where the program knows them.
+fn links(curves: &Curves) -> miette::Result<Option<Links>> {
+    let (magnet, fluid) = curves.display().unwrap_or(("ring", "MRF-122EG"));
+    let Ok(fluid) = super::magnet::fluid::found(fluid) else { return Ok(None) };
+    Ok(super::control_curve::magnets::links(magnet, &fluid, f64::from(protocol::lut::CURRENT_MAX_A)).ok())
 }
 
 /// The bar of the upload or of the palpations; the name tells them apart.

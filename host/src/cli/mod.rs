@@ -7,6 +7,7 @@ mod calibrate;
 pub mod control_curve;
 pub mod demo;
 pub mod diagnose;
+pub mod displacement;
 pub mod feel;
 pub mod field;
 mod file;
@@ -90,6 +91,8 @@ enum Command {
     ControlCurve(control_curve::Arguments),
     /// Press the simulated display and tell how near it comes to the materials that it shows
     Feel(feel::Arguments),
+    /// Make displacement tables of the actuator from recorded compressions
+    Displacement(displacement::Arguments),
     /// Search the gains of the display's position loop, with margins and a certified worst case
     Tune(tune::Arguments),
     /// Identify the linear actuator of a display from recordings
@@ -130,6 +133,7 @@ pub fn main() -> ExitCode {
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::ControlCurve(arguments) => control_curve::run(&arguments),
         Command::Feel(arguments) => feel::run(&arguments),
+        Command::Displacement(arguments) => displacement::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
         Command::Actuator(arguments) => actuator::run(&arguments),
         Command::Trial(arguments) => trial::run(&arguments),

@@ -8,7 +8,7 @@ use super::curve::{ControlCurve, Row};
 use super::study::Study;
 
 /// What a current makes of the fluid.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Links {
     /// The magnet's name.
     pub magnet: String,

@@ -79,9 +79,19 @@ impl Curves {
         self.given.first().map(|(_, curve)| (curve.magnet.as_str(), curve.fluid.as_str()))
     }
 
+    /// The curve that a file gives to the material of this name.
+    fn given(&self, material: &str) -> Option<&ControlCurve> {
+        self.given.iter().map(|(_, curve)| curve).find(|curve| curve.material == material)
+    }
+
+    /// The curve of a material: that of the files, or the one that comes with the program.
+    pub fn of(&self, material: &str) -> Option<ControlCurve> {
+        self.given(material).cloned().or_else(|| ControlCurve::built_in(material))
+    }
+
     /// Whether a file gives a curve to the material of this name.
     pub fn names(&self, material: &str) -> bool {
-        self.given.iter().any(|(_, curve)| curve.material == material)
+        self.given(material).is_some()
     }
 
     /// Gives materials of the library the curves of the files.

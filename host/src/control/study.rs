@@ -34,6 +34,8 @@ pub struct Asked {
     pub best: bool,
     /// Largest loop gain of the display.
     pub most_gain: f64,
+    /// What the area counts beside the force's 1, 0 to 10.
+    pub area_weight: f64,
 }
 
 /// The body of fluid under the finger. What it is below its yield stress is assumed.
@@ -129,7 +131,14 @@ impl Asked {
         let finger = Finger { edge_mm: finer * self.finger.edge_mm, ..self.finger.clone() };
         let fluid = Material::Plastic(Plastic::new(young_mpa, self.fluid.nu)?);
         let block = block(&finger, self.fluid.height_mm, self.fluid.radius_mm, fluid)?;
-        Ok(Display { section: self.section, finger: finger.body()?, block, least_mpa: LEAST_MPA, step_mm: STEP_MM })
+        Ok(Display {
+            section: self.section,
+            finger: finger.body()?,
+            block,
+            least_mpa: LEAST_MPA,
+            step_mm: STEP_MM,
+            area_weight: self.area_weight,
+        })
     }
 
     /// Makes the study, as far down as the fluid can be pressed: a weak one closes round the finger.
@@ -163,7 +172,7 @@ impl Asked {
         let display = self.display(young_mpa, 1.0)?;
         told("averages of its stress", 0);
         let tried = tried(&display, &wanted, &averages)?;
-        let begin = begin(&tried, &travels)?;
+        let begin = begin(&tried, &travels, self.area_weight)?;
         let mut round = 0;
         let mut cubic = display.search(&begin, &wanted, &mut |_| {
             told("cubic, rounds", round);
@@ -176,7 +185,8 @@ impl Asked {
             let again = Curve::cubic_through(&travels, &stresses)?;
             told("cubic from the best curve", 0);
             let again = display.search(&again, &wanted, &mut |_| {});
-            cubic = again.ok().filter(|found| found.error.combined() < cubic.error.combined()).unwrap_or(cubic);
+            let asked = |found: &Found| found.error.weighed(self.area_weight);
+            cubic = again.ok().filter(|found| asked(found) < asked(&cubic)).unwrap_or(cubic);
         }
         told("loop", 0);
         let per = display.force_per_mpa(&cubic.curve, &travels)?;
@@ -214,8 +224,8 @@ fn tried(display: &Display, wanted: &Felt, averages: &[Averages]) -> Result<Vec<
 }
 
 /// The best of the averages' cubics; a straight line to the largest mean where none was pressed.
-fn begin(tried: &[Tried], travels: &[f64]) -> Result<Curve, PadError> {
-    let pressed = tried.iter().filter_map(|own| Some((&own.curve, own.felt.as_ref()?.1.combined())));
+fn begin(tried: &[Tried], travels: &[f64], area_weight: f64) -> Result<Curve, PadError> {
+    let pressed = tried.iter().filter_map(|own| Some((&own.curve, own.felt.as_ref()?.1.weighed(area_weight))));
     let best = pressed.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(curve, _)| curve.clone());
     let last = travels.last().copied().unwrap_or(1.0);
     let line = || tried.first().map_or(LEAST_MPA, |own| own.curve.at(last)).max(LEAST_MPA) / last;

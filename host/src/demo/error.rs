@@ -40,6 +40,12 @@ pub enum DemoError {
     /// A log failed.
     #[error(transparent)]
     Log(#[from] LogError),
+    /// The constants of the displays that a hand presses.
+    #[error(transparent)]
+    Constants(#[from] crate::experiment::ExperimentError),
+    /// A hand felt nothing.
+    #[error(transparent)]
+    Unfelt(#[from] crate::feel::Unfelt),
     /// A file cannot be read or written.
     #[error("{}: {source}", .path.display())]
     File {

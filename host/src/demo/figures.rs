@@ -129,6 +129,25 @@ pub(super) fn display_over_time(summary: &Summary) -> [Figure; 3] {
     ]
 }
 
+/// Palpation and display in the same ticks: the probe's force, and the shaft under the finger.
+pub(super) fn both_over_time(summary: &Summary) -> [Figure; 2] {
+    let ticks = &summary.together.ticks;
+    let series = |value: fn(&super::Tick) -> f64| -> Vec<(f64, f64)> {
+        ticks.iter().map(|tick| (tick.time_s, value(tick))).collect()
+    };
+    let foams: Vec<&str> = summary.together.foams.iter().map(|foam| foam.truth.as_str()).collect();
+    let pressed = format!("Under the probe: {}", foams.join(", "));
+    let verdicts = summary.together.foams.iter().map(|foam| (foam.verdict_s, 0.0)).collect();
+    [
+        Figure::new(&pressed, Axis::new("time (s)"), Axis::new("force (N)"))
+            .with(Series::new("probe", series(|t| t.probe_n), Stroke::Solid, 0))
+            .with(Series::new("verdicts", verdicts, Stroke::Circles, 1)),
+        Figure::new("Under the finger", Axis::new("time (s)"), Axis::new("shaft (mm), force (N)"))
+            .with(Series::new("shaft", series(|t| t.shaft_mm), Stroke::Solid, 0))
+            .with(Series::new("finger", series(|t| t.finger_n), Stroke::Dotted, 1)),
+    ]
+}
+
 /// Force over shaft position: what the finger feels against what the material would do.
 pub(super) fn felt_softness(summary: &Summary) -> Figure {
     let trace = &summary.displayed.trace;

@@ -1,5 +1,5 @@
 //! The whole chain on the simulated board: a table by finite elements, uploaded over the framed link, four foams palpated in random order,
-//! identified at 50 Hz, logged, displayed to a finger, reported.
+//! identified at 50 Hz, logged, displayed to a finger, then both at once, and felt by a hand on both displays.
 //!
 //! The foams under the probe have curves of their own ([`bench_foams`]), solved on finer meshes than the table's, so the board never
 //! meets the numbers it searches.
@@ -7,6 +7,7 @@
 mod display;
 mod error;
 mod extended;
+mod felt;
 mod figures;
 mod foams;
 mod listening;
@@ -15,6 +16,7 @@ mod palpation;
 mod report;
 mod summary;
 mod table;
+mod together;
 mod watcher;
 
 use std::time::Instant;
@@ -29,6 +31,7 @@ pub use palpation::{Palpated, TracePoint};
 pub use report::overview_svg;
 pub use summary::{Confusion, Summary};
 pub use table::{BALL_RADIUS_MM, demo_table, demo_table_with};
+pub use together::{ShownFoam, Tick, Together};
 pub use watcher::{Stage, Watcher};
 
 use crate::link::{Disturbed, InProcess, Pace};
@@ -101,11 +104,16 @@ pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> 
         palpated.push(one);
     }
     let displayed = display::display(&mut listening, &table, &palpated)?;
+    let together = together::together(&mut listening, &foams, &table, options)?;
     let (session, recorder) = listening.into_parts();
     recorder.finish()?;
     [CSV, MCAP].iter().try_for_each(|name| folder.adopt(name)).map_err(failed)?;
 
+    let pressed =
+        options.magnet.as_ref().map(|links| felt::felt(&displayed.material, &options.control, links, options.seed));
     let summary = Summary {
+        felt: pressed.transpose()?.flatten().unwrap_or_default(),
+        together,
         hello,
         slot: state.active,
         table_bytes: table_bytes.len(),

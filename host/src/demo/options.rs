@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::control::Curves;
+use crate::control::compose::Links;
 use crate::extended::ExtendedModel;
 use crate::link::Disturbance;
 use crate::plant::Jitter;
@@ -30,6 +31,8 @@ pub struct Options {
     pub control: Curves,
     /// An extended model: its effects in the table and in the foams, and its material among these.
     pub model: Option<ExtendedModel>,
+    /// Magnet and fluid of the displays that a hand presses at the end; without them none does.
+    pub magnet: Option<Links>,
 }
 
 impl Default for Options {
@@ -45,6 +48,7 @@ impl Default for Options {
             table: None,
             control: Curves::default(),
             model: None,
+            magnet: None,
         }
     }
 }

@@ -10,7 +10,8 @@ use lut_gen::solid::solve::SolveError;
 use protocol::lut::Table;
 
 use super::figures::{
-    display_over_time, felt_softness, force_over_depth, palpation_over_time, parameter_plane, search_over_depth,
+    both_over_time, display_over_time, felt_softness, force_over_depth, palpation_over_time, parameter_plane,
+    search_over_depth,
 };
 use super::summary::{HEAD, HOST_TIME, STANDARD_ERROR};
 use super::{OVERVIEW, REPORT, Summary};
@@ -73,6 +74,8 @@ fn page(summary: &Summary, foams: &[Foam], table: &Table<'_>) -> Page {
     );
     identification(&mut page, summary, foams, table);
     display(&mut page, summary);
+    together(&mut page, summary);
+    felt(&mut page, summary);
     inside(&mut page, foams, table);
     conditions(&mut page, summary, foams, table);
     page
@@ -155,6 +158,35 @@ fn display(page: &mut Page, summary: &Summary) {
         page.figure(&figure.svg(), caption);
     }
     page.figure(&felt_softness(summary).svg(), "Force over position, both true: display against material.");
+}
+
+fn together(page: &mut Page, summary: &Summary) {
+    page.section("Palpate here, feel there");
+    page.paragraph(&format!("{}.", summary.together.sentence()));
+    let captions = [
+        "Every foam is pressed once. Circles: the board's verdicts.",
+        "Meanwhile a finger presses the display with 1 N every 2 s. After a verdict the display goes over to the curve of the material \
+         that was named, within a second.",
+    ];
+    for (figure, caption) in both_over_time(summary).iter().zip(captions) {
+        page.figure(&figure.svg(), caption);
+    }
+}
+
+fn felt(page: &mut Page, summary: &Summary) {
+    if summary.felt.is_empty() {
+        return;
+    }
+    page.section("Under a hand");
+    page.paragraph(
+        "A simulated hand presses the displays; truth, from 0.2 N on, in loading. `palpate feel` does it for all materials.",
+    );
+    page.list(&super::felt::sentences(&summary.felt));
+    for felt in &summary.felt {
+        if let Some((_, figure, caption)) = crate::report::feel::figures(felt).first() {
+            page.figure(&figure.svg(), caption);
+        }
+    }
 }
 
 fn conditions(page: &mut Page, summary: &Summary, foams: &[Foam], table: &Table<'_>) {

@@ -5,7 +5,8 @@ use std::fmt;
 use protocol::message::{Hello, Outcome, Slot};
 use serde_json::{Value, json};
 
-use super::{Displayed, Options, Palpated};
+use super::{Displayed, Options, Palpated, Together, felt};
+use crate::feel::Felt;
 use crate::session::Traffic;
 
 /// How often each foam was taken for each material.
@@ -36,6 +37,10 @@ pub struct Summary {
     pub palpated: Vec<Palpated>,
     /// The display.
     pub displayed: Displayed,
+    /// Palpation and display in the same ticks.
+    pub together: Together,
+    /// The displayed material under a hand, on actuator and fluid; empty without magnet or control curve.
+    pub felt: Vec<Felt>,
     /// What went over the link.
     pub traffic: Traffic,
     /// Board time, s.
@@ -132,6 +137,11 @@ impl Summary {
                 "touched_ticks_both": limits.both,
                 "limit_is_what_is_marked": limits.agree(),
             },
+            "together": {
+                "foams": self.together.foams.iter().map(|foam| json!({"true": foam.truth, "shown": foam.shown})).collect::<Vec<_>>(),
+                "right": self.together.right(),
+            },
+            "felt": felt::json(&self.felt),
             "telemetry": self.traffic,
             "telemetry_loss": self.traffic.loss(),
             "table": { "bytes": self.table_bytes, "error_bound": self.error_bound, "slot": format!("{:?}", self.slot) },
@@ -266,6 +276,10 @@ impl fmt::Display for Summary {
         )?;
         writeln!(f, "           {}", self.displayed.ticks)?;
         writeln!(f, "           {}", self.displayed.limits())?;
+        writeln!(f, "together   {}", self.together.sentence())?;
+        for (i, sentence) in felt::sentences(&self.felt).iter().enumerate() {
+            writeln!(f, "{}{sentence}", if i == 0 { "felt       " } else { "           " })?;
+        }
         writeln!(
             f,
             "time       {:.1} s ({:.1} s finite elements, {:.1} s upload of {} kB) for {:.0} s of board time",

@@ -19,12 +19,13 @@ const HAND_N: f64 = 5.0;
 /// Time at the farthest place, and before a press, s.
 const HOLD_S: f64 = 0.5;
 const BEFORE_S: f64 = 0.5;
-/// Forces that the display's sensor is calibrated with, in units of 100 gf: those of the thesis' Table 7; of a load cell
-/// smaller ones before them.
-const WEIGHTS: [f64; 12] = [0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+/// Forces that the display's sensor is calibrated with, in units of 100 gf: those of the thesis' Table 7, and smaller ones,
+/// because soft foams ask for them. An FSR reads nothing of the first two.
+const WEIGHTS: [f64; 13] = [0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+const UNREAD: usize = 2;
 /// 100 gf, N.
 const UNIT_N: f64 = 0.980_665;
-/// How long a weight lies before it is read, s.
+/// How long a weight lies before it is read, and then the sensor rests from it, s.
 const WEIGHED_S: f64 = 1.0;
 
 /// Feels all materials on a display, slowly and fast; `told` hears of every press done.
@@ -75,10 +76,10 @@ fn opened(asked: &Asked, display: Display) -> Result<Board, Unfelt> {
     Ok(session)
 }
 
-/// Fits the force sensor's line to known weights, as a laboratory does.
+/// Fits the force sensor's line to known weights, each laid on by itself, as a laboratory does.
 fn calibrate(session: &mut Board, display: Display) -> Result<(), Unfelt> {
     let mut calibration = session.calibration()?;
-    let weights = if display == Display::Fluid { &WEIGHTS[..] } else { &WEIGHTS[3..] };
+    let weights = if display == Display::Fluid { &WEIGHTS[..] } else { &WEIGHTS[UNREAD..] };
     let mut points = Vec::new();
     for weight in weights {
         session.link_mut().board_mut().bench_mut().weigh(Some(weight * UNIT_N));
@@ -87,20 +88,28 @@ fn calibrate(session: &mut Board, display: Display) -> Result<(), Unfelt> {
         let read =
             records(session, WEIGHED_S, |_, raw| f64::from(fsr_conductance_ms(f32::from(raw) / 65_535.0, &law)))?;
         points.push((*weight, read.iter().sum::<f64>() / read.len().max(1) as f64));
+        session.link_mut().board_mut().bench_mut().weigh(Some(0.0));
+        wait(session, WEIGHED_S)?;
     }
     session.link_mut().board_mut().bench_mut().weigh(None);
-    let count = points.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>()
-        / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
-    if !(slope > 0.0 && slope.is_finite()) {
-        return Err(Unfelt::Calibration { found: format!("{slope} mS over 100 gf") });
-    }
-    let (slope, offset) = (slope as f32, (y - slope * x) as f32);
-    calibration.fsr = ResistiveSensor { slope, offset, ..calibration.fsr };
+    let Some((slope, offset)) = line(&points) else {
+        let told = points.iter().map(|(weight, ms)| format!("{ms:.4} mS of {weight}")).collect::<Vec<_>>();
+        return Err(Unfelt::Calibration { found: told.join(", ") });
+    };
+    calibration.fsr = ResistiveSensor { slope: slope as f32, offset: offset as f32, ..calibration.fsr };
     session.set_calibration(calibration)?;
     Ok(())
+}
+
+/// Slope and offset of the line through points `(x, y)` whose errors are in proportion to `y`, as creep and scatter of such
+/// sensors are; `None` unless it rises.
+fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let weighed = || points.iter().filter(|(_, y)| *y > 0.0).map(|(x, y)| (1.0 / (y * y), *x, *y));
+    let sum = |of: &dyn Fn(f64, f64) -> f64| weighed().map(|(w, x, y)| w * of(x, y)).sum::<f64>();
+    let count = sum(&|_, _| 1.0);
+    let (mean_x, mean_y) = (sum(&|x, _| x) / count, sum(&|_, y| y) / count);
+    let slope = sum(&|x, y| (x - mean_x) * (y - mean_y)) / sum(&|x, _| (x - mean_x).powi(2));
+    (slope > 0.0 && slope.is_finite()).then_some((slope, mean_y - slope * mean_x))
 }
 
 /// Lets time pass.
@@ -157,4 +166,18 @@ fn pressed(
     session.set_mode(Mode::Idle)?;
     wait(session, BEFORE_S)?;
     Ok(samples)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_found_and_what_does_not_rise_is_none() {
+        let points: Vec<(f64, f64)> = WEIGHTS.iter().map(|x| (*x, 0.02 + 0.08 * x)).collect();
+        let (slope, offset) = line(&points).unwrap_or_default();
+        assert!((slope - 0.08).abs() < 1e-12 && (offset - 0.02).abs() < 1e-12);
+        assert_eq!(line(&[(1.0, 0.2), (2.0, 0.1)]), None);
+        assert_eq!(line(&[(1.0, 0.0), (2.0, 0.0)]), None);
+    }
 }

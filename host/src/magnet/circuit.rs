@@ -18,7 +18,7 @@ const RING: &str = include_str!("../../magnets/ring.toml");
 
 /// Flux linkage of the ring over current, by finite elements: `palpate magnet ring --current
 /// 0:3:0.125`, and 3.5, 4, 5 and 6 A. Solving takes 4 s, too long for the start of a simulation;
-/// `tests/tests/winding.rs` solves again and compares.
+/// `tests/tests/suite/winding.rs` solves again and compares.
 const RING_LINKAGE: &str = include_str!("../../magnets/ring-linkage.csv");
 
 /// Places of the current over linkage, evenly: straight lines between them are within 1e-4 of the

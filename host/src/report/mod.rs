@@ -8,6 +8,7 @@ pub mod cloud;
 pub mod compression;
 pub mod control;
 pub mod diagnosis;
+pub mod displacement;
 pub mod display;
 pub mod feel;
 pub mod field;

@@ -123,6 +123,11 @@ fn around(record: &Record, law: &Law) -> Vec<Law> {
     all
 }
 
+/// Fits the law of a fit to another recording of it.
+pub(super) fn again(record: &Record, fitted: &Fitted) -> Fitted {
+    kicked(record, search(record, fitted.law, &fitted.noise, LONG))
+}
+
 fn judged(free: Fitted, limited: Fitted) -> Tried {
     let (without, with) = (free.bic(), limited.bic());
     if with < without - CLEARLY {

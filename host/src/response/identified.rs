@@ -43,7 +43,8 @@ pub fn identify(record: &Record, structures: &[Structure], progress: &dyn Fn(usi
     let (at, tried) = chosen(&record, structures, progress)?;
     let best = tried.get(at)?;
     let known = intervals(&record, &best.fitted);
-    let least_rate_mm_s = (!best.is_limited()).then(|| least_rate(&record, &best.fitted, known.sd_mm));
+    let least_rate_mm_s =
+        (!best.is_limited()).then(|| least_rate(&record, &best.fitted, known.rough.sqrt() * known.sd_mm));
     Some(Identified { record, inverted, at, known, least_rate_mm_s, tried })
 }
 

@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use super::fit::{Fitted, Problem, Record, coordinate, value};
 use super::law::{Law, Parameter};
 use super::noise::ljung_box;
+use super::rough::roughness;
 use crate::calibration::distribution::student_critical;
 
 /// Lags of the test whether the residual is white.
@@ -38,6 +39,8 @@ pub struct Known95 {
     pub parameters: Vec<Known>,
     /// Statistic of Ljung and Box over its degrees of freedom, and what white noise exceeds once in a hundred records.
     pub whiteness: (f64, f64),
+    /// Degrees of freedom that the search used over its parameters: kinks make it more than 1.
+    pub rough: f64,
     /// Standard deviation of the residual, mm.
     pub sd_mm: f64,
     /// Covariance of the coordinates that were free, in the order of the fit; zero for the others.
@@ -52,7 +55,9 @@ pub fn intervals(record: &Record, fitted: &Fitted) -> Known95 {
     let whiteness = ljung_box(fitted.white_mm.as_slice(), LAGS.min(n / 5).max(1), fitted.noise.coefficients.len());
     let robust = whiteness.0 > whiteness.1;
     let covariance = covariance(fitted, variance, robust);
-    let t = student_critical(0.05, n as f64 - fitted.free.len() as f64);
+    // A rough misfit hides what a search has chosen among.
+    let rough = roughness(record, fitted, variance.sqrt());
+    let t = rough.sqrt() * student_critical(0.05, n as f64 - fitted.free.len() as f64);
     let each = fitted.free.iter().enumerate().map(|(i, parameter)| {
         let at = coordinate(*parameter, parameter.of(&fitted.law));
         let reach = t * covariance[(i, i)].sqrt();
@@ -69,7 +74,7 @@ pub fn intervals(record: &Record, fitted: &Fitted) -> Known95 {
         }
         Known { parameter: *parameter, value: parameter.of(&fitted.law), interval95 }
     });
-    Known95 { parameters: each.collect(), whiteness, sd_mm: variance.sqrt(), covariance: covariance.clone() }
+    Known95 { parameters: each.collect(), whiteness, rough, sd_mm: variance.sqrt(), covariance: covariance.clone() }
 }
 
 /// Parameters that cannot be below 0.

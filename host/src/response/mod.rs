@@ -27,6 +27,7 @@ pub mod noise;
 pub mod push;
 pub mod recording;
 pub mod repeat;
+mod rough;
 
 #[cfg(test)]
 mod tests;

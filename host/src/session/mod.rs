@@ -262,6 +262,7 @@ impl<L: Link> Session<L> {
                     (Report::Hello(_), Request::Hello(_))
                     | (Report::Status(_), Request::Status(_))
                     | (Report::LastRun(_), Request::GetLastRun(_))
+                    | (Report::Halves(_), Request::GetHalves(_))
                     | (Report::Calibration(_), Request::GetCalibration(_)) => true,
                     // A late answer to an earlier chunk says less than this chunk's end.
                     (Report::TableState(state), Request::TableChunk(chunk)) => {

@@ -1,4 +1,4 @@
-//! The identification as compiled for the board gives the host's bits: the hashes of `tests/tests/same_bits.rs`, computed by an emulated Cortex-M4F.
+//! The identification as compiled for the board gives the host's bits: the hashes of `tests/tests/suite/same_bits.rs`, computed by an emulated Cortex-M4F.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;

@@ -1,7 +1,7 @@
 //! What must hold of everything that comes from outside, whatever its bytes: nothing panics, nothing unfinished takes effect, and what
 //! is accepted is sound.
 //!
-//! Property tests (`tests/tests/robustness.rs`, in every `cargo test`) and the fuzz targets (`tests/fuzz`) call the same four functions, with
+//! Property tests (`tests/tests/suite/robustness.rs`, in every `cargo test`) and the fuzz targets (`tests/fuzz`) call the same four functions, with
 //! the same seeds to begin from:
 //!
 //! | function | bytes are |

@@ -43,6 +43,9 @@ pub(in crate::cli) struct Recipe {
     /// Largest loop gain of the display: 1 latches
     #[arg(long, value_name = "GAIN", default_value_t = 0.8)]
     loop_gain: f64,
+    /// What the contact's area counts beside the force's 1; 0: the curve whose force is nearest
+    #[arg(long, value_name = "WEIGHT", default_value_t = 1.0)]
+    area_weight: f64,
     /// Do not search the best curve of twelve knots that the cubic is compared with: minutes less
     #[arg(long)]
     quick: bool,
@@ -67,6 +70,7 @@ impl Recipe {
         within("--element-mm", self.element_mm, 0.1..=1.0, "mm")?;
         within("--current", self.current, 0.1..=f64::from(protocol::lut::CURRENT_MAX_A), "A")?;
         within("--loop-gain", self.loop_gain, 0.1..=0.95, "")?;
+        within("--area-weight", self.area_weight, 0.0..=10.0, "")?;
         for (name, list) in [("fluid-mm", &self.fluid_mm), ("fluid-elastic", &self.fluid_elastic)] {
             if list.len() != 2 {
                 return Err(miette!("--{name} has {} numbers; expected two with a comma", list.len()));
@@ -94,7 +98,7 @@ impl Recipe {
     fn provenance(&self) -> String {
         format!(
             "palpate {} control-curve: travel {} mm, elements {} mm, fluid {} mm high and {} mm of radius, yield \
-             strain {} and nu {}, loop gain at most {}",
+             strain {} and nu {}, loop gain at most {}, area counts {}",
             env!("CARGO_PKG_VERSION"),
             self.travel_mm,
             self.element_mm,
@@ -103,6 +107,7 @@ impl Recipe {
             self.fluid_elastic[0],
             self.fluid_elastic[1],
             self.loop_gain,
+            self.area_weight,
         )
     }
 }
@@ -137,6 +142,7 @@ impl Opened<'_> {
             most_mm: recipe.travel_mm,
             best: !recipe.quick,
             most_gain: recipe.loop_gain,
+            area_weight: recipe.area_weight,
         })
     }
 }

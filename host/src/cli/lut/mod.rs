@@ -1,6 +1,7 @@
 //! `palpate lut`.
 
 mod coil;
+mod displacement;
 mod own;
 mod told;
 
@@ -64,6 +65,10 @@ pub struct Arguments {
     /// foams have curves of their own; a material without one is displayed by the actuator alone
     #[arg(long, value_name = "FILE", num_args = 1..)]
     control: Vec<PathBuf>,
+    /// Displacement tables of `palpate displacement`, a file a material, for materials of the library by their names: the
+    /// actuator displays them alone
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    displacement: Vec<PathBuf>,
     /// Make the control curves of own materials that have none by --control, with the options below: some minutes for each
     /// height of each material
     #[arg(long)]
@@ -158,6 +163,7 @@ fn make(arguments: &Arguments) -> miette::Result<()> {
         let files: Vec<&Path> = arguments.material.iter().chain(&arguments.model).map(AsRef::as_ref).collect();
         coil::make((&arguments.recipe, &files, arguments.model.is_some()), &curves, &mut library)?;
     }
+    displacement::give(&arguments.displacement, &mut library)?;
     let alone = actuator_only(&library).join(", ");
     if !alone.is_empty() {
         errln!(

@@ -13,7 +13,7 @@ use super::coordinate::{Kind, LEAST_SHARE, Scope, Unknown, Values};
 use super::problem::Problem;
 use super::surrogate::Surrogate;
 
-/// Bounds of an exponent. The engine is tested from 1 to 24 (`lut-gen/tests/region.rs`); what lies beyond is
+/// Bounds of an exponent. The engine is tested from 1 to 24 (`lut-gen/tests/suite/region.rs`); what lies beyond is
 /// solved where it can be, and reported as outside when the fit ends there.
 pub const ALPHA: (f64, f64) = (0.8, 30.0);
 /// Exponents between which a search begins.

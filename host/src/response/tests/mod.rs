@@ -75,17 +75,17 @@ fn covered(seeds: std::ops::Range<u64>, structures: &[Structure]) -> (u32, u32) 
         };
         known.parameters.iter().for_each(|known| told(known.parameter, known.interval95));
         if !best.is_limited() {
-            told(Parameter::Rate, (least_rate(&record, &best.fitted, known.sd_mm), f64::INFINITY));
+            told(Parameter::Rate, (least_rate(&record, &best.fitted, known.rough.sqrt() * known.sd_mm), f64::INFINITY));
         }
     }
     (inside, count)
 }
 
-/// Two actuators, with the order chosen among all: of 16 values, each inside with 95 %, fewer than 12 come once in some thousand sets.
+/// One actuator, with the order chosen among all: of 8 values, each inside with 95 %, fewer than 6 come once in some 170 sets.
 #[test]
 fn true_values_lie_in_their_intervals() {
-    let (inside, count) = covered(0..2, &Structure::ALL);
-    assert!(count == 16 && inside >= 12, "{inside} of {count}");
+    let (inside, count) = covered(0..1, &Structure::ALL);
+    assert!(count == 8 && inside >= 6, "{inside} of {count}");
 }
 
 /// Fifty actuators, minutes: `cargo test -p palpate --lib fifty_actuators -- --ignored --nocapture`. `PALPATE_FIRST` is the first seed.

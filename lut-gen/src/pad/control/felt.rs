@@ -53,23 +53,29 @@ impl Felt {
         Error { force: part(&self.force_n, &wanted.force_n), area: part(&self.area_mm2, &wanted.area_mm2) }
     }
 
-    /// Differences to what is wanted, both kinds alike in size.
-    pub(super) fn left(&self, wanted: &Felt) -> Vec<f64> {
-        let each = |own: &[f64], wanted: &[f64]| -> Vec<f64> {
+    /// Differences to what is wanted, in parts of it; the area counts `area_weight` as much as the force.
+    pub(super) fn left(&self, wanted: &Felt, area_weight: f64) -> Vec<f64> {
+        let each = |own: &[f64], wanted: &[f64], weight: f64| -> Vec<f64> {
             let size = wanted.iter().map(|b| b * b).sum::<f64>().sqrt();
-            own.iter().zip(wanted).map(|(a, b)| (b - a) / size).collect()
+            own.iter().zip(wanted).map(|(a, b)| weight.sqrt() * (b - a) / size).collect()
         };
-        let mut left = each(&self.force_n, &wanted.force_n);
-        left.extend(each(&self.area_mm2, &wanted.area_mm2));
+        let mut left = each(&self.force_n, &wanted.force_n, 1.0);
+        left.extend(each(&self.area_mm2, &wanted.area_mm2, area_weight));
         left
     }
 }
 
 impl Error {
-    /// Both together.
+    /// Both together, alike.
     #[must_use]
     pub fn combined(&self) -> f64 {
-        (0.5 * (self.force * self.force + self.area * self.area)).sqrt()
+        self.weighed(1.0)
+    }
+
+    /// Both together, the area with a weight beside the force's 1 (0: the force alone).
+    #[must_use]
+    pub fn weighed(&self, area_weight: f64) -> f64 {
+        ((self.force * self.force + area_weight * self.area * self.area) / (1.0 + area_weight)).sqrt()
     }
 }
 
@@ -98,5 +104,6 @@ mod tests {
         let error = felt(1.1).error(&felt(1.0));
         assert!((error.force - 0.1).abs() < 1e-12 && error.area == 0.0);
         assert!((error.combined() - 0.1 / 2_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(error.weighed(0.0), error.force);
     }
 }

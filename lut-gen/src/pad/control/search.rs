@@ -21,6 +21,8 @@ pub struct Display {
     pub least_mpa: f64,
     /// Longest step of a press (mm).
     pub step_mm: f64,
+    /// What the area counts in a search beside the force's 1; 0: the force alone.
+    pub area_weight: f64,
 }
 
 /// A curve that was searched.
@@ -84,20 +86,20 @@ impl Display {
                 moved[k] += step;
                 let there = self.felt(&curve.with(&moved), travels)?;
                 // in parts of what the coefficient counts, so that all columns are alike
-                let pairs = felt.left(wanted).into_iter().zip(there.left(wanted));
+                let pairs = felt.left(wanted, self.area_weight).into_iter().zip(there.left(wanted, self.area_weight));
                 Ok::<_, PadError>(pairs.map(|(now, there)| (now - there) / NUDGE).collect())
             };
             let columns: Vec<Vec<f64>> = (0..own.len()).into_par_iter().map(column).collect::<Result<_, _>>()?;
-            let change = least_squares(&columns, &felt.left(wanted), DAMPING);
+            let change = least_squares(&columns, &felt.left(wanted, self.area_weight), DAMPING);
             let mut part = 1.0;
-            let before = found.combined();
+            let before = found.weighed(self.area_weight);
             loop {
                 let moved: Vec<f64> = (0..own.len()).map(|k| own[k] + part * change[k] * level / sizes[k]).collect();
                 let there = curve.with(&moved);
                 // a curve that cannot be pressed is too far
                 if let Ok(next) = self.felt(&there, travels) {
                     let error = next.error(wanted);
-                    if error.combined() < before {
+                    if error.weighed(self.area_weight) < before {
                         (curve, felt, found) = (there, next, error);
                         break;
                     }
@@ -108,7 +110,7 @@ impl Display {
                 }
             }
             told(&found);
-            settled = before - found.combined() < SETTLED * before;
+            settled = before - found.weighed(self.area_weight) < SETTLED * before;
         }
         Ok(Found { curve, felt, error: found, rounds, settled })
     }

@@ -26,7 +26,7 @@ pub struct OgdenTerm<T = f64> {
 /// ```
 ///
 /// `mu_0 = sum mu_i`, `K_0 = 2 / D_1` (thesis Eqs. 6 and 8). Eight-node elements with
-/// 2 x 2 points do not lock at large `K_0 / mu_0` (`lut-gen/tests/simulation.rs`).
+/// 2 x 2 points do not lock at large `K_0 / mu_0` (`lut-gen/tests/suite/simulation.rs`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ogden<T = f64> {
     terms: Vec<OgdenTerm<T>>,

@@ -10,7 +10,7 @@ use proptest::test_runner::TestRunner;
 use rayon::prelude::*;
 
 /// Number of draws; `PALPATE_DRAWS` asks for more (200 take two minutes).
-const DRAWS: usize = 80;
+const DRAWS: usize = 40;
 /// Least part of them that must be solved.
 const SOLVED: f64 = 0.95;
 /// Largest difference to the other mesh, relative to the peak: elements larger by 1.33 multiply the

@@ -1,4 +1,4 @@
-//! The ring against another solver's field (the other references: `tests/tests/magnets.rs`), a closed form, scaling.
+//! The ring against another solver's field (the other references: `tests/tests/suite/magnets.rs`), a closed form, scaling.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{PI, TAU};

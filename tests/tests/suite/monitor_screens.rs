@@ -1,4 +1,4 @@
-//! Pictures of the monitor at several sizes, as text: `PALPATE_BLESS=1 cargo test -p tests --test monitor_screens` writes them anew.
+//! Pictures of the monitor at several sizes, as text: `PALPATE_BLESS=1 cargo test -p tests --test suite monitor_screens::` writes them anew.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use palpate::monitor::{Key, Library, Monitor, Palette, Update, draw};

@@ -206,7 +206,7 @@ fn built_at(folder: &Path, set: (&str, f64), seed: u64) {
 }
 
 /// Flux density of the ring with other gaps by another solver (`bench/versus-ngsolve/gap.py`): gap, current, T.
-const OTHER_GAPS: &str = include_str!("../../bench/versus-ngsolve/gap.csv");
+const OTHER_GAPS: &str = include_str!("../../../bench/versus-ngsolve/gap.csv");
 
 /// Readings of a ring with this gap, three times up and down, with noise, beside a magnet of 10 mm of which only the gap is
 /// in doubt.

@@ -32,6 +32,7 @@ fn display(edge_mm: f64) -> Display {
         finger: finger.body().unwrap(),
         block: block.body().unwrap(),
         least_mpa: 2e-4,
+        area_weight: 1.0,
         step_mm: 0.25,
     }
 }

@@ -1,5 +1,5 @@
 //! Magnets as drawings: scaling laws, energies, and any geometry.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use lut_gen::fem::triangle::Order;
 use lut_gen::magnet::bh::{Between, Law};
@@ -190,6 +190,11 @@ fn any_law() -> impl Strategy<Value = Law> {
     prop_oneof![Just(steel()), Just(fluid()), (0.5..2000.0_f64).prop_map(Law::Linear)]
 }
 
+/// How many drawings are tried: `PALPATE_DRAWS`, or as many as every run has time for.
+fn drawings() -> u32 {
+    std::env::var("PALPATE_DRAWS").map_or(60, |text| text.parse().expect("PALPATE_DRAWS is a number"))
+}
+
 fn any_design() -> impl Strategy<Value = Design> {
     let part = (any_shape(), any_law(), -1..=1_i32, prop::bool::weighted(0.2), 0.0..std::f64::consts::TAU);
     (prop::collection::vec(part, 1..5), any::<bool>(), any::<bool>()).prop_map(|(parts, round, axial)| {
@@ -217,7 +222,7 @@ fn any_design() -> impl Strategy<Value = Design> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: drawings(), ..ProptestConfig::default() })]
 
     /// Every drawing solves, with energies that belong to its work, or ends in an error that names region and reason.
     #[test]
