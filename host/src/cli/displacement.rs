@@ -152,7 +152,7 @@ mod tests {
         };
         assert!(told(&["nowhere", "--cap-mm2", "0"]).contains("--cap-mm2 is 0; expected"));
         let folder = tempfile::tempdir().unwrap();
-        let text = "name = \"x\"\n[specimen.a]\nbase_law = \"hyperfoam\"\nheight_mm = 20\nradius_mm = 30\n[indenter.b]\nshape = \"sphere\"\n\
+        let text = "name = \"x\"\n[specimen.a]\nbase_law = \"hyperfoam\"\nheight_mm = 20\nradius_mm = 30\n[indenter.b]\n\
                     radius_mm = 4\n[[run]]\nfile = \"r.csv\"\nspecimen = \"a\"\nindenter = \"b\"\ntest = \"indentation\"\n";
         std::fs::write(folder.path().join("experiment.toml"), text).unwrap();
         let rows: String = (0..50)

@@ -95,10 +95,12 @@ fn of(run: &Run, material: &str, (height_mm, area_mm2): (f64, f64), cap: &Cap) -
     let motion = motion::of(&run.recording).ok_or_else(|| refused("the platen never goes down"))?;
     let (depth, force) = (&run.recording.depth_mm, &run.recording.force_n);
     let loading = motion.loading.clone();
-    let contact = contact::guess_of_faces(&depth[loading.clone()], &force[loading.clone()], height_mm)
+    let lowest_n = lowest(&force[loading.clone()]);
+    let pushed: Vec<f64> = force[loading.clone()].iter().map(|force| force - lowest_n).collect();
+    let contact = contact::guess_of_faces(&depth[loading.clone()], &pushed, height_mm)
         .ok_or_else(|| refused("no force rises above its noise"))?;
     let before = loading.clone().filter(|i| depth[*i] < contact.contact_mm);
-    let zero_n = mean(before.map(|i| force[i])).unwrap_or(0.0);
+    let zero_n = mean(before.map(|i| force[i])).unwrap_or(lowest_n);
     let curve = |samples: std::ops::Range<usize>| -> Curve {
         let each = samples.map(|i| ((depth[i] - contact.contact_mm) / height_mm, 1e3 * (force[i] - zero_n) / area_mm2));
         each.filter(|(strain, _)| *strain > 0.0).collect()
@@ -139,6 +141,14 @@ fn of(run: &Run, material: &str, (height_mm, area_mm2): (f64, f64), cap: &Cap) -
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
     (count > 0).then(|| sum / count as f64)
+}
+
+/// Mean of the lowest fiftieth of the forces, N, of three at least: the sensor's zero, to begin with.
+fn lowest(force_n: &[f64]) -> f64 {
+    let mut sorted = force_n.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.truncate((sorted.len() / 50).max(3));
+    mean(sorted.into_iter()).unwrap_or(0.0)
 }
 
 /// Samples before the first whose stress is more.

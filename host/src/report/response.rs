@@ -133,11 +133,11 @@ pub fn page(found: &Identified, file: &str) -> Page {
 pub fn pushed_figures(record: &Pushed, fit: &PushFit) -> Vec<(Figure, &'static str)> {
     let (time, x) = (&record.time_s, &record.position_mm);
     let loops = Figure::new("Force over position", Axis::new("position (mm)"), Axis::new("force (N)"))
-        .with(Series::new("measured", curve(x, &record.force_n), Stroke::Faint, 1))
-        .with(Series::new("parts", curve(x, &fit.predicted_n), Stroke::Solid, 0));
+        .with(Series::new("parts", curve(x, &fit.predicted_n), Stroke::Solid, 0))
+        .with(Series::new("measured", curve(x, &record.force_n), Stroke::Faint, 1));
     let over = Figure::new("Force", Axis::new("time (s)"), Axis::new("force (N)"))
-        .with(Series::new("measured", curve(time, &record.force_n), Stroke::Faint, 1))
-        .with(Series::new("parts", curve(time, &fit.predicted_n), Stroke::Solid, 0));
+        .with(Series::new("parts", curve(time, &fit.predicted_n), Stroke::Solid, 0))
+        .with(Series::new("measured", curve(time, &record.force_n), Stroke::Faint, 1));
     let residual = Figure::new("Residual", Axis::new("position (mm)"), Axis::new("measured less parts (N)"))
         .with(Series::new("", curve(x, &fit.residual_n), Stroke::Faint, 0));
     let rho = autocorrelation(&fit.residual_n, SHOWN_LAGS);

@@ -39,7 +39,7 @@ pub struct Known95 {
     pub parameters: Vec<Known>,
     /// Statistic of Ljung and Box over its degrees of freedom, and what white noise exceeds once in a hundred records.
     pub whiteness: (f64, f64),
-    /// Degrees of freedom that the search used over its parameters: kinks make it more than 1.
+    /// Mean square of the estimates' scatter over that of the slopes: kinks make it more than 1.
     pub rough: f64,
     /// Standard deviation of the residual, mm.
     pub sd_mm: f64,
@@ -56,7 +56,7 @@ pub fn intervals(record: &Record, fitted: &Fitted) -> Known95 {
     let robust = whiteness.0 > whiteness.1;
     let covariance = covariance(fitted, variance, robust);
     // A rough misfit hides what a search has chosen among.
-    let rough = roughness(record, fitted, variance.sqrt());
+    let rough = roughness(record, fitted, variance.sqrt(), &covariance);
     let t = rough.sqrt() * student_critical(0.05, n as f64 - fitted.free.len() as f64);
     let each = fitted.free.iter().enumerate().map(|(i, parameter)| {
         let at = coordinate(*parameter, parameter.of(&fitted.law));

@@ -124,6 +124,18 @@ const SPEED_OVER: usize = 3;
 /// Part of the friction's direction that is taken as known at the first stamp.
 const BEGIN: f64 = 0.0;
 
+/// Median of the slopes of all pairs around a sample (Theil and Sen): one reading that is off, or one late stamp, does not move it.
+fn speed(record: &Pushed, k: usize) -> f64 {
+    let (from, to) = (k.saturating_sub(SPEED_OVER), (k + SPEED_OVER).min(record.position_mm.len().saturating_sub(1)));
+    let pairs = (from..=to).flat_map(|a| (a + 1..=to).map(move |b| (a, b)));
+    let slope = |(a, b): (usize, usize)| {
+        (record.position_mm[b] - record.position_mm[a]) / (record.time_s[b] - record.time_s[a]).max(1e-9)
+    };
+    let mut slopes: Vec<f64> = pairs.map(slope).collect();
+    slopes.sort_by(f64::total_cmp);
+    slopes.get(slopes.len() / 2).copied().unwrap_or(0.0)
+}
+
 struct Shapes<'a> {
     record: &'a Pushed,
     middle_mm: f64,
@@ -143,11 +155,7 @@ impl<'a> Shapes<'a> {
                 way
             })
             .collect();
-        let speed = |k: usize| {
-            let (a, b) = (k.saturating_sub(SPEED_OVER), (k + SPEED_OVER).min(x.len() - 1));
-            (x[b] - x[a]) / (record.time_s[b] - record.time_s[a]).max(1e-9)
-        };
-        let speed_mm_s = (0..x.len()).map(speed).collect();
+        let speed_mm_s = (0..x.len()).map(|k| speed(record, k)).collect();
         let beside = record.beside.as_ref().map_or(Vec::new(), |values| {
             let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
             values.iter().map(|v| v - mean).collect()
