@@ -77,21 +77,27 @@ impl Scored {
     pub fn of(case: &Case) -> Result<Self, String> {
         let experiment = case.spec(true).experiment();
         let found = display::diagnose(&experiment, &|_, _, _| {}).ok_or("no run of a display")?;
+        Ok(Self::judged(case, &found))
+    }
+
+    /// Scores the diagnosis of a case.
+    #[must_use]
+    pub fn judged(case: &Case, found: &Diagnosis) -> Self {
         let named: Vec<Vec<&'static str>> = found
             .channels
             .iter()
             .flat_map(|c| &c.findings)
             .map(|f| std::iter::once(f.code).chain(f.ambiguous_with.iter().copied()).collect())
             .collect();
-        let outcome = outcome(case, &found, &named);
-        Ok(Self {
+        let outcome = outcome(case, found, &named);
+        Self {
             case: case.clone(),
             outcome,
-            strength: strength(case, &found),
+            strength: strength(case, found),
             named,
             verdict: found.verdict.word(),
             seconds: found.seconds,
-        })
+        }
     }
 
     /// True when what is hidden could be seen.

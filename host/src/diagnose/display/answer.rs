@@ -63,6 +63,10 @@ fn held_out(channel: &ChannelDiagnosis, evidence: &Evidence) -> Option<Value> {
         format!("rmse_{unit}_before"): held_out.rmse_before,
         format!("rmse_{unit}_after"): held_out.rmse_after,
         "conditions": held_out.conditions,
+        "repeated": held_out.repeated.map(|(before, after)| json!({
+            format!("rmse_{unit}_before"): before,
+            format!("rmse_{unit}_after"): after,
+        })),
     }))
 }
 

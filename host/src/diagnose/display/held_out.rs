@@ -20,6 +20,18 @@ pub struct HeldOut {
     pub square_after: f64,
     /// Names of the commands.
     pub conditions: Vec<String>,
+    /// The same over a repeat of every command that was left out, with the base and with the effects: what another session of
+    /// the same commands would show. `None` where no command repeats, or runs are marked `hold_out`.
+    pub repeated: Option<(f64, f64)>,
+}
+
+impl HeldOut {
+    /// Error with the base and with the effects, in the channel's unit, whose fall is the gain: over repeats that no fit has
+    /// seen, or over commands where nothing repeats.
+    #[must_use]
+    pub fn gain(&self) -> (f64, f64) {
+        self.repeated.unwrap_or((self.rmse_before, self.rmse_after))
+    }
 }
 
 /// Parts that a command is cut into where there is one only.
@@ -34,6 +46,8 @@ enum Group {
     Command(usize),
     /// A part of the only command: what a step up shows is then predicted from the step down.
     Part(usize),
+    /// The n-th time that each command was given.
+    Repeat(usize),
 }
 
 /// Leaves every command out in turn, refits base and rivals on the others, takes the likeliest rival there and predicts the command with it;
@@ -50,19 +64,41 @@ pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
     };
     let each: Vec<(Miss, Miss)> = groups.par_iter().map(|group| left_out(search, held, *group)).collect();
     let sum = |of: &dyn Fn(&(Miss, Miss)) -> f64| each.iter().map(of).sum::<f64>();
-    let count = sum(&|e| e.0.count).max(1.0);
+    let (rmse_before, rmse_after) = errors(&each);
     let conditions = groups.iter().map(|group| match group {
         Group::Marked => "runs marked hold_out".to_owned(),
         Group::Command(command) => design.conditions[*command].clone(),
+        Group::Repeat(n) => format!("repeat {}", n + 1),
         Group::Part(part) => format!("part {} of {PARTS} of {}", part + 1, design.conditions[0]),
     });
     Some(HeldOut {
-        rmse_before: (sum(&|e| e.0.square) / count).sqrt(),
-        rmse_after: (sum(&|e| e.1.square) / count).sqrt(),
+        rmse_before,
+        rmse_after,
         square_before: sum(&|e| e.0.whitened),
         square_after: sum(&|e| e.1.whitened),
         conditions: conditions.collect(),
+        repeated: if marked { None } else { repeated(search, held) },
     })
+}
+
+/// Root mean square errors with base and effects.
+fn errors(each: &[(Miss, Miss)]) -> (f64, f64) {
+    let sum = |of: &dyn Fn(&(Miss, Miss)) -> f64| each.iter().map(of).sum::<f64>();
+    let count = sum(&|e| e.0.count).max(1.0);
+    ((sum(&|e| e.0.square) / count).sqrt(), (sum(&|e| e.1.square) / count).sqrt())
+}
+
+/// Errors over the first, second, ... time that each command was given, each predicted from the others.
+fn repeated(search: &Search<'_>, held: &[Weighed]) -> Option<(f64, f64)> {
+    let design = search.problem.design;
+    let times = (0..design.series.len()).map(|s| time(design, s) + 1).max().filter(|times| *times > 1)?;
+    let each = (0..times).into_par_iter().map(|n| left_out(search, held, Group::Repeat(n))).collect::<Vec<_>>();
+    Some(errors(&each))
+}
+
+/// How often the command of a run was given before it.
+fn time(design: &Design, s: usize) -> usize {
+    design.series.iter().take(s).filter(|before| before.condition == design.series[s].condition).count()
 }
 
 /// What base and the likeliest rival miss of a group that neither has seen.
@@ -72,6 +108,7 @@ fn left_out(search: &Search<'_>, held: &[Weighed], group: Group) -> (Miss, Miss)
         let series = &design.series[s];
         match group {
             Group::Marked => series.hold_out,
+            Group::Repeat(n) => time(design, s) == n && !series.hold_out,
             Group::Command(command) => series.condition == command && !series.hold_out,
             Group::Part(part) => !series.hold_out && k * PARTS / series.time_s.len().max(1) == part,
         }

@@ -71,8 +71,18 @@ fn lines(out: &mut String, channel: &ChannelDiagnosis) {
     }
     let Some(evidence) = channel.evidence.as_deref() else { return };
     if let Some(held_out) = evidence.held_out.as_ref().filter(|_| !channel.findings.is_empty()) {
-        let (was, is, unit) = (held_out.rmse_before, held_out.rmse_after, channel.channel.unit());
-        let _ = writeln!(out, "  held out, {unit:4} {:>10} -> {}  rms", number(was), number(is));
+        let unit = channel.channel.unit();
+        if let Some((was, is)) = held_out.repeated {
+            let _ =
+                writeln!(out, "  repeats, {unit:5} {:>10} -> {}  rms, none seen by the fit", number(was), number(is));
+        }
+        let (was, is) = (held_out.rmse_before, held_out.rmse_after);
+        let _ = writeln!(
+            out,
+            "  held out, {unit:4} {:>10} -> {}  rms, of commands that the fit has not seen",
+            number(was),
+            number(is)
+        );
     }
     if let Some(told) = believed::remainder(&evidence.judged, "span").filter(|_| channel.verdict != Verdict::Clean) {
         let _ = writeln!(out, "  remainder      {told}");
@@ -209,11 +219,18 @@ fn parameters(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) 
     }
     page.table(&["parameter", "base", "95 %", "extended", "95 %"], &rows);
     if let Some(held_out) = evidence.held_out.as_ref().filter(|_| !channel.findings.is_empty()) {
+        let unit = channel.channel.unit();
+        let fall = |(was, is): (f64, f64)| format!("{} to {} {unit}", number(was), number(is));
+        if let Some(repeated) = held_out.repeated {
+            page.paragraph(&format!(
+                "Gain: on repeats of these commands that no fit has seen, the root mean square error falls from {}. Another \
+                 session of the same commands would show that.",
+                fall(repeated)
+            ));
+        }
         page.paragraph(&format!(
-            "On commands that no fit has seen, the root mean square error falls from {} to {} {}.",
-            number(held_out.rmse_before),
-            number(held_out.rmse_after),
-            channel.channel.unit()
+            "On commands of other kinds than the fit has seen it goes from {}. Base and effects are both fitted without them.",
+            fall((held_out.rmse_before, held_out.rmse_after))
         ));
     }
 }
