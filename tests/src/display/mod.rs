@@ -1,7 +1,9 @@
 //! Display experiments with hidden flaws, and the score of their diagnosis.
 
+mod gain;
 mod score;
 
+pub use gain::{Gains, RIGHT};
 pub use score::{Outcome, Scored, Tally};
 
 use palpate::simulate::display::{DisplayEffect, DisplayRun, DisplaySpec, Subject};

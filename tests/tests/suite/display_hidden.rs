@@ -5,8 +5,9 @@
 use palpate::diagnose::Verdict;
 use palpate::diagnose::display::{self, Diagnosis, answer};
 use palpate::experiment::{self, Experiment};
+use palpate::extended::display::DisplayModel;
 use palpate::simulate::display::{DisplayEffect, DisplayRun, DisplaySpec, Subject, parse};
-use tests::display::{Case, Outcome, Plan, Scored};
+use tests::display::{Case, Gains, Outcome, Plan, Scored};
 
 fn found(experiment: &Experiment) -> Diagnosis {
     display::diagnose(experiment, &|_, _, _| {}).unwrap()
@@ -54,6 +55,18 @@ fn few_runs_give_no_wrong_name() {
     {
         let one = scored(Plan::Short, seed, &[name], 2);
         assert_ne!(one.outcome, Outcome::Wrong, "{}", one.line());
+    }
+}
+
+/// What is printed as the gain is what new sessions show, within a tenth of the error that was there before.
+#[test]
+fn a_printed_gain_is_that_of_another_session() {
+    for (seed, name) in [(541, "backlash"), (542, "delay")] {
+        let case = Case::clean(Plan::Full, seed).hiding(&[name], 2);
+        let found = found(&case.spec(true).experiment());
+        let model = DisplayModel::of(&found).unwrap();
+        let gains: Vec<Gains> = found.channels.iter().filter_map(|one| Gains::of(one, &model, &case)).collect();
+        assert!(!gains.is_empty() && gains.iter().all(Gains::is_near), "{name}: {gains:?}");
     }
 }
 
