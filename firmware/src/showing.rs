@@ -3,7 +3,8 @@
 //! # The transition
 //! Curves are exchanged by mixing: over [`FADE_TICKS`] the share of the new one rises evenly from 0 to 1, at
 //! every force between what both ask for. So an exchange in the middle of a press moves shaft and current by a
-//! fiftieth of the difference of both a tick, and nothing jumps. A curve that is asked for meanwhile waits for the end of the transition.
+//! fiftieth of the difference of both a tick, and nothing jumps. A curve that is asked for meanwhile waits for
+//! the end of the transition.
 
 use crate::display::DisplayConfig;
 use crate::number::limit;

@@ -100,12 +100,7 @@ impl Curves {
     /// [`CurveError::Stranger`] for a curve of a material that the library does not have.
     pub fn give(&self, library: &mut [MaterialSpec]) -> Result<(), CurveError> {
         for (file, curve) in &self.given {
-            let mut found = false;
-            for one in library.iter_mut().filter(|one| one.name == curve.material) {
-                one.display = curve.display();
-                found = true;
-            }
-            if !found {
+            if !put(library, &curve.material, &curve.display()) {
                 let known: Vec<&str> = library.iter().map(|one| one.name.as_str()).collect();
                 let (file, material) = (file.clone(), curve.material.clone());
                 return Err(CurveError::Stranger { file, material, known: known.join(", ") });
@@ -123,6 +118,16 @@ impl ControlCurve {
     fn display_words(&self) -> String {
         format!("magnet {} with fluid {}", self.magnet, self.fluid)
     }
+}
+
+/// Gives the materials of a name a display curve; false where there is none.
+pub fn put(library: &mut [MaterialSpec], material: &str, display: &DisplaySpec) -> bool {
+    let mut found = false;
+    for one in library.iter_mut().filter(|one| one.name == material) {
+        one.display = display.clone();
+        found = true;
+    }
+    found
 }
 
 /// Names of the materials of a library that the actuator displays alone, each once.

@@ -12,7 +12,7 @@ mod ticks;
 
 pub use curve::{COLUMNS, ControlCurve, MOST_ROWS, Row};
 pub use error::CurveError;
-pub use library::{Curves, actuator_only};
+pub use library::{Curves, actuator_only, put};
 pub use ticks::ShownTicks;
 
 #[cfg(test)]

@@ -73,7 +73,7 @@ impl Palpated {
 }
 
 /// Longest palpation, s of board time: 4 mm of approach and of depth at 1 mm/s, the return, the analysis, and as much again.
-const LONGEST_S: f64 = 30.0;
+pub(super) const LONGEST_S: f64 = 30.0;
 
 /// Lays a foam under the probe and palpates it.
 pub(super) fn palpate(

@@ -5,6 +5,7 @@ use protocol::lut::Table;
 use protocol::message::{DisplayMode, Halves, PalpationMode, Parts, Rule, Telemetry};
 
 use super::listening::Listening;
+use super::palpation::LONGEST_S;
 use super::{DemoError, Options};
 use crate::plant::{Foam, Touch, Truth};
 use crate::session::Event;
@@ -14,9 +15,6 @@ const TOUCH: Touch = Touch { peak_n: 1.0, period_s: 2.0 };
 
 /// How long the finger goes on after a verdict, s: the display goes over to another curve in one.
 const AFTER_S: f64 = 3.0;
-
-/// Longest press, s.
-const LONGEST_S: f64 = 30.0;
 
 /// One control tick.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,9 +7,10 @@
 pub mod pulp;
 pub mod table;
 
-use crate::experiment::{Experiment, Run, Test, motion};
+use lut_gen::pad::hertz::Elastic;
+
+use crate::experiment::{Experiment, Run, Test, motion, signal};
 use crate::identify::contact;
-use pulp::Sphere;
 use table::Displacement;
 
 /// Nodes of a table.
@@ -100,7 +101,7 @@ fn of(run: &Run, material: &str, (height_mm, area_mm2): (f64, f64), cap: &Cap) -
     let contact = contact::guess_of_faces(&depth[loading.clone()], &pushed, height_mm)
         .ok_or_else(|| refused("no force rises above its noise"))?;
     let before = loading.clone().filter(|i| depth[*i] < contact.contact_mm);
-    let zero_n = mean(before.map(|i| force[i])).unwrap_or(lowest_n);
+    let zero_n = signal::mean(before.map(|i| force[i])).unwrap_or(lowest_n);
     let curve = |samples: std::ops::Range<usize>| -> Curve {
         let each = samples.map(|i| ((depth[i] - contact.contact_mm) / height_mm, 1e3 * (force[i] - zero_n) / area_mm2));
         each.filter(|(strain, _)| *strain > 0.0).collect()
@@ -114,7 +115,7 @@ fn of(run: &Run, material: &str, (height_mm, area_mm2): (f64, f64), cap: &Cap) -
     }
     let modulus_kpa = slope(&whole).filter(|kpa| *kpa > 0.0).ok_or_else(|| refused("the stress does not rise"))?;
     let thickness_mm = cap.thickness_mm.unwrap_or(height_mm);
-    let sphere = cap.thesis_pulp.then_some(Sphere { modulus_kpa, nu: 0.0 });
+    let soft = cap.thesis_pulp.then_some(Elastic { young_mpa: 1e-3 * modulus_kpa, nu: 0.0 });
     let table = |branch: &str, curve: &Curve| Displacement {
         material: material.to_owned(),
         branch: branch.to_owned(),
@@ -126,7 +127,7 @@ fn of(run: &Run, material: &str, (height_mm, area_mm2): (f64, f64), cap: &Cap) -
             run.file,
             if cap.thesis_pulp { ", pulp of Eqs. 50 to 52" } else { "" }
         ),
-        rows: rows(curve, cap.area_mm2, thickness_mm, sphere.as_ref()),
+        rows: rows(curve, cap.area_mm2, thickness_mm, soft),
     };
     let up = motion.unloading.map(|samples| rising(below(curve(samples).into_iter().rev().collect(), most_kpa)));
     Ok(Tables {
@@ -138,17 +139,12 @@ fn of(run: &Run, material: &str, (height_mm, area_mm2): (f64, f64), cap: &Cap) -
     })
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / count as f64)
-}
-
 /// Mean of the lowest fiftieth of the forces, N, of three at least: the sensor's zero, to begin with.
 fn lowest(force_n: &[f64]) -> f64 {
     let mut sorted = force_n.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted.truncate((sorted.len() / 50).max(3));
-    mean(sorted.into_iter()).unwrap_or(0.0)
+    signal::mean(sorted.into_iter()).unwrap_or(0.0)
 }
 
 /// Samples before the first whose stress is more.
@@ -177,16 +173,13 @@ fn rising(curve: Curve) -> Curve {
 
 /// Slope over the linear strains, kPa.
 fn slope(curve: &Curve) -> Option<f64> {
-    let within: Vec<_> = curve.iter().filter(|(strain, _)| *strain >= LINEAR.0 && *strain <= LINEAR.1).collect();
-    let x = mean(within.iter().map(|p| p.0))?;
-    let y = mean(within.iter().map(|p| p.1))?;
-    let above: f64 = within.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-    let below: f64 = within.iter().map(|p| (p.0 - x).powi(2)).sum();
-    (below > 0.0).then(|| above / below)
+    let within = curve.iter().filter(|(strain, _)| *strain >= LINEAR.0 && *strain <= LINEAR.1);
+    let (strain, kpa): (Vec<f64>, Vec<f64>) = within.copied().unzip();
+    signal::slope(&strain, &kpa)
 }
 
 /// Force, N, and place of the shaft, mm, at even strains from none on.
-fn rows(curve: &Curve, area_mm2: f64, thickness_mm: f64, sphere: Option<&Sphere>) -> Vec<(f64, f64)> {
+fn rows(curve: &Curve, area_mm2: f64, thickness_mm: f64, soft: Option<Elastic>) -> Vec<(f64, f64)> {
     let step = curve.len().div_ceil(NODES).max(1);
     let mut rows = vec![(0.0, 0.0)];
     let last = curve.len().saturating_sub(1);
@@ -195,7 +188,7 @@ fn rows(curve: &Curve, area_mm2: f64, thickness_mm: f64, sphere: Option<&Sphere>
             continue;
         }
         let force_n = 1e-3 * kpa * area_mm2;
-        let shaft_mm = strain * thickness_mm + sphere.map_or(0.0, |sphere| sphere.extra_mm(force_n));
+        let shaft_mm = strain * thickness_mm + soft.map_or(0.0, |soft| pulp::extra_mm(soft, force_n));
         rows.push((force_n, shaft_mm));
     }
     rows

@@ -43,6 +43,12 @@ pub fn averaged(values: &[f64], together: usize) -> Vec<f64> {
     values.chunks(together.max(1)).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect()
 }
 
+/// Arithmetic mean; `None` of none.
+pub fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}
+
 /// Slope of the least-squares line.
 pub fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
     let count = x.len() as f64;

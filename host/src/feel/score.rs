@@ -1,6 +1,7 @@
 //! How near what is felt is to the material.
 
 use super::{Felt, Pressed, Sample};
+use crate::experiment::signal::mean;
 
 /// Force below which the FSR of the thesis reads nothing, N (Eq. 45): scores are of more, the part below is told.
 pub const LEAST_N: f64 = 0.2;
@@ -49,11 +50,6 @@ impl Pressed {
         let last = most.map_or(0, |(at, _)| at + 1).max(first);
         Loading { samples: self.samples.get(first..last).unwrap_or_default() }
     }
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / count as f64)
 }
 
 impl Felt {

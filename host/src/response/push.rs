@@ -8,6 +8,7 @@
 //! quick part of the force alone; so the amounts are those of plain least squares, and the correlation goes into their intervals
 //! (Newey and West) and into the choice of parts.
 
+use crate::experiment::signal::median;
 use nalgebra::{DMatrix, DVector};
 
 use super::fit::ends;
@@ -131,9 +132,7 @@ fn speed(record: &Pushed, k: usize) -> f64 {
     let slope = |(a, b): (usize, usize)| {
         (record.position_mm[b] - record.position_mm[a]) / (record.time_s[b] - record.time_s[a]).max(1e-9)
     };
-    let mut slopes: Vec<f64> = pairs.map(slope).collect();
-    slopes.sort_by(f64::total_cmp);
-    slopes.get(slopes.len() / 2).copied().unwrap_or(0.0)
+    median(pairs.map(slope))
 }
 
 struct Shapes<'a> {

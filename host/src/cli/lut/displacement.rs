@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use miette::{IntoDiagnostic, miette};
 use protocol::lut::MaterialSpec;
 
+use crate::control::put;
 use crate::displacement::table::Displacement;
 
 /// Gives materials of the library the displacement of the files, without coil.
@@ -22,12 +23,7 @@ pub(super) fn give(files: &[PathBuf], library: &mut [MaterialSpec]) -> miette::R
                 table.material
             ));
         }
-        let mut found = false;
-        for one in library.iter_mut().filter(|one| one.name == table.material) {
-            one.display = table.display();
-            found = true;
-        }
-        if !found {
+        if !put(library, &table.material, &table.display()) {
             let mut known: Vec<&str> = library.iter().map(|one| one.name.as_str()).collect();
             known.dedup();
             let file = file.display();

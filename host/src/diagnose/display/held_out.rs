@@ -46,8 +46,17 @@ enum Group {
     Command(usize),
     /// A part of the only command: what a step up shows is then predicted from the step down.
     Part(usize),
-    /// The n-th time that each command was given.
-    Repeat(usize),
+}
+
+impl Group {
+    /// Whether a sample of a run is left out.
+    fn holds(self, series: &Series, k: usize) -> bool {
+        match self {
+            Group::Marked => series.hold_out,
+            Group::Command(command) => series.condition == command && !series.hold_out,
+            Group::Part(part) => !series.hold_out && k * PARTS / series.time_s.len().max(1) == part,
+        }
+    }
 }
 
 /// Leaves every command out in turn, refits base and rivals on the others, takes the likeliest rival there and predicts the command with it;
@@ -62,13 +71,13 @@ pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
         1 => (0..PARTS).map(Group::Part).collect(),
         commands => (0..commands).map(Group::Command).collect(),
     };
-    let each: Vec<(Miss, Miss)> = groups.par_iter().map(|group| left_out(search, held, *group)).collect();
+    let missed = |group: &Group| left_out(search, held, &|s, k| group.holds(&design.series[s], k));
+    let each: Vec<(Miss, Miss)> = groups.par_iter().map(missed).collect();
     let sum = |of: &dyn Fn(&(Miss, Miss)) -> f64| each.iter().map(of).sum::<f64>();
     let (rmse_before, rmse_after) = errors(&each);
     let conditions = groups.iter().map(|group| match group {
         Group::Marked => "runs marked hold_out".to_owned(),
         Group::Command(command) => design.conditions[*command].clone(),
-        Group::Repeat(n) => format!("repeat {}", n + 1),
         Group::Part(part) => format!("part {} of {PARTS} of {}", part + 1, design.conditions[0]),
     });
     Some(HeldOut {
@@ -91,28 +100,20 @@ fn errors(each: &[(Miss, Miss)]) -> (f64, f64) {
 /// Errors over the first, second, ... time that each command was given, each predicted from the others.
 fn repeated(search: &Search<'_>, held: &[Weighed]) -> Option<(f64, f64)> {
     let design = search.problem.design;
-    let times = (0..design.series.len()).map(|s| time(design, s) + 1).max().filter(|times| *times > 1)?;
-    let each = (0..times).into_par_iter().map(|n| left_out(search, held, Group::Repeat(n))).collect::<Vec<_>>();
-    Some(errors(&each))
+    let before: Vec<usize> = (0..design.series.len()).map(|s| given_before(design, s)).collect();
+    let last = before.iter().copied().max().filter(|last| *last > 0)?;
+    let missed = |n| left_out(search, held, &|s, _| before[s] == n && !design.series[s].hold_out);
+    Some(errors(&(0..=last).into_par_iter().map(missed).collect::<Vec<_>>()))
 }
 
 /// How often the command of a run was given before it.
-fn time(design: &Design, s: usize) -> usize {
+fn given_before(design: &Design, s: usize) -> usize {
     design.series.iter().take(s).filter(|before| before.condition == design.series[s].condition).count()
 }
 
-/// What base and the likeliest rival miss of a group that neither has seen.
-fn left_out(search: &Search<'_>, held: &[Weighed], group: Group) -> (Miss, Miss) {
+/// What base and the likeliest rival miss of the samples (run, place in it) that neither has seen.
+fn left_out(search: &Search<'_>, held: &[Weighed], is_predicted: &dyn Fn(usize, usize) -> bool) -> (Miss, Miss) {
     let design = search.problem.design;
-    let is_predicted = |s: usize, k: usize| {
-        let series = &design.series[s];
-        match group {
-            Group::Marked => series.hold_out,
-            Group::Repeat(n) => time(design, s) == n && !series.hold_out,
-            Group::Command(command) => series.condition == command && !series.hold_out,
-            Group::Part(part) => !series.hold_out && k * PARTS / series.time_s.len().max(1) == part,
-        }
-    };
     let of = |is_one: &dyn Fn(usize, usize) -> bool| {
         let mut own = design.clone();
         for (s, series) in own.series.iter_mut().enumerate() {
@@ -120,7 +121,7 @@ fn left_out(search: &Search<'_>, held: &[Weighed], group: Group) -> (Miss, Miss)
         }
         own
     };
-    let (seen, shown) = (of(&|s, k| !is_predicted(s, k) && !design.series[s].hold_out), of(&is_predicted));
+    let (seen, shown) = (of(&|s, k| !is_predicted(s, k) && !design.series[s].hold_out), of(is_predicted));
     let fitted = only(search, &seen);
     let shown = only(search, &shown);
     let base = fitted.fit(&search.base.law);
