@@ -30,6 +30,8 @@ pub enum Coordinate {
     LnMu,
     /// Logarithm of the exponent.
     LnAlpha,
+    /// The same of a material that is compressed only, for which no force models are needed.
+    LnAlphaAlone,
     /// Offset of a depth that was not zeroed at the contact, mm.
     Zero,
     /// A quantity of a candidate: which candidate, which quantity.
@@ -38,6 +40,8 @@ pub enum Coordinate {
 
 /// Exponents that the force models cover.
 const ALPHA: (f64, f64) = (1.8, 26.0);
+/// Exponents of the closed form of a coupon, those of rubbers among them.
+const ALPHA_ALONE: (f64, f64) = (0.5, 26.0);
 
 impl Coordinate {
     /// Lowest and highest value.
@@ -46,6 +50,7 @@ impl Coordinate {
         match self {
             Coordinate::LnMu => (1e-6_f64.ln(), 1e3_f64.ln()),
             Coordinate::LnAlpha => (ALPHA.0.ln(), ALPHA.1.ln()),
+            Coordinate::LnAlphaAlone => (ALPHA_ALONE.0.ln(), ALPHA_ALONE.1.ln()),
             Coordinate::Zero => (-1.0, 1.0),
             Coordinate::Of(_, q) => match q.spread {
                 Spread::Even => (q.low, q.high),
@@ -68,14 +73,14 @@ impl Coordinate {
                 let is_near = |end: f64| (x - end).abs() < 1e-3 * (high - low);
                 [low, high].into_iter().any(|end| is_near(end) && (end - self.of(q.null)).abs() > 1e-9)
             }
-            Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => self.is_at_end(x),
+            Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::LnAlphaAlone | Coordinate::Zero => self.is_at_end(x),
         }
     }
 
     /// Step of a difference quotient.
     pub(super) fn step(&self) -> f64 {
         match self {
-            Coordinate::LnMu | Coordinate::LnAlpha => 1e-3,
+            Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::LnAlphaAlone => 1e-3,
             Coordinate::Zero => 1e-3,
             Coordinate::Of(_, q) => match q.spread {
                 Spread::Even => 0.02 * (q.plausible - q.null).abs(),
@@ -88,7 +93,7 @@ impl Coordinate {
     #[must_use]
     pub fn value(&self, x: f64) -> f64 {
         match self {
-            Coordinate::LnMu | Coordinate::LnAlpha => x.exp(),
+            Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::LnAlphaAlone => x.exp(),
             Coordinate::Zero => x,
             Coordinate::Of(_, q) => match q.spread {
                 Spread::Even => x,
@@ -108,7 +113,7 @@ impl Coordinate {
     #[must_use]
     pub fn of(&self, value: f64) -> f64 {
         match self {
-            Coordinate::LnMu | Coordinate::LnAlpha => value.ln(),
+            Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::LnAlphaAlone => value.ln(),
             Coordinate::Zero => value,
             Coordinate::Of(_, q) => match q.spread {
                 Spread::Even => value,
@@ -121,7 +126,8 @@ impl Coordinate {
 /// Parameters of the base with candidates.
 #[must_use]
 pub fn coordinates(design: &Design, candidates: &[Candidate]) -> Vec<Coordinate> {
-    let mut list = vec![Coordinate::LnMu, Coordinate::LnAlpha];
+    let alpha = if design.series.is_empty() { Coordinate::LnAlphaAlone } else { Coordinate::LnAlpha };
+    let mut list = vec![Coordinate::LnMu, alpha];
     if !design.zero_is_contact {
         list.push(Coordinate::Zero);
     }
@@ -143,7 +149,7 @@ pub fn model(coordinates: &[Coordinate], candidates: &[Candidate], x: &DVector<f
         let value = coordinate.value(*x);
         match coordinate {
             Coordinate::LnMu => model.mu_mpa = value,
-            Coordinate::LnAlpha => model.alpha = value,
+            Coordinate::LnAlpha | Coordinate::LnAlphaAlone => model.alpha = value,
             Coordinate::Zero => zero = Some(value),
             Coordinate::Of(at, _) => model.settings[*at].values.push(value),
         }
@@ -164,7 +170,7 @@ pub fn point(coordinates: &[Coordinate], candidates: &[Candidate], model: &Model
     let mut values = model.settings.iter().take(candidates.len()).flat_map(|s| s.values.iter().copied());
     let mut value = |c: &Coordinate| match c {
         Coordinate::LnMu => Some(model.mu_mpa),
-        Coordinate::LnAlpha => Some(model.alpha),
+        Coordinate::LnAlpha | Coordinate::LnAlphaAlone => Some(model.alpha),
         Coordinate::Zero => model.settings.last().and_then(|s| s.values.first().copied()),
         Coordinate::Of(..) => values.next(),
     };

@@ -200,7 +200,7 @@ impl Problem<'_> {
         let open = |at: usize| candidates[at].effect.code == second_term::EFFECT.code;
         let ends = coordinates.iter().zip(&x).any(|(c, x)| match c {
             Coordinate::Of(at, q) if q.spread == Spread::Logarithmic && open(*at) => false,
-            Coordinate::LnAlpha if (0..candidates.len()).any(open) => false,
+            Coordinate::LnAlpha | Coordinate::LnAlphaAlone if (0..candidates.len()).any(open) => false,
             _ => c.is_at_bound(*x),
         });
         let model = self.model(&coordinates, candidates, &x);

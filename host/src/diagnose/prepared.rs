@@ -145,7 +145,7 @@ pub(super) fn base_fit(problem: &Problem<'_>, peak_mpa: f64) -> Fit {
     let fits = ALPHAS.par_iter().map(|alpha| {
         let x = DVector::from_fn(list.len(), |i, _| match list[i] {
             Coordinate::LnMu => peak_mpa.ln(),
-            Coordinate::LnAlpha => alpha.ln(),
+            Coordinate::LnAlpha | Coordinate::LnAlphaAlone => alpha.ln(),
             _ => 0.0,
         });
         problem.fit(&[], &x)

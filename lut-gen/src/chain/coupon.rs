@@ -3,10 +3,12 @@
 //! Nothing of ball, friction and contact is in it. With one Poisson's ratio for all terms the free sides of a Hyperfoam follow the axis by
 //! `s = l^(-nu)` whatever the stress, so that free and held sides share one closed form ([`Column`]); and since no work is done on the sides,
 //! relaxation and softening multiply and convolve the axial stress alone, exactly (`tests/coupon.rs` compares with
-//! [`crate::solid::homogeneous::Coupon::follow`]).
+//! [`crate::solid::homogeneous::Coupon::follow`]). A rubber's sides follow by `l^(-1/2)`, and its platens may rub ([`Rubbing`]).
 
-use super::Model;
-use crate::effect::{compliance, poisson, relaxation, second_term, softening};
+use std::sync::Arc;
+
+use super::{Model, Rubbing};
+use crate::effect::{compliance, friction, poisson, relaxation, second_term, softening};
 use crate::solid::homogeneous::Mode;
 use crate::solid::law::OgdenRoxburgh;
 
@@ -49,6 +51,11 @@ pub struct Shortening {
     pub area_mm2: f64,
     /// Index of the specimen in the experiment, the owner of its height.
     pub specimen: usize,
+    /// Poisson's ratio that its law states: 0.5 of a rubber, whose sides are free then. None of a foam, which
+    /// has that of the model.
+    pub nu: Option<f64>,
+    /// What friction on its platens adds; none where it is not solved, and platens do not rub.
+    pub rubbing: Option<Arc<Rubbing>>,
     /// Time since the first sample (s), rising.
     pub time_s: Vec<f64>,
     /// Recorded shortening (mm), as long as `time_s`; 0 at first touch.
@@ -115,7 +122,7 @@ impl Model {
     #[must_use]
     pub fn shortened(&self, run: &Shortening, contact_mm: f64) -> Vec<f64> {
         let height_mm = run.height_mm + self.height_error_mm(run.specimen);
-        let nu = self.first(&poisson::EFFECT, 0);
+        let nu = run.nu.unwrap_or_else(|| self.first(&poisson::EFFECT, 0));
         let mut terms = vec![(self.mu_mpa, self.alpha)];
         terms.extend(self.of(&second_term::EFFECT).filter_map(|s| match s.values[..] {
             [ratio, alpha] => Some((ratio * self.mu_mpa, alpha)),
@@ -136,6 +143,7 @@ impl Model {
             if !series.is_empty() {
                 relaxation::convolved(&run.time_s, &stretches, &series, &mut force);
             }
+            self.rub(run, &stretches, &mut force);
             force
         };
         let mm_per_n = self.first(&compliance::EFFECT, 0);
@@ -161,6 +169,19 @@ impl Model {
         force.iter_mut().for_each(|f| *f = f.max(0.0));
         self.read(&run.time_s, run.start_s, &mut force);
         force
+    }
+
+    /// Friction on the platens: a share of the force, another one on the way back.
+    fn rub(&self, run: &Shortening, stretches: &[f64], force_n: &mut [f64]) {
+        let coefficient = self.first(&friction::EFFECT, 0);
+        let Some(rubbing) = run.rubbing.as_ref().filter(|_| coefficient > 0.0) else { return };
+        let mut deepest = 0.0_f64;
+        for (force, stretch) in force_n.iter_mut().zip(stretches) {
+            let share = 1.0 - stretch;
+            deepest = deepest.max(share);
+            let is_back = share < (1.0 - friction::TURN) * deepest;
+            *force *= rubbing.factor((self.alpha, coefficient), share, is_back);
+        }
     }
 
     /// Ogden and Roxburgh's factor of a material point, which all points are: the law behind what [`softening::factor`] is of a contact.

@@ -8,12 +8,14 @@ mod coupon;
 mod kept;
 mod library;
 mod passage;
+mod platens;
 mod predict;
 mod whole;
 
 pub use coupon::{Shortening, Sides};
 pub use library::{Geometry, Library, LibraryError, Missing, Need, RUBBER_NU};
 pub use passage::Passage;
+pub use platens::Rubbing;
 pub use predict::{Chain, Prediction};
 pub use whole::{Detail, ROUGH, Whole, Window, is_rough};
 

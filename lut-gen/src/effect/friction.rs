@@ -1,14 +1,14 @@
-//! Friction between ball and specimen.
+//! Friction between ball and specimen, or between platens and a rubber that spreads on them.
 
 use super::{Effect, FormError, Kind, Owner, Quantity, Share, Stage};
 
-/// Coulomb friction under the ball.
+/// Coulomb friction under the ball, or on the platens (`chain::Rubbing`).
 pub const EFFECT: Effect = Effect {
     code: "friction",
     form: "coulomb",
     stage: Stage::Contact,
     kind: Kind::Contact,
-    assumption: "the ball is frictionless",
+    assumption: "the ball, or a platen, is frictionless",
     signature: "changes sign with the direction of motion",
     twins: &["relaxation", "poisson", "second-term"],
     separated_by: "a slow against a fast loop; a lubricant",

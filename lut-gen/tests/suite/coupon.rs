@@ -23,6 +23,8 @@ fn run(sides: Sides) -> Shortening {
         height_mm: HEIGHT_MM,
         area_mm2: AREA_MM2,
         specimen: 1,
+        nu: None,
+        rubbing: None,
         time_s,
         depth_mm,
         start_s: 0.0,

@@ -10,7 +10,7 @@ use palpate::report::figure::{Axis, Figure, Series, Stroke};
 use palpate::report::number;
 use tests::document::table;
 
-use super::{Outcome, picture, recorded};
+use super::{Outcome, asked, picture, recorded};
 
 /// Repeats that are fitted; all five say what noise is.
 const FITTED: usize = 2;
@@ -126,6 +126,13 @@ pub fn section(figures: &Path) -> Outcome<Option<String>> {
         &rows,
     );
     out += "\n";
+    if let Some(whole) = recorded::experiment("ecoflex", "data/ecoflex")? {
+        for found in palpate::diagnose::compression::diagnose(&whole) {
+            out += &format!("**{}**, all pieces and presses (`tests/experiments/ecoflex`):\n\n", found.material);
+            out += &asked::of_compression(&found);
+            out += "\n";
+        }
+    }
     out += &picture(figures, "real-diagnosis-ecoflex.svg", "Ecoflex, what both fits leave", &parts)?;
     Ok(Some(out))
 }

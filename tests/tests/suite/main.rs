@@ -33,6 +33,7 @@ mod real_recordings;
 mod reference_curves;
 mod relaxing_filter;
 mod robustness;
+mod rubber_platens;
 mod same_bits;
 mod six_parameters;
 mod tables;

@@ -3,7 +3,9 @@
 //! Every point deforms alike, so that the force is the law's own and knows nothing of ball, friction and contact. What a coupon is not: exactly as large and as stiff as it is
 //! said to be, flat, or touched where it is said to be touched. That is what its rows may be off by together.
 
-use lut_gen::chain::{Model, Shortening, Sides};
+use std::sync::Arc;
+
+use lut_gen::chain::{Model, Rubbing, Shortening, Sides};
 use nalgebra::{DMatrix, DVector};
 
 use crate::experiment::motion::{self, Motion};
@@ -35,6 +37,10 @@ const PLACES: usize = 4;
 const SHARES: (f64, f64) = (0.03, 0.6);
 /// First touch is unknown by this beside the jitter of contacts (mm): faces that are not parallel touch one after the other.
 const TOUCH_MM: f64 = 0.1;
+/// Poisson's ratio of a rubber between platens.
+const INCOMPRESSIBLE: f64 = 0.5;
+/// Shapes and deepest shortenings that are one to the platens, as parts of themselves.
+const ONE_SHAPE: f64 = 0.01;
 /// A coupon's diameter is known to this (mm), which is 0.5 % of the area of one of 50 mm.
 const DIAMETER_MM: f64 = 0.12;
 /// Its height is known to this part of itself: a calliper presses on it.
@@ -58,9 +64,13 @@ impl Coupon {
         let its = &experiment.specimens[at];
         match its.base_law {
             BaseLaw::Hyperfoam => {}
-            BaseLaw::Ogden => {
-                return Err("a coupon of law ogden is not compared: balls on it are computed with a Poisson's ratio of 0.4, and its own compressibility is unknown".to_owned());
+            BaseLaw::Ogden if run.test == Test::Confined => {
+                return Err("a coupon of law ogden in a ring is not compared: only its compressibility shows there, and that is unknown".to_owned());
             }
+            BaseLaw::Ogden if is_pressed(experiment, &its.material) => {
+                return Err("a coupon of law ogden is not compared beside balls: these are computed with a Poisson's ratio of 0.4, and what is between platens hardly changes its volume".to_owned());
+            }
+            BaseLaw::Ogden => {}
             BaseLaw::Rigid => return Err("a stiff block between faces says nothing of the material".to_owned()),
         }
         let (Some(height_mm), Some(radius_mm)) = (its.height_mm.known(), its.radius_mm.known()) else {
@@ -75,6 +85,8 @@ impl Coupon {
             height_mm,
             area_mm2,
             specimen: at,
+            nu: (its.base_law == BaseLaw::Ogden).then_some(INCOMPRESSIBLE),
+            rubbing: None,
             time_s: Vec::new(),
             depth_mm: Vec::new(),
             start_s: run.start_s.unwrap_or(0.0),
@@ -184,6 +196,38 @@ impl Coupon {
     fn place(&mut self, node: &Node) {
         self.run.time_s.push(node.time_s);
         self.run.depth_mm.push(node.depth_mm);
+    }
+
+    /// Solves what friction on the platens adds to rubbers among some coupons, one shape after the other.
+    ///
+    /// # Errors
+    /// Why a shape cannot be solved; it is then taken not to rub.
+    pub(in super::super) fn rub<'a>(coupons: impl Iterator<Item = &'a mut Self>) -> Result<(), String> {
+        type Shape = (f64, f64, bool);
+        let mut solved: Vec<(Shape, Option<Arc<Rubbing>>)> = Vec::new();
+        let mut failed = None;
+        for coupon in coupons.filter(|coupon| coupon.run.nu.is_some()) {
+            let (run, returns) = (&coupon.run, coupon.nodes.iter().any(|node| node.branch == Branch::Unloading));
+            let radius_mm = (run.area_mm2 / std::f64::consts::PI).sqrt();
+            let deepest_mm = run.depth_mm.iter().copied().fold(0.0, f64::max);
+            let (shape, turn) = (radius_mm / run.height_mm, deepest_mm / run.height_mm);
+            let near = |a: f64, b: f64| (a - b).abs() <= ONE_SHAPE * b;
+            let known = |own: &&(Shape, _)| near(shape, own.0.0) && near(turn, own.0.1) && own.0.2 == returns;
+            if let Some((_, rubbing)) = solved.iter().find(known) {
+                coupon.run.rubbing.clone_from(rubbing);
+                continue;
+            }
+            let rubbing = match Rubbing::solved(shape, turn, returns) {
+                Ok(rubbing) => Some(Arc::new(rubbing)),
+                Err(cause) => {
+                    failed.get_or_insert(format!("friction on the platens is left out: {cause}"));
+                    None
+                }
+            };
+            coupon.run.rubbing.clone_from(&rubbing);
+            solved.push(((shape, turn, returns), rubbing));
+        }
+        failed.map_or(Ok(()), Err)
     }
 
     /// What holds its sides.
@@ -307,6 +351,12 @@ impl Coupon {
         list.retain(|(_, _, weights)| weights.iter().any(|w| *w != 0.0));
         list
     }
+}
+
+/// True where a ball is pressed into a material.
+fn is_pressed(experiment: &Experiment, material: &str) -> bool {
+    let of = |run: &Run| run.specimen.is_some_and(|at| experiment.specimens[at].material == material);
+    experiment.runs.iter().any(|run| run.test == Test::Indentation && of(run))
 }
 
 #[cfg(test)]
@@ -450,9 +500,15 @@ mod tests {
         let unknown = "a coupon of unknown height or cross-section says nothing of the material";
         assert_eq!(why(&|e| e.specimens[0].height_mm = Length::Unknown), unknown);
         assert_eq!(why(&|e| e.specimens[0].radius_mm = Length::Unknown), unknown);
-        assert!(
-            why(&|e| e.specimens[0].base_law = BaseLaw::Ogden).starts_with("a coupon of law ogden is not compared")
-        );
+        let rubber = |e: &mut Experiment| e.specimens[0].base_law = BaseLaw::Ogden;
+        assert!(why(&rubber).starts_with("a coupon of law ogden in a ring is not compared"));
+        let beside = |e: &mut Experiment| {
+            rubber(e);
+            e.runs[0].test = Test::Uniaxial;
+            let pressed = Run { test: Test::Indentation, ..e.runs[0].clone() };
+            e.runs.push(pressed);
+        };
+        assert!(why(&beside).starts_with("a coupon of law ogden is not compared beside balls"));
         assert!(why(&|e| e.specimens[0].base_law = BaseLaw::Rigid).starts_with("a stiff block between faces"));
         assert!(why(&|e| e.runs[0].hold_out = true).starts_with("a coupon is fitted and not predicted"));
         assert_eq!(why(&|e| e.runs[0].recording.force_n.fill(0.0)), "the coupon was not touched");

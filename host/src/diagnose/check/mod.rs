@@ -114,6 +114,14 @@ impl Check {
         }
     }
 
+    /// The coupon, to be told of its platens.
+    pub(super) fn coupon_mut(&mut self) -> Option<&mut Coupon> {
+        match &mut self.shown {
+            Shown::Alone(_) => None,
+            Shown::Coupon(coupon) => Some(coupon),
+        }
+    }
+
     /// The specimen that was shortened as a whole, as its index.
     pub(super) fn coupon_of(&self) -> Option<usize> {
         self.coupon().map(Coupon::specimen)

@@ -70,10 +70,10 @@ impl Forward for Coupons<'_> {
         let known = from.x.len();
         let fits = starts.par_iter().map(|values| {
             let place = |i: usize| if i < known { from.x[i] } else { list[i].of(values[i - known]) };
-            self.fitted(&candidates, &DVector::from_fn(list.len(), |i, _| place(i)))
+            self.settled(&self.fitted(&candidates, &DVector::from_fn(list.len(), |i, _| place(i))))
         });
         let log = |fit: &Fit| Weighed::of(self, fit.clone(), &self.groups.discrepancy, &[]).map(|found| found.log);
-        let told: Vec<(f64, Fit)> = fits.filter_map(|fit| Some((log(&fit)?, fit))).collect();
+        let told: Vec<(f64, Fit)> = fits.flatten().filter_map(|fit| Some((log(&fit)?, fit))).collect();
         told.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, fit)| fit)
     }
 
@@ -107,10 +107,46 @@ impl<'a> Coupons<'a> {
         search.signatures = candidates.iter().map(|c| signature(problem, base, c)).collect();
         coupons.groups = self::groups(&search.problem, &search.base.model);
         coupons.search = search;
+        if let Some(base) = coupons.settled(&coupons.search.base) {
+            coupons.search.base = base;
+        }
         coupons
     }
 
-    /// A fit from a point, first of the forces as they were read: errors in proportion to these would let a modulus
+    /// A fit linearised where the evidence puts its parameters, which beside a discrepancy lies far from where plain
+    /// residuals are least: the point of some rounds that its own evidence moves the least.
+    fn settled(&self, fit: &Fit) -> Option<Fit> {
+        let problem = &self.search.problem;
+        let mut now = fit.clone();
+        let (mut part, mut before) = (1.0, Vec::new());
+        let mut nearest: Option<(f64, Fit)> = None;
+        for _ in 0..ROUNDS {
+            let found = Weighed::of(self, now.clone(), &self.groups.discrepancy, &[])?;
+            // in standard deviations, so that all parameters count alike
+            let of = |(to, (from, own)): (&f64, (&f64, &f64))| (to - from) / own.max(f64::MIN_POSITIVE);
+            let steps: Vec<f64> =
+                found.evidence.x.iter().zip(now.x.iter().zip(&found.evidence.deviations)).map(of).collect();
+            let largest = steps.iter().fold(0.0, |most: f64, step| most.max(step.abs()));
+            if nearest.as_ref().is_none_or(|(least, _)| largest < *least) {
+                nearest = Some((largest, now.clone()));
+            }
+            if largest < SETTLED {
+                break;
+            }
+            // one that goes to and fro steps shorter
+            if steps.iter().zip(&before).map(|(a, b): (&f64, &f64)| a * b).sum::<f64>() < 0.0 {
+                part *= 0.5;
+            }
+            let moved = |i: usize| found.evidence.x[i] - now.x[i];
+            let longest = (0..2).map(|i| moved(i).abs()).fold(LONGEST, f64::max);
+            let next = DVector::from_fn(now.x.len(), |i, _| now.x[i] + part * moved(i) * LONGEST / longest);
+            now = problem.at(&fit.candidates, &next, &Fold::none());
+            before = steps;
+        }
+        nearest.map(|(_, fit)| fit)
+    }
+
+    /// A fit from a point, of the forces as they were read: errors in proportion to these would let a modulus
     /// of nothing miss them all at the price of one gain a compression.
     fn fitted(&self, candidates: &[Candidate], start: &DVector<f64>) -> Fit {
         let problem = &self.search.problem;
@@ -122,9 +158,7 @@ impl<'a> Coupons<'a> {
         };
         let region = Region::of(list.iter().map(Coordinate::bounds));
         let (plain, _) = self.least(&self.measured(), (&model, &step), &region, start.as_slice());
-        let plain = DVector::from_vec(plain);
-        let fit = problem.fit(candidates, &plain);
-        if (fit.x[0] - plain[0]).abs() < RUNS_OFF { fit } else { problem.at(candidates, &plain, &Fold::none()) }
+        problem.at(candidates, &DVector::from_vec(plain), &Fold::none())
     }
 
     /// Forces that were read, N, compression by compression.
@@ -142,7 +176,7 @@ impl<'a> Coupons<'a> {
     /// that count: the model, and what it leaves, N.
     pub fn plainly(&self, with: &Model, to_n: &DVector<f64>) -> (Model, DVector<f64>) {
         let at = |x: &[f64]| Model { mu_mpa: x[0].exp(), alpha: x[1].exp(), ..with.clone() };
-        let region = Region::of([Coordinate::LnMu, Coordinate::LnAlpha].map(|c| c.bounds()));
+        let region = Region::of([Coordinate::LnMu, Coordinate::LnAlphaAlone].map(|c| c.bounds()));
         let (x, left_n) = self.least(to_n, (&at, &|_, _| STEP), &region, &[with.mu_mpa.ln(), with.alpha.ln()]);
         (at(&x), left_n)
     }
@@ -180,9 +214,13 @@ impl<'a> Coupons<'a> {
 }
 
 /// Exponents that a base begins with.
-const ALPHAS: [f64; 4] = [2.5, 5.0, 9.0, 16.0];
-/// Logarithm of a modulus from which on a fit has run off from that of the forces as they were read.
-const RUNS_OFF: f64 = 1.0;
+const ALPHAS: [f64; 5] = [1.2, 2.5, 5.0, 9.0, 16.0];
+/// Most rounds of settling.
+const ROUNDS: usize = 30;
+/// Part of its standard deviation that no parameter moves by any more.
+const SETTLED: f64 = 0.2;
+/// Longest step of the logarithms of modulus and exponent in a round.
+const LONGEST: f64 = 0.3;
 /// Step of a difference quotient of the logarithms.
 const STEP: f64 = 1e-5;
 

@@ -14,7 +14,7 @@ use std::time::Instant;
 use lut_gen::chain::{Chain, Library};
 use lut_gen::effect::CATALOGUE;
 
-use super::check::{self, Check};
+use super::check::{self, Check, Coupon};
 use super::design::Design;
 use super::finding::{Finding, Verdict};
 use super::fit::Problem;
@@ -159,8 +159,9 @@ fn design(experiment: &Experiment, material: &str) -> Result<Design, Refusal> {
         return Err(Refusal::NothingToFit(messages.join("; ")));
     }
     // the zero wanders by a part of the largest force
-    let (mut checks, messages) = check::of(experiment, material, peak);
+    let (mut checks, mut messages) = check::of(experiment, material, peak);
     checks.retain(is_coupon);
+    messages.extend(Coupon::rub(checks.iter_mut().filter_map(Check::coupon_mut)).err());
     Ok(Design {
         material: material.to_owned(),
         series: Vec::new(),

@@ -45,6 +45,8 @@ fn cylinder(diameter_mm: f64, height_mm: f64) -> Shortening {
         area_mm2: std::f64::consts::PI * (0.5 * diameter_mm).powi(2),
         // none of the experiment's specimens: their wrong heights are not this one's
         specimen: usize::MAX,
+        nu: None,
+        rubbing: None,
         time_s: Vec::new(),
         depth_mm: Vec::new(),
         start_s: 0.0,

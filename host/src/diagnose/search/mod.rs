@@ -64,7 +64,11 @@ impl<'a> Search<'a> {
 #[must_use]
 pub fn candidates(design: &Design) -> Vec<Candidate> {
     let mut list = Vec::new();
-    let clock = design.series.iter().all(|s| s.start_s.is_some());
+    // of presses, or where there are none of what was compressed instead
+    let clock = match design.series.len() {
+        0 => design.checks.iter().all(|check| check.start_s.is_some()),
+        _ => design.series.iter().all(|series| series.start_s.is_some()),
+    };
     let coupons = || design.checks.iter().filter_map(Check::coupon);
     let runs = || design.series.iter().map(|s| &s.nodes[..]).chain(coupons().map(|coupon| coupon.nodes()));
     let has = |branch: Branch| runs().any(|nodes| nodes.iter().any(|n| n.branch == branch));

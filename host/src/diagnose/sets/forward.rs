@@ -96,7 +96,7 @@ pub(super) fn beside_its_solve<'a>(search: &Search<'a>, fit: &Fit) -> Problem<'a
 /// deviation and may be far larger; times and places have a wide prior over their bounds.
 fn prior(coordinate: &Coordinate) -> Prior {
     match coordinate {
-        Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::Zero => Prior::Flat,
+        Coordinate::LnMu | Coordinate::LnAlpha | Coordinate::LnAlphaAlone | Coordinate::Zero => Prior::Flat,
         Coordinate::Of(_, q) if q.spread == Spread::Even && q.prior > 0.0 => {
             Prior::Cauchy { null: q.null, scale: q.prior }
         }
