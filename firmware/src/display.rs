@@ -24,6 +24,12 @@ pub struct DisplayConfig {
     /// Force below which the coil waits with the current of this force, N: the fluid bears the finger from the
     /// first touch (`docs/decisions/0022-waiting-displays.md`).
     pub coil_standby_n: f32,
+    /// Rate of the trim of a coil that answers to the finger's place, 1/s: the force that is read corrects the
+    /// current in a quarter of a second, which the fluid follows in milliseconds.
+    pub trim_per_s: f32,
+    /// Least and largest trim, as a part of the current: magnets and fluids may make half or twice of what their
+    /// files say.
+    pub trim: (f32, f32),
     /// Most that the sensor's threshold counts for, N: a calibration may state any.
     pub least_max_n: f32,
 }
@@ -38,6 +44,8 @@ impl Default for DisplayConfig {
             coil_max_a: protocol::lut::CURRENT_MAX_A,
             coil_standby_n: 0.1,
             least_max_n: 0.5,
+            trim_per_s: 4.0,
+            trim: (-0.5, 1.0),
         }
     }
 }
@@ -49,6 +57,10 @@ pub struct Display {
     target_mm: f32,
     /// Where the shaft was at the beginning, mm.
     still_mm: f32,
+    /// What the current at the finger's place is changed by, as a part of it.
+    trim: f32,
+    /// Most that the material would have borne in this touch, N.
+    most_n: f32,
 }
 
 /// What the display wants.
@@ -69,6 +81,8 @@ pub struct DisplayOutput {
 pub struct DisplayInput {
     /// Shaft position, mm.
     pub shaft_mm: f32,
+    /// Force of the finger, N.
+    pub force_n: f32,
     /// Estimated coil temperature, degrees Celsius.
     pub coil_c: f32,
 }
@@ -119,9 +133,35 @@ impl Display {
             pid.step(&mut self.pid, error_mm)
         };
         let allowed_a = config.coil_max_a * allowed_fraction(thermal, input.coil_c);
-        let (coil_target_a, shown) = coil(wanted.current, allowed_a);
+        let (coil_target_a, shown) = coil(self.trimmed(config, wanted, input.force_n), allowed_a);
         let shown = Shown { shaft_limited: asked_mm > config.target_max_mm, ..shown };
         DisplayOutput { target_mm: self.target_mm, actuator_v, coil_target_a, shown }
+    }
+}
+
+impl Display {
+    /// The current at the finger's place, corrected by the force that is read there: what fluid and magnet are beside
+    /// what the curve was made for is the same all over a press. Corrected while the finger goes down only, for on the
+    /// way up a fluid lets go.
+    fn trimmed(&mut self, config: &DisplayConfig, wanted: &Wanted, read_n: f32) -> Option<Current> {
+        /// A finger within this part of its deepest force goes down or holds.
+        const DOWN: f32 = 0.98;
+        let (Some(bears_n), Some(current)) = (wanted.bears_n, wanted.current) else {
+            return wanted.current;
+        };
+        if !(bears_n > config.coil_standby_n) {
+            self.most_n = 0.0;
+            return Some(current);
+        }
+        if bears_n > self.most_n {
+            self.most_n = bears_n;
+        }
+        if bears_n >= DOWN * self.most_n && !current.unreachable {
+            let missing = limit((bears_n - read_n) / bears_n, -1.0, 1.0);
+            let trim = self.trim + config.trim_per_s * protocol::TICK_S * missing;
+            self.trim = limit(trim, config.trim.0, config.trim.1);
+        }
+        Some(Current { a: current.a * (1.0 + self.trim), ..current })
     }
 }
 
@@ -137,6 +177,29 @@ fn coil(wanted: Option<Current>, allowed_a: f32) -> (f32, Shown) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A fluid that bears too little gets more current, in proportion and up to a bound, while the finger goes down;
+    /// not on the way up, not at rest and not without a place.
+    #[test]
+    fn at_a_place_the_force_that_is_read_trims_the_current() {
+        let config = DisplayConfig::default();
+        let current = Some(Current { a: 1.0, unreachable: false });
+        let at = |bears_n| Wanted { current, bears_n, ..Wanted::default() };
+        let mut display = Display::default();
+        let mut trimmed = |bears_n, read_n| display.trimmed(&config, &at(bears_n), read_n).map_or(0.0, |c| c.a);
+        assert_eq!(trimmed(None, 0.0), 1.0);
+        assert_eq!(trimmed(Some(0.5 * config.coil_standby_n), 0.0), 1.0);
+        // a tenth is missing: a quarter of a second makes up for a tenth
+        let after = (0..13).map(|_| trimmed(Some(2.0), 1.8)).last().unwrap_or(0.0);
+        assert!((after - 1.104).abs() < 1e-3, "{after}");
+        let kept = trimmed(Some(1.0), 0.0);
+        assert!((kept - after).abs() < 1e-6, "on the way up it stays");
+        let most = (0..200).map(|_| trimmed(Some(2.0), f32::NAN)).last().unwrap_or(0.0);
+        assert!((1.0 + config.trim.0..=1.0 + config.trim.1).contains(&most), "{most}");
+        let most = (0..200).map(|_| trimmed(Some(2.0), 0.0)).last().unwrap_or(0.0);
+        assert!((most - 1.0 - config.trim.1).abs() < 1e-6, "{most}");
+        assert_eq!(display.trimmed(&config, &Wanted::default(), 0.0), None);
+    }
 
     #[test]
     fn a_current_that_is_cut_is_told_and_no_other() {

@@ -6,6 +6,8 @@
 //! fiftieth of the difference of both a tick, and nothing jumps. A curve that is asked for meanwhile waits for
 //! the end of the transition.
 
+mod pulp;
+
 use crate::display::DisplayConfig;
 use crate::number::limit;
 use protocol::TICK_HZ;
@@ -26,6 +28,8 @@ pub struct Wanted {
     pub current: Option<Current>,
     /// Error bound of the current, A; 0 without control curve.
     pub bound_a: f32,
+    /// What the material bears at the finger's place, N, where that decides the current.
+    pub bears_n: Option<f32>,
 }
 
 /// The force that shaft and coil answer to: what is read, and while that is less, what they wait at.
@@ -36,8 +40,11 @@ pub struct Wanted {
 pub struct Felt {
     /// The shaft's, N.
     pub shaft_n: f32,
-    /// The coil's, N.
+    /// The coil's, N; the least of it where the finger's place decides.
     pub coil_n: f32,
+    /// Place of the finger below the surface, mm, where that decides the current: the coil answers to the force
+    /// that the material would bear there (`docs/decisions/0024-the-fingers-place.md`).
+    pub place_mm: Option<f32>,
 }
 
 /// Where a curve comes from.
@@ -119,10 +126,13 @@ impl Showing {
     pub fn at(&self, table: &Table<'_>, felt: Felt, still_mm: f32) -> Option<Wanted> {
         let of = |curve: Curve| {
             let between = Between::new(table, curve.low, curve.high, curve.weight)?;
+            let bears_n = felt.place_mm.map(|mm| between.force_at(mm, pulp::compression_mm));
+            let coil_n = bears_n.map_or(felt.coil_n, |n| above(n, felt.coil_n));
             Some(Wanted {
                 shaft_mm: between.shaft_mm(felt.shaft_n),
-                current: between.current(felt.coil_n),
-                bound_a: between.bound_a(felt.coil_n).unwrap_or(0.0),
+                current: between.current(coil_n),
+                bound_a: between.bound_a(coil_n).unwrap_or(0.0),
+                bears_n,
             })
         };
         let to = of(self.to())?;
@@ -142,10 +152,20 @@ impl Origin {
 impl Felt {
     /// Of a reading and the least that the sensor tells, both N.
     pub fn new(config: &DisplayConfig, read_n: f32, least_n: f32) -> Self {
-        let above = |a: f32, b: f32| if a > b { a } else { b };
         let shaft_n = above(read_n, limit(least_n, 0.0, config.least_max_n));
-        Felt { shaft_n, coil_n: above(shaft_n, config.coil_standby_n) }
+        Felt { shaft_n, coil_n: above(shaft_n, config.coil_standby_n), place_mm: None }
     }
+
+    /// The same where the finger's place, mm, decides the current.
+    #[must_use]
+    pub fn at_place(self, config: &DisplayConfig, place_mm: f32) -> Self {
+        Felt { coil_n: config.coil_standby_n, place_mm: Some(place_mm), ..self }
+    }
+}
+
+/// The larger of two numbers; the second where one is none.
+fn above(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 impl Wanted {
@@ -163,6 +183,7 @@ impl Wanted {
             shaft_mm: mixed(self.shaft_mm, to.shaft_mm, share),
             current,
             bound_a: mixed(self.bound_a, to.bound_a, share),
+            bears_n: to.bears_n,
         }
     }
 }

@@ -79,10 +79,12 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         if self.fitted.palpator { Ok(()) } else { Err(Refusal::NoPalpator) }
     }
 
-    /// Refuses a display none of whose parts is fitted.
+    /// Refuses a display none of whose parts is fitted, and a finger's place without its potentiometer: that is the
+    /// actuator's.
     pub(super) fn must_have(&self, parts: Parts) -> Result<(), Refusal> {
         let driven = shown_with(&self.fitted, parts);
-        if driven.actuator || driven.coil { Ok(()) } else { Err(Refusal::NoDisplay) }
+        let is_read = self.fitted.actuator || !parts.at_place();
+        if (driven.actuator || driven.coil) && is_read { Ok(()) } else { Err(Refusal::NoDisplay) }
     }
 
     /// What this tick's readings contradict, while the arm presses.

@@ -15,7 +15,7 @@ fn at(showing: &Showing, table: &Table<'_>, force_n: f32) -> Wanted {
 }
 
 fn felt(force_n: f32) -> Felt {
-    Felt { shaft_n: force_n, coil_n: force_n }
+    Felt { shaft_n: force_n, coil_n: force_n, place_mm: None }
 }
 
 /// Below the threshold both wait, and the first reading above it moves nothing.
@@ -35,6 +35,29 @@ fn shaft_and_coil_wait_for_the_least_force_that_is_told() {
     // a calibration that states a threshold of newtons, or none
     assert_eq!(of(0.0, 12.0), (config.least_max_n, config.least_max_n));
     assert_eq!(of(0.0, f32::NAN), (0.0, config.coil_standby_n));
+}
+
+/// At a finger's place the coil answers to what the material bears there, whatever is read, and to no less than it
+/// waits at; the shaft goes on as before.
+#[test]
+fn at_a_place_the_coil_answers_to_what_the_material_bears() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    let config = DisplayConfig::default();
+    let at = |place_mm: f32| {
+        let felt = Felt::new(&config, 3.0, 0.2).at_place(&config, place_mm);
+        shown(STIFF).at(&table, felt, 0.0).unwrap()
+    };
+    let curve = Between::new(&table, 0, 0, 0.0).unwrap();
+    for force_n in [0.3, 1.0, 2.0] {
+        let wanted = at(curve.shaft_mm(force_n) + pulp::compression_mm(force_n));
+        assert!((wanted.bears_n.unwrap() - force_n).abs() < 1e-3);
+        assert!((wanted.current.unwrap().a - curve.current(force_n).unwrap().a).abs() < 1e-3);
+        assert_eq!(wanted.shaft_mm, curve.shaft_mm(3.0));
+    }
+    for nothing in [0.0, -2.0, f32::NAN] {
+        assert_eq!(at(nothing).current, curve.current(config.coil_standby_n));
+    }
 }
 
 /// At every force: what is wanted a tick later differs by a fiftieth of the difference of both curves.

@@ -69,6 +69,8 @@ pub enum With {
     Coil,
     /// Actuator only
     Actuator,
+    /// Coil only, by the finger's place, which the display's potentiometer reads
+    CoilAtPlace,
 }
 
 fn show(text: &str) -> Result<Show, String> {
@@ -88,6 +90,7 @@ impl Together {
             With::Both => Parts::Both,
             With::Coil => Parts::Coil,
             With::Actuator => Parts::Actuator,
+            With::CoilAtPlace => Parts::CoilAtPlace,
         };
         match self.show {
             Show::Material(material) => DisplayMode::Material { parts, material },

@@ -21,7 +21,7 @@ pub(super) fn felt(material: &str, curves: &Curves, links: &Links, seed: u64) ->
         seed,
     };
     let mut felt = Vec::new();
-    for display in [Display::Actuator, Display::Fluid] {
+    for display in [Display::Actuator, Display::FluidAtPlace] {
         felt.extend(feel::run(&asked, display, &mut |_| {})?);
     }
     Ok(Some(felt))
@@ -42,7 +42,7 @@ pub(super) fn sentences(felt: &[Felt]) -> Vec<String> {
                     percent(score.tracking)
                 )
             }),
-            Display::Fluid => felt.fluid(press).map(|score| {
+            Display::Fluid | Display::FluidAtPlace => felt.fluid(press).map(|score| {
                 format!("{} on the fluid, {pace}: force agrees by {}", of.material, percent(score.agreement))
             }),
         }
@@ -59,7 +59,9 @@ pub(super) fn json(felt: &[Felt]) -> Value {
                 let score = felt.actuator(press)?;
                 json!({"display": "actuator", "position": score.position, "force": score.force, "tracking": score.tracking})
             }
-            Display::Fluid => json!({"display": "fluid", "agreement": felt.fluid(press)?.agreement}),
+            Display::Fluid | Display::FluidAtPlace => {
+                json!({"display": "fluid", "agreement": felt.fluid(press)?.agreement})
+            }
         })
     };
     felt.iter().filter_map(slow).collect()

@@ -24,8 +24,18 @@ pub use session::run;
 pub enum Display {
     /// The cap of the linear actuator (chapter 5).
     Actuator,
-    /// The fluid in the magnet's gap (chapter 4).
+    /// The fluid in the magnet's gap (chapter 4), its current by the finger's force.
     Fluid,
+    /// The same, its current by the finger's place.
+    FluidAtPlace,
+}
+
+impl Display {
+    /// True for the fluid.
+    #[must_use]
+    pub const fn is_fluid(self) -> bool {
+        matches!(self, Display::Fluid | Display::FluidAtPlace)
+    }
 }
 
 /// How fast a press is: s for the way down, and for the way up.

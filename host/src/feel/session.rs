@@ -1,7 +1,7 @@
 //! Presses of the simulated hand on the simulated board.
 
 use firmware::sensor::fsr_conductance_ms;
-use protocol::message::{Mode, ResistiveSensor};
+use protocol::message::{DisplayMode, Mode, Parts, ResistiveSensor};
 
 use super::table::table;
 use super::{Asked, Display, Felt, Pace, Pressed, Sample, Unfelt, fluid_force};
@@ -39,7 +39,7 @@ pub fn run(asked: &Asked, display: Display, told: &mut dyn FnMut(usize)) -> Resu
     for (index, curve) in asked.curves.iter().enumerate() {
         let mut presses = Vec::new();
         for pace in Pace::ALL {
-            let samples = pressed(&mut session, asked, (index, curve), pace)?;
+            let samples = pressed(&mut session, asked, (index, curve, display == Display::FluidAtPlace), pace)?;
             presses.push(Pressed { pace, samples });
             done += 1;
             told(done);
@@ -54,7 +54,7 @@ fn opened(asked: &Asked, display: Display) -> Result<Board, Unfelt> {
     let constants = &asked.constants;
     let under = match display {
         Display::Actuator => Under::Cap,
-        Display::Fluid => Under::Fluid(Box::new(Dented::new(fluid_force()?))),
+        Display::Fluid | Display::FluidAtPlace => Under::Fluid(Box::new(Dented::new(fluid_force()?))),
     };
     let built = Built {
         flux: asked.flux.clone(),
@@ -79,7 +79,7 @@ fn opened(asked: &Asked, display: Display) -> Result<Board, Unfelt> {
 /// Fits the force sensor's line to known weights, each laid on by itself, as a laboratory does.
 fn calibrate(session: &mut Board, display: Display) -> Result<(), Unfelt> {
     let mut calibration = session.calibration()?;
-    let weights = if display == Display::Fluid { &WEIGHTS[..] } else { &WEIGHTS[UNREAD..] };
+    let weights = if display.is_fluid() { &WEIGHTS[..] } else { &WEIGHTS[UNREAD..] };
     let mut points = Vec::new();
     for weight in weights {
         session.link_mut().board_mut().bench_mut().weigh(Some(weight * UNIT_N));
@@ -134,10 +134,16 @@ fn records<T>(session: &mut Board, for_s: f64, mut of: impl FnMut(&Board, u16) -
 fn pressed(
     session: &mut Board,
     asked: &Asked,
-    (index, curve): (usize, &ControlCurve),
+    (index, curve, by_place): (usize, &ControlCurve, bool),
     pace: Pace,
 ) -> Result<Vec<Sample>, SessionError> {
-    session.set_mode(Mode::Display { material: u8::try_from(index).unwrap_or(u8::MAX) })?;
+    let material = u8::try_from(index).unwrap_or(u8::MAX);
+    if by_place {
+        session.link_mut().board_mut().bench_mut().ride(true);
+        session.set_display(DisplayMode::Material { parts: Parts::CoilAtPlace, material })?;
+    } else {
+        session.set_mode(Mode::Display { material })?;
+    }
     wait(session, BEFORE_S)?;
     // The hand's own spring gives way as well.
     let force_n = (PART * curve.most_n()).min(HAND_N);
@@ -164,6 +170,7 @@ fn pressed(
         });
     }
     session.set_mode(Mode::Idle)?;
+    session.link_mut().board_mut().bench_mut().ride(false);
     wait(session, BEFORE_S)?;
     Ok(samples)
 }

@@ -57,6 +57,8 @@ pub struct Bench {
     pins: [f64; INPUTS],
     /// A known force on the display's force sensor, N.
     weight_n: Option<f64>,
+    /// The display's potentiometer rides on the finger instead of the shaft.
+    rides: bool,
 }
 
 impl Bench {
@@ -88,6 +90,7 @@ impl Bench {
             broken: [None; INPUTS],
             pins: [0.0; INPUTS],
             weight_n: None,
+            rides: false,
         }
     }
 
@@ -121,6 +124,11 @@ impl Bench {
     /// Place of the finger's tip, were it not compressed, below the surface, mm; without a hand 0.
     pub fn bone_mm(&self) -> f64 {
         self.hand.as_ref().map_or(0.0, Hand::bone_mm)
+    }
+
+    /// Lets the display's potentiometer ride on the hand's finger instead of the shaft, or takes it off.
+    pub fn ride(&mut self, rides: bool) {
+        self.rides = rides;
     }
 
     /// Loads the force sensor with a known force, N, in place of the finger; `None` takes it off.
@@ -213,7 +221,7 @@ impl Bench {
         let sound = [
             self.load_cell.ratio(felt_n),
             self.fsr.ratio(),
-            self.potentiometer.ratio(self.actuator.position_mm()),
+            self.potentiometer.ratio(if self.rides { self.bone_mm().max(0.0) } else { self.actuator.position_mm() }),
             self.transducer.ratio(probe_mm),
             SHUNT.0 + self.coil.current_a() / SHUNT.1,
         ];

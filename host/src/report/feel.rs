@@ -15,7 +15,7 @@ pub fn figures(felt: &Felt) -> Vec<(&'static str, Figure, &'static str)> {
             ),
             ("shaft", shaft(felt), "Shaft in the slow press: where the board wants it, and where it is (Fig. 80)."),
         ],
-        Display::Fluid => vec![
+        Display::Fluid | Display::FluidAtPlace => vec![
             (
                 "force",
                 loops(felt, "travel of the bone (mm)", |s| s.bone_mm, |row| row.travel_mm),

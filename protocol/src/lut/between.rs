@@ -85,6 +85,29 @@ impl<'a> Between<'a> {
         Some(if bound_a < CURRENT_MAX_A { bound_a } else { CURRENT_MAX_A })
     }
 
+    /// Force, N, that the material bears where a finger has travelled `travel_mm`: of that travel its surface gives way,
+    /// and the rest is compression of the pulp, `pulp_mm` of a force. 0 for no travel and for NaN; the last force of the
+    /// curve beyond it.
+    pub fn force_at(&self, travel_mm: f32, pulp_mm: impl Fn(f32) -> f32) -> f32 {
+        /// Halvings of the curve's forces: some are 5 N, so that 0.1 mN are told.
+        const HALVINGS: usize = 16;
+        let (low, high) = (self.low.display_force_max_n(), self.high.display_force_max_n());
+        let (mut below_n, mut above_n) = (0.0, self.end().map_or(low.min(high), Material::display_force_max_n));
+        let travels = |force_n: f32| self.shaft_mm(force_n) + pulp_mm(force_n);
+        if travels(above_n) <= travel_mm {
+            return above_n;
+        }
+        for _ in 0..HALVINGS {
+            let middle_n = 0.5 * (below_n + above_n);
+            if travels(middle_n) < travel_mm {
+                below_n = middle_n;
+            } else {
+                above_n = middle_n;
+            }
+        }
+        0.5 * (below_n + above_n)
+    }
+
     /// Forces, N, that both can show: from, to; empty (the end below the beginning) where no force is within the
     /// reach of both. `None` without control curve.
     pub fn reachable_n(&self) -> Option<(f32, f32)> {

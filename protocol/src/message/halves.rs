@@ -115,6 +115,9 @@ wire! {
         Coil,
         /// Actuator only.
         Actuator,
+        /// Coil only, its current by the place of the finger instead of its force. The display's potentiometer
+        /// rides on the finger and reads 0 mm at the fluid's surface; the actuator stands aside.
+        CoilAtPlace,
     }
     /// Which curve a verdict gives.
     pub enum Rule {
@@ -169,6 +172,11 @@ impl Parts {
 
     /// True if the coil is asked for.
     pub const fn coil(self) -> bool {
-        matches!(self, Parts::Both | Parts::Coil)
+        matches!(self, Parts::Both | Parts::Coil | Parts::CoilAtPlace)
+    }
+
+    /// True if the potentiometer reads the place of the finger, which decides the current.
+    pub const fn at_place(self) -> bool {
+        matches!(self, Parts::CoilAtPlace)
     }
 }

@@ -76,7 +76,7 @@ fn acts(chance: &mut Chance, display: bool) -> Vec<(u32, Act)> {
     while tick < 1500 {
         let pick = chance.even();
         let index = (8.0 * chance.even()) as u8;
-        let parts = [Parts::Both, Parts::Coil, Parts::Actuator][(3.0 * chance.even()) as usize];
+        let parts = [Parts::Both, Parts::Coil, Parts::Actuator, Parts::CoilAtPlace][(4.0 * chance.even()) as usize];
         let act = match (display, pick) {
             (true, 0.0..0.5) => Act::Finger(4.0 * chance.even() as f32),
             (true, 0.5..0.7) => Act::Display(DisplayMode::Material { parts, material: index }),
@@ -436,6 +436,28 @@ fn parts_that_are_asked_for_alone_are_driven_alone() {
         assert_eq!(outputs.actuator_v > 0.0, power.actuator);
         assert_eq!(bench.refusal(&display(SHOW)), Refusal::Busy);
     }
+}
+
+/// The finger's place decides the current, and the shaft's driver stays off.
+#[test]
+fn a_coil_at_the_fingers_place_has_no_actuator() {
+    let current_at = |shaft_mm: f32, finger_n: f32| {
+        let mut bench = Bench::new();
+        (bench.shaft_mm, bench.finger_n) = (shaft_mm, finger_n);
+        bench.accept(&display(DisplayMode::Material { parts: Parts::CoilAtPlace, material: 2 }));
+        bench.ticks(2);
+        assert_eq!(bench.outputs.power, Power { coil: true, ..Power::OFF });
+        assert_eq!(bench.outputs.actuator_v, 0.0);
+        bench.outputs.coil_target_a
+    };
+    let (rest, near, far) = (current_at(0.0, 0.0), current_at(1.0, 0.1), current_at(2.0, 0.1));
+    assert!(rest > 0.0 && rest < near && near < far, "{rest} {near} {far}");
+    // force alone decides nothing at the surface
+    assert_eq!(current_at(0.0, 3.0), rest);
+    let mut bench = Bench::new();
+    bench.accept(&Request::SetFitted(protocol::message::Fitted { palpator: true, actuator: false, coil: true }));
+    let at_place = DisplayMode::Material { parts: Parts::CoilAtPlace, material: 2 };
+    assert_eq!(bench.refusal(&display(at_place)), Refusal::NoDisplay, "nothing reads the place");
 }
 
 #[test]

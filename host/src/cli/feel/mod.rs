@@ -26,7 +26,7 @@ pub struct Arguments {
     #[arg(value_name = "MATERIAL")]
     materials: Vec<String>,
     /// Which display is pressed
-    #[arg(long, value_enum, default_value_t = DisplayWord::Both)]
+    #[arg(long, value_enum, default_value_t = DisplayWord::All)]
     display: DisplayWord,
     /// The true display and hand: frozen, drawn:SEED, or a file of constants (`--copy` writes one)
     #[arg(long, value_name = "PLANT", default_value = "frozen")]
@@ -58,10 +58,12 @@ pub struct Arguments {
 enum DisplayWord {
     /// The cap of the linear actuator
     Actuator,
-    /// The fluid in the magnet's gap
+    /// The fluid in the magnet's gap, its current by the finger's force
     Fluid,
-    /// One after the other
-    Both,
+    /// The same, its current by the finger's place
+    FluidAtPlace,
+    /// All, one after the other
+    All,
 }
 
 /// Presses, scores and tells.
@@ -111,7 +113,8 @@ fn displays(word: DisplayWord) -> &'static [Display] {
     match word {
         DisplayWord::Actuator => &[Display::Actuator],
         DisplayWord::Fluid => &[Display::Fluid],
-        DisplayWord::Both => &[Display::Actuator, Display::Fluid],
+        DisplayWord::FluidAtPlace => &[Display::FluidAtPlace],
+        DisplayWord::All => &[Display::Actuator, Display::Fluid, Display::FluidAtPlace],
     }
 }
 

@@ -23,6 +23,7 @@ pub(super) fn name(display: Display) -> &'static str {
     match display {
         Display::Actuator => "linear actuator",
         Display::Fluid => "fluid in the magnet",
+        Display::FluidAtPlace => "fluid, by place",
     }
 }
 
@@ -30,6 +31,7 @@ pub(super) fn word(display: Display) -> &'static str {
     match display {
         Display::Actuator => "actuator",
         Display::Fluid => "fluid",
+        Display::FluidAtPlace => "fluid-at-place",
     }
 }
 
@@ -55,7 +57,7 @@ fn measures(felt: &Felt, press: &Pressed) -> Vec<(&'static str, &'static str, St
             rows.extend(score.position_below.map(|part| ("position below 0.2 N", "", percent(part))));
             rows
         }),
-        Display::Fluid => felt.fluid(press).map_or_else(nothing, |score| {
+        Display::Fluid | Display::FluidAtPlace => felt.fluid(press).map_or_else(nothing, |score| {
             vec![
                 ("agreement of the force", "84 %", percent(score.agreement)),
                 ("reachable part of the curve", "", percent(score.reachable)),
@@ -116,7 +118,7 @@ pub(super) fn summary(plant: &str, magnet: &str, all: &[Felt], files: &[PathBuf]
         });
         let fluid = felt
             .fluid(press)
-            .filter(|_| felt.display == Display::Fluid)
+            .filter(|_| felt.display.is_fluid())
             .map(|s| json!({"agreement": s.agreement, "reachable": s.reachable, "scored": s.scored}));
         json!({"pace": press.pace.name(), "actuator": actuator, "fluid": fluid})
     };

@@ -100,6 +100,26 @@ proptest! {
         }
     }
 
+    /// The force at the travel of a force is that force, where travel rises; ends and what is no number are told.
+    #[test]
+    fn the_force_at_a_travel_is_the_inverse_of_both_compressions(low in foam(), high in foam(), weight in 0.0..1.0f32) {
+        let bytes = table(&[low, high]);
+        let table = Table::parse(&bytes).unwrap();
+        let between = Between::new(&table, 0, 1, weight).unwrap();
+        let pulp_mm = |force_n: f32| 0.5 * force_n;
+        let last_n = [0, 1].map(|i| table.material(i).unwrap().display_force_max_n());
+        let last_n = if weight == 0.0 { last_n[0] } else { last_n[0].min(last_n[1]) };
+        for part in [0.1, 0.4, 0.9] {
+            let force_n = part * last_n;
+            let found_n = between.force_at(between.shaft_mm(force_n) + pulp_mm(force_n), pulp_mm);
+            prop_assert!((found_n - force_n).abs() < 1e-3, "{found_n} N instead of {force_n}");
+        }
+        prop_assert_eq!(between.force_at(1e3, pulp_mm), last_n);
+        for nothing in [0.0, -1.0, f32::NAN] {
+            prop_assert!(between.force_at(nothing, pulp_mm) < 1e-3);
+        }
+    }
+
     #[test]
     fn from_one_material_to_the_other_a_curve_goes_one_way(low in foam(), high in foam(), force_n in 0.0..10.0f32) {
         let bytes = table(&[low, high]);
