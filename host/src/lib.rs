@@ -36,6 +36,7 @@ pub mod simulate;
 pub mod simulated_board;
 pub mod study;
 pub mod sweep;
+pub mod tour;
 pub mod track;
 pub mod trial;
 pub mod tune;

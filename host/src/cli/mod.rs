@@ -34,6 +34,7 @@ pub mod simulate;
 pub mod study;
 pub mod sweep;
 mod together;
+mod tour;
 pub mod track;
 pub mod trial;
 pub mod tune;
@@ -91,6 +92,8 @@ enum Command {
     ControlCurve(control_curve::Arguments),
     /// Press the simulated display and tell how near it comes to the materials that it shows
     Feel(feel::Arguments),
+    /// Go round a bench in a random order, and tell its foams and tissues apart
+    Tour(tour::Arguments),
     /// Make displacement tables of the actuator from recorded compressions
     Displacement(displacement::Arguments),
     /// Search the gains of the display's position loop, with margins and a certified worst case
@@ -133,6 +136,7 @@ pub fn main() -> ExitCode {
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::ControlCurve(arguments) => control_curve::run(&arguments),
         Command::Feel(arguments) => feel::run(&arguments),
+        Command::Tour(arguments) => tour::run(&arguments),
         Command::Displacement(arguments) => displacement::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
         Command::Actuator(arguments) => actuator::run(&arguments),

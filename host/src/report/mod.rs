@@ -25,6 +25,7 @@ mod scale;
 mod sheet;
 pub mod strip;
 pub mod table;
+pub mod tour;
 pub mod track;
 pub mod trial;
 pub mod tuning;

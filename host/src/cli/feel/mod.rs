@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn a_run_leaves_page_pictures_and_samples() {
         let folder = tempfile::tempdir().unwrap();
-        let mut asked = arguments("EVA --display both --magnet table-6");
+        let mut asked = arguments("EVA --display all --magnet table-6");
         asked.out = folder.path().join("feel");
         run(&asked).unwrap();
         for name in ["feel.html", "eva-actuator-force.svg", "eva-fluid-force.svg", "eva-actuator.csv", "eva-fluid.csv"]
