@@ -4,6 +4,7 @@
 //! Truth, reading and belief stay apart: scores are of true force, shaft and bone; what the board reads and wants is in the
 //! samples beside them.
 
+mod board;
 mod score;
 mod session;
 mod table;
@@ -16,6 +17,7 @@ use crate::control::ControlCurve;
 use crate::plant::{Constants, FluidForce};
 use crate::session::SessionError;
 
+pub use board::{OnBoard, on_board};
 pub use score::{ActuatorScore, FluidScore, LEAST_N, Loading};
 pub use session::run;
 
@@ -130,6 +132,8 @@ pub struct Felt {
     pub display: Display,
     /// Slow, then fast.
     pub presses: Vec<Pressed>,
+    /// Samples are a board's readings, and not the truth of a simulation.
+    pub is_read: bool,
 }
 
 /// Why nothing was felt.
@@ -141,6 +145,20 @@ pub enum Unfelt {
     /// A curve that makes no table.
     #[error("the control curves make no table: {0}")]
     Table(String),
+    /// A board whose display nobody presses.
+    #[error("nobody pressed {material} within {waited_s} s: expected more than 0.1 N on the display's force sensor")]
+    Untouched {
+        /// What was displayed.
+        material: String,
+        /// How long was waited, s.
+        waited_s: f64,
+    },
+    /// A fault of the board.
+    #[error("{0}")]
+    Fault(String),
+    /// A signal, or whoever was asked to press.
+    #[error("ended before all was pressed; the outputs are off")]
+    Ended,
     /// The program's own table of the fluid's force.
     #[error("the table of a fluid's force cannot be read")]
     FluidForce,

@@ -120,7 +120,7 @@ mod tests {
         let force = |i: i32| 4.0 * (1.0 - f64::from((i - 100).abs()) / 100.0);
         let mut samples: Vec<Sample> = (0..=200).map(|i| sample(&curve, 0.02 * f64::from(i), force(i))).collect();
         samples.iter_mut().for_each(change);
-        Felt { curve, display: Display::Actuator, presses: vec![Pressed { pace: Pace::Slow, samples }] }
+        Felt { curve, display: Display::Actuator, presses: vec![Pressed { pace: Pace::Slow, samples }], is_read: false }
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub fn run(asked: &Asked, display: Display, told: &mut dyn FnMut(usize)) -> Resu
             done += 1;
             told(done);
         }
-        all.push(Felt { curve: curve.clone(), display, presses });
+        all.push(Felt { curve: curve.clone(), display, presses, is_read: false });
     }
     Ok(all)
 }

@@ -31,7 +31,7 @@ pub fn figures(felt: &Felt) -> Vec<(&'static str, Figure, &'static str)> {
 }
 
 fn loops(felt: &Felt, x: &str, of: fn(&Sample) -> f64, material: fn(&Row) -> f64) -> Figure {
-    let title = format!("{} on the display, simulated", felt.curve.material);
+    let title = format!("{} on the display, {}", felt.curve.material, if felt.is_read { "read" } else { "simulated" });
     let mut figure = Figure::new(&title, Axis::new(x), Axis::new("force (N)"));
     let points = felt.curve.rows.iter().map(|row| (material(row), row.force_n)).collect();
     figure = figure.with(Series::new("material", points, Stroke::Circles, 5));
@@ -51,14 +51,21 @@ fn over_time(felt: &Felt, of: impl Fn(&Sample) -> Option<f64>) -> Vec<(f64, f64)
 }
 
 fn shaft(felt: &Felt) -> Figure {
-    Figure::new("Shaft, simulated", Axis::new("time (s)"), Axis::new("shaft (mm)"))
+    let title = if felt.is_read { "Shaft, read" } else { "Shaft, simulated" };
+    Figure::new(title, Axis::new("time (s)"), Axis::new("shaft (mm)"))
         .with(Series::new("wanted", over_time(felt, |s| Some(s.target_mm)), Stroke::Dashed, 1))
-        .with(Series::new("true", over_time(felt, |s| Some(s.shaft_mm)), Stroke::Solid, 0))
+        .with(Series::new(
+            if felt.is_read { "read" } else { "true" },
+            over_time(felt, |s| Some(s.shaft_mm)),
+            Stroke::Solid,
+            0,
+        ))
 }
 
 fn time(felt: &Felt) -> Figure {
     let material = over_time(felt, |s| felt.curve.force_at_travel(s.bone_mm).filter(|_| s.bone_mm > 0.0));
-    Figure::new("Force, simulated", Axis::new("time (s)"), Axis::new("force (N)"))
+    let title = if felt.is_read { "Force, read" } else { "Force, simulated" };
+    Figure::new(title, Axis::new("time (s)"), Axis::new("force (N)"))
         .with(Series::new("material", material, Stroke::Dashed, 1))
         .with(Series::new("display", over_time(felt, |s| Some(s.force_n)), Stroke::Solid, 0))
 }

@@ -1,5 +1,6 @@
 //! `palpate feel`.
 
+mod board;
 mod told;
 
 use std::path::{Path, PathBuf};
@@ -12,6 +13,7 @@ use super::control_curve::magnets;
 use super::progress::Progress;
 use crate::control::ControlCurve;
 use crate::feel::{self, Asked, Display, Felt};
+use crate::link::Address;
 use crate::ownership::OwnFolder;
 use crate::plant::Constants;
 use crate::report::{Page, feel as picture};
@@ -28,6 +30,13 @@ pub struct Arguments {
     /// Which display is pressed
     #[arg(long, value_enum, default_value_t = DisplayWord::All)]
     display: DisplayWord,
+    /// The board: sim (a simulated hand presses), or auto (the one on USB), tcp:HOST:PORT, serial:PATH: you press, and
+    /// what is scored are its readings
+    #[arg(long, default_value = "sim")]
+    board: Address,
+    /// The table that a real board has, for the numbers of its materials
+    #[arg(long, value_name = "FILE")]
+    table: Option<PathBuf>,
     /// The true display and hand: frozen, drawn:SEED, or a file of constants (`--copy` writes one)
     #[arg(long, value_name = "PLANT", default_value = "frozen")]
     plant: String,
@@ -74,6 +83,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(copy) = &arguments.copy {
         return super::file::copy(copy, Constants::FROZEN);
     }
+    if arguments.board != Address::Simulated {
+        let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
+        return tell(&mut folder, arguments, &board::felt(arguments)?);
+    }
     let constants = constants(&arguments.plant)?;
     let wanted = materials(&arguments.materials)?;
     let fluid = super::magnet::fluid::found(&arguments.fluid)?;
@@ -99,12 +112,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         all.extend(feel::run(&asked, *display, &mut |done| progress.set(what, done, total)).into_diagnostic()?);
     }
     progress.end();
-    let files = write(&mut folder, arguments, &all)?;
+    tell(&mut folder, arguments, &all)
+}
+
+/// Writes and prints what was felt.
+fn tell(folder: &mut OwnFolder, arguments: &Arguments, all: &[Felt]) -> miette::Result<()> {
+    let files = write(folder, arguments, all)?;
     if arguments.json {
-        outln!("{}", told::summary(arguments.plant.as_str(), arguments.magnet.as_str(), &all, &files));
+        outln!("{}", told::summary(arguments.plant.as_str(), arguments.magnet.as_str(), all, &files));
         return Ok(());
     }
-    told::print(&all);
+    told::print(all);
     crate::cli::file::told(&files);
     Ok(())
 }
@@ -165,9 +183,11 @@ fn materials(asked: &[String]) -> miette::Result<Vec<ControlCurve>> {
 }
 
 fn write(folder: &mut OwnFolder, arguments: &Arguments, all: &[Felt]) -> miette::Result<Vec<PathBuf>> {
-    let mut page = Page::new("What is felt", &told::subtitle(&arguments.plant, &arguments.magnet));
+    let is_read = all.iter().any(|felt| felt.is_read);
+    let subtitle = if is_read { told::READ[0].to_owned() } else { told::subtitle(&arguments.plant, &arguments.magnet) };
+    let mut page = Page::new("What is felt", &subtitle);
     page.table(&told::HEAD, &told::rows(all));
-    page.list(&told::NOTES.map(str::to_owned));
+    page.list(&told::notes(all).map(str::to_owned));
     let mut files = Vec::new();
     for felt in all {
         let name = format!("{}-{}", magnets::file_name(&felt.curve.material), told::word(felt.display));

@@ -11,13 +11,29 @@ use crate::report::number;
 pub(super) const HEAD: [&str; 6] = ["display", "material", "press", "measure", "thesis", "measured"];
 
 /// What the numbers are.
-pub(super) const NOTES: [&str; 5] = [
+const NOTES: [&str; 5] = [
     "Simulated: a hand on the simulated board. All errors are of the loading, from 0.2 N on: below, the thesis' FSR reads nothing.",
     "Position: mean distance of the true shaft from where the material wants it at the true force, over the largest such place.",
     "Force: mean distance of the true force from what the material wants at the true shaft, over the largest force.",
     "Tracking: largest distance between the wanted and the read shaft, over the largest wanted place.",
     "Agreement: mean of the smaller over the larger of both forces at the same travel, where the table marks it reachable.",
 ];
+
+/// The same of a real board, in place of the first three.
+pub(super) const READ: [&str; 3] = [
+    "Your own finger on a board. All figures are of its readings in loading, from 0.2 N on: what its sensors get wrong is not in them.",
+    "Position: mean distance of the read shaft from where the material wants it at the read force, over the largest such place.",
+    "Force: mean distance of the read force from what the material wants at the read shaft, over the largest force.",
+];
+
+/// What the numbers are.
+pub(super) fn notes(all: &[Felt]) -> [&'static str; 5] {
+    let mut notes = NOTES;
+    if all.iter().any(|felt| felt.is_read) {
+        notes[..READ.len()].copy_from_slice(&READ);
+    }
+    notes
+}
 
 pub(super) fn name(display: Display) -> &'static str {
     match display {
@@ -52,8 +68,9 @@ fn measures(felt: &Felt, press: &Pressed) -> Vec<(&'static str, &'static str, St
                 ("position", "16 % (A2)", percent(score.position)),
                 ("force", "8.7 % (A2)", percent(score.force)),
                 ("tracking", "16.6 %", percent(score.tracking)),
-                ("bone's travel", "", percent(score.travel)),
             ];
+            // nothing on a board reads the bone beside the cap
+            rows.extend((!felt.is_read).then(|| ("bone's travel", "", percent(score.travel))));
             rows.extend(score.position_below.map(|part| ("position below 0.2 N", "", percent(part))));
             rows
         }),
@@ -91,11 +108,14 @@ pub(super) fn print(all: &[Felt]) {
     outln!("{}", line(&HEAD.map(str::to_owned)));
     rows.iter().for_each(|row| outln!("{}", line(row)));
     outln!("");
-    NOTES.iter().for_each(|note| outln!("{note}"));
+    notes(all).iter().for_each(|note| outln!("{note}"));
 }
 
 /// A row a tick.
 pub(super) fn csv(felt: &Felt) -> String {
+    if felt.is_read {
+        return readings(felt);
+    }
     let mut csv = "press,time_s,true_force_N,true_bone_mm,true_shaft_mm,true_yield_kPa,read_force_N,read_shaft_mm,\
                    wanted_shaft_mm,wanted_current_A,unreachable\n"
         .to_owned();
@@ -105,6 +125,18 @@ pub(super) fn csv(felt: &Felt) -> String {
                 [s.time_s, s.force_n, s.bone_mm, s.shaft_mm, s.yield_kpa, s.read_n, s.read_mm, s.target_mm, s.wanted_a];
             let cells = row.map(|value| format!("{value:.6}")).join(",");
             csv.push_str(&format!("{},{cells},{}\n", press.pace.name(), u8::from(s.unreachable)));
+        }
+    }
+    csv
+}
+
+/// The same of a real board, where nothing is known but readings.
+fn readings(felt: &Felt) -> String {
+    let mut csv = "press,time_s,force_N,shaft_mm,wanted_shaft_mm,wanted_current_A,unreachable\n".to_owned();
+    for press in &felt.presses {
+        for s in &press.samples {
+            let cells = [s.time_s, s.read_n, s.read_mm, s.target_mm, s.wanted_a].map(|value| format!("{value:.6}"));
+            csv.push_str(&format!("{},{},{}\n", press.pace.name(), cells.join(","), u8::from(s.unreachable)));
         }
     }
     csv
@@ -127,6 +159,7 @@ pub(super) fn summary(plant: &str, magnet: &str, all: &[Felt], files: &[PathBuf]
                "presses": felt.presses.iter().map(|p| press(felt, p)).collect::<Vec<_>>()})
     };
     let files = crate::cli::file::names(files);
-    json!({"plant": plant, "magnet": magnet, "least_N": number(LEAST_N), "felt": all.iter().map(felt).collect::<Vec<_>>(),
+    let is_read = all.iter().any(|felt| felt.is_read);
+    json!({"plant": (!is_read).then_some(plant), "magnet": magnet, "of_readings": is_read, "least_N": number(LEAST_N), "felt": all.iter().map(felt).collect::<Vec<_>>(),
            "files": files})
 }

@@ -1,0 +1,86 @@
+//! `palpate feel --board`: your own finger on a real display.
+
+use std::io::BufRead;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use miette::{Context, IntoDiagnostic, miette};
+use protocol::lut::Table;
+
+use super::{Arguments, DisplayWord, gains, materials};
+use crate::control::ControlCurve;
+use crate::feel::{Display, Felt, OnBoard, Pace, Unfelt, on_board};
+use crate::log::library_names;
+use crate::session::{Patience, Session};
+use crate::signals;
+
+/// Asks for every press, and records it.
+///
+/// # Errors
+/// An option that belongs to the simulation, a board with another table, one that refuses, a finger that does not press.
+pub(super) fn felt(arguments: &Arguments) -> miette::Result<Vec<Felt>> {
+    let display = match arguments.display {
+        DisplayWord::All | DisplayWord::Actuator => Display::Actuator,
+        DisplayWord::FluidAtPlace => Display::FluidAtPlace,
+        DisplayWord::Fluid => {
+            return Err(miette!(
+                help = "--display fluid-at-place reads the finger's place, --display actuator the shaft's",
+                "a fluid by force is scored by the finger's travel, which a board does not read"
+            ));
+        }
+    };
+    if arguments.plant != "frozen" {
+        return Err(miette!(
+            "--plant is {}: a real board has its own; expected no --plant beside --board",
+            arguments.plant
+        ));
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    signals::stop_on_signals(&stop).into_diagnostic()?;
+    let path = arguments.table.as_deref().ok_or_else(|| {
+        miette!("--board needs --table: the names of the materials are in the board's table, FILE of `palpate lut`")
+    })?;
+    let bytes = read(path)?;
+    let table = Table::parse(&bytes).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
+    let wanted = on_table(&table, materials(&arguments.materials)?)?;
+    let link = crate::link::open(&arguments.board).into_diagnostic()?;
+    let (mut session, _) = Session::open(link, Patience::default()).into_diagnostic()?;
+    if session.status().into_diagnostic()?.table_hash != table.hash() {
+        return Err(miette!("the board has another table than {}", path.display()));
+    }
+    if let Some(gains) = gains(&arguments.gains) {
+        session.set_gains(gains).into_diagnostic()?;
+    }
+    on_board(&mut session, (&wanted, display), &stop, &mut ready).into_diagnostic()
+}
+
+fn read(path: &Path) -> miette::Result<Vec<u8>> {
+    std::fs::read(path).into_diagnostic().wrap_err_with(|| path.display().to_string())
+}
+
+/// The curves that the table displays, with their numbers there; all that are asked for must be among them.
+fn on_table(table: &Table<'_>, curves: Vec<ControlCurve>) -> miette::Result<Vec<OnBoard>> {
+    let names = library_names(table);
+    let number = |curve: &ControlCurve| names.iter().position(|name| name.eq_ignore_ascii_case(&curve.material));
+    let each = curves.into_iter().map(|curve| {
+        let at = number(&curve).and_then(|at| u8::try_from(at).ok());
+        let index = at.ok_or_else(|| miette!("the table has no {}; it has {}", curve.material, names.join(", ")))?;
+        Ok(OnBoard { index, curve })
+    });
+    each.collect()
+}
+
+/// Waits for Enter.
+fn ready(curve: &ControlCurve, pace: Pace) -> Result<(), Unfelt> {
+    errln!(
+        "{}, {}: down in about {} s to {:.1} N and up again. Enter, then press; q ends",
+        curve.material,
+        pace.name(),
+        pace.way_s(),
+        0.9 * curve.most_n()
+    );
+    let mut line = String::new();
+    let read = std::io::stdin().lock().read_line(&mut line);
+    if read.is_ok_and(|bytes| bytes > 0) && line.trim() != "q" { Ok(()) } else { Err(Unfelt::Ended) }
+}
