@@ -47,3 +47,31 @@ fn a_fluid_at_the_fingers_place_bears_what_the_material_does() {
         }
     }
 }
+
+/// A magnet that saturates, as a diagnosis would write it: EVA's curves for the drawing ask for too little current, and
+/// those that are made for the model do not.
+#[test]
+fn curves_for_a_diagnosed_magnet_gain_what_is_felt() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("display.toml");
+    let text = "[channel.flux]\nslope_T_per_A = 0.08\nstep_T = 0.06\nzero_T = 0.003\n\n[[channel.flux.effect]]\n\
+                code = \"saturation\"\nform = \"bend\"\nlimit_T = 0.2\n";
+    std::fs::write(&model, text).unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
+        command.current_dir(folder.path()).args(["feel", "EVA", "--display", "fluid-at-place"]).args(arguments);
+        command.output().unwrap()
+    };
+    let output = run(&["--model", "display.toml", "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let [before, after] = ["before", "felt"].map(|key| slow(&told[key][0], "fluid", "agreement"));
+    assert!(after > 0.92 && after > before + 0.1, "{before} {after}");
+    let page = std::fs::read_to_string(folder.path().join("out/feel/feel.html")).unwrap();
+    assert!(page.contains("What curves for the model gain"));
+    // a model without a magnet
+    std::fs::write(&model, "[channel.current]\ngain = 1\nzero_A = 0\n").unwrap();
+    let output = run(&["--model", "display.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("[channel.flux]"));
+}

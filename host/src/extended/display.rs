@@ -5,12 +5,14 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use lut_gen::magnet::bh::LawError;
+use lut_gen::magnet::curve::{Built, FluxCurve};
 use serde_json::{Value, json};
 
 use super::file::{intervals, needed};
 use super::writing;
 use crate::diagnose::display::channel::Channel;
-use crate::diagnose::display::design::{Design, Explained, Unusable};
+use crate::diagnose::display::design::{Design, Explained, Series, Unusable};
 use crate::diagnose::display::effect::{self, Effect};
 use crate::diagnose::display::fit::Problem;
 use crate::diagnose::display::law::{Law, Setting};
@@ -122,6 +124,38 @@ impl DisplayModel {
         }
         channels.sort_by_key(|one: &ChannelModel| one.channel);
         Ok(Self { channels })
+    }
+
+    /// Flux density over current of its magnet, from none up to `most_a` (A), without the sensor's zero: what control
+    /// curves are made for. `None` where nothing was found of the flux.
+    ///
+    /// # Errors
+    /// A law that does not rise with the current.
+    pub fn flux_curve(&self, most_a: f64) -> Option<Result<FluxCurve, LawError>> {
+        const POINTS: usize = 60;
+        /// Time of the whole ramp, s: a fluid answers in milliseconds.
+        const RAMP_S: f64 = 60.0;
+        let own = self.channels.iter().find(|one| one.channel == Channel::Flux)?;
+        let mut law = own.law();
+        if let Some(zero_t) = law.base.last_mut() {
+            *zero_t = 0.0;
+        }
+        let part = |k: usize| k as f64 / POINTS as f64;
+        let current_a: Vec<f64> = (0..=POINTS).map(|k| most_a * part(k)).collect();
+        let ramp = Series {
+            file: String::new(),
+            time_s: (0..=POINTS).map(|k| RAMP_S * part(k)).collect(),
+            output: vec![0.0; current_a.len()],
+            compared: vec![true; current_a.len()],
+            input: current_a.clone(),
+            is_answered: false,
+            gap_ratio: 1.0,
+            gap_mm: 0.0,
+            condition: 0,
+            hold_out: false,
+        };
+        let points: Vec<(f64, f64)> = current_a.into_iter().zip(law.predict(&ramp)).collect();
+        Some(FluxCurve::new(&points, 0.0, Built::default()))
     }
 
     /// What it gains on the display's runs of an experiment, channel by channel; a channel that was not

@@ -12,6 +12,7 @@ use protocol::message::Gains;
 use super::control_curve::magnets;
 use super::progress::Progress;
 use crate::control::ControlCurve;
+use crate::control::compose::Links;
 use crate::feel::{self, Asked, Display, Felt};
 use crate::link::Address;
 use crate::ownership::OwnFolder;
@@ -43,6 +44,10 @@ pub struct Arguments {
     /// The magnet that curves and display are made for: a magnet.toml, readings, or a name; curves are made for it anew
     #[arg(long, value_name = "FILE", default_value = "ring")]
     magnet: String,
+    /// The extended model of a display (`palpate diagnose`, [channel.flux]): its magnet is what is pressed, with the
+    /// curves for --magnet, and with curves that are made for it anew
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
     /// The fluid: a fluid.toml, or the name of one that the program knows
     #[arg(long, value_name = "FILE", default_value = "MRF-122EG")]
     fluid: String,
@@ -85,7 +90,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     if arguments.board != Address::Simulated {
         let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
-        return tell(&mut folder, arguments, &board::felt(arguments)?);
+        return tell(&mut folder, arguments, (&board::felt(arguments)?, &[]));
+    }
+    if let Some(model) = arguments.model.as_ref().filter(|_| arguments.display == DisplayWord::Actuator) {
+        return Err(miette!(
+            "--model is {}: the magnet of a model changes nothing of the actuator; expected another --display",
+            model.display()
+        ));
     }
     let constants = constants(&arguments.plant)?;
     let wanted = materials(&arguments.materials)?;
@@ -93,42 +104,64 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
     let progress = Progress::new();
     progress.set("the magnet", 0, 0);
-    let links = magnets::links(&arguments.magnet, &fluid, f64::from(protocol::lut::CURRENT_MAX_A))?;
-    let curves = wanted.iter().map(|curve| {
-        let made = curve.for_magnet(&links);
-        made.map_err(|error| miette!("{} with the magnet {}: {error}", curve.material, arguments.magnet))
-    });
+    let most_a = f64::from(protocol::lut::CURRENT_MAX_A);
+    let links = magnets::links(&arguments.magnet, &fluid, most_a)?;
+    let model = arguments.model.as_ref().map(|model| magnets::links(&model.display().to_string(), &fluid, most_a));
+    let model = model.transpose()?;
     let asked = Asked {
-        curves: curves.collect::<miette::Result<_>>()?,
-        flux: links.flux.clone(),
+        curves: made_for(&wanted, &links)?,
+        flux: model.as_ref().unwrap_or(&links).flux.clone(),
         law: links.law.clone(),
         constants,
         gains: gains(&arguments.gains),
         seed: arguments.seed,
     };
-    let mut all = Vec::new();
-    for display in displays(arguments.display) {
-        let (what, total) = (told::name(*display), 2 * asked.curves.len());
-        all.extend(feel::run(&asked, *display, &mut |done| progress.set(what, done, total)).into_diagnostic()?);
-    }
+    let all = pressed(&asked, displays(arguments), &progress)?;
+    let Some(model) = model else {
+        progress.end();
+        return tell(&mut folder, arguments, (&all, &[]));
+    };
+    let asked = Asked { curves: made_for(&wanted, &model)?, ..asked };
+    let anew = pressed(&asked, displays(arguments), &progress)?;
     progress.end();
-    tell(&mut folder, arguments, &all)
+    tell(&mut folder, arguments, (&anew, &all))
 }
 
-/// Writes and prints what was felt.
-fn tell(folder: &mut OwnFolder, arguments: &Arguments, all: &[Felt]) -> miette::Result<()> {
-    let files = write(folder, arguments, all)?;
+/// Curves for a magnet.
+fn made_for(curves: &[ControlCurve], links: &Links) -> miette::Result<Vec<ControlCurve>> {
+    let made = |curve: &ControlCurve| {
+        let made = curve.for_magnet(links);
+        made.map_err(|error| miette!("{} with the magnet {}: {error}", curve.material, links.magnet))
+    };
+    curves.iter().map(made).collect()
+}
+
+fn pressed(asked: &Asked, displays: &[Display], progress: &Progress) -> miette::Result<Vec<Felt>> {
+    let mut all = Vec::new();
+    for display in displays {
+        let (what, total) = (told::name(*display), 2 * asked.curves.len());
+        all.extend(feel::run(asked, *display, &mut |done| progress.set(what, done, total)).into_diagnostic()?);
+    }
+    Ok(all)
+}
+
+/// Writes and prints what was felt, and what of it was felt with the curves before, if there are any.
+fn tell(folder: &mut OwnFolder, arguments: &Arguments, (all, before): (&[Felt], &[Felt])) -> miette::Result<()> {
+    let files = write(folder, arguments, (all, before))?;
     if arguments.json {
-        outln!("{}", told::summary(arguments.plant.as_str(), arguments.magnet.as_str(), all, &files));
+        outln!("{}", told::summary(arguments.plant.as_str(), arguments.magnet.as_str(), (all, before), &files));
         return Ok(());
     }
     told::print(all);
+    told::print_gain(before, all);
     crate::cli::file::told(&files);
     Ok(())
 }
 
-fn displays(word: DisplayWord) -> &'static [Display] {
-    match word {
+/// A model of a magnet changes nothing of the actuator.
+fn displays(arguments: &Arguments) -> &'static [Display] {
+    match arguments.display {
+        DisplayWord::All if arguments.model.is_some() => &[Display::Fluid, Display::FluidAtPlace],
         DisplayWord::Actuator => &[Display::Actuator],
         DisplayWord::Fluid => &[Display::Fluid],
         DisplayWord::FluidAtPlace => &[Display::FluidAtPlace],
@@ -182,12 +215,20 @@ fn materials(asked: &[String]) -> miette::Result<Vec<ControlCurve>> {
     Ok(curves)
 }
 
-fn write(folder: &mut OwnFolder, arguments: &Arguments, all: &[Felt]) -> miette::Result<Vec<PathBuf>> {
+fn write(
+    folder: &mut OwnFolder,
+    arguments: &Arguments,
+    (all, before): (&[Felt], &[Felt]),
+) -> miette::Result<Vec<PathBuf>> {
     let is_read = all.iter().any(|felt| felt.is_read);
     let subtitle = if is_read { told::READ[0].to_owned() } else { told::subtitle(&arguments.plant, &arguments.magnet) };
     let mut page = Page::new("What is felt", &subtitle);
     page.table(&told::HEAD, &told::rows(all));
     page.list(&told::notes(all).map(str::to_owned));
+    if !before.is_empty() {
+        page.section("What curves for the model gain");
+        page.table(&told::GAIN, &told::gains(before, all));
+    }
     let mut files = Vec::new();
     for felt in all {
         let name = format!("{}-{}", magnets::file_name(&felt.curve.material), told::word(felt.display));
@@ -226,6 +267,7 @@ mod tests {
             ("cork", "no file cork, and no curve of this name comes with the program; known are A2, B1, EVA, ICF"),
             ("ICF icf", "ICF is asked for twice"),
             ("EVA --plant x.toml", "--plant is x.toml: no such file; expected frozen, drawn:SEED, or a file"),
+            ("EVA --display actuator --model m.toml", "--model is m.toml: the magnet of a model changes nothing of"),
             ("EVA --plant drawn:x", "--plant is drawn:x; expected drawn: with a whole number"),
         ] {
             let text = run(&arguments(words)).unwrap_err().to_string();

@@ -98,15 +98,44 @@ pub(super) fn rows(all: &[Felt]) -> Vec<Vec<String>> {
     rows
 }
 
-pub(super) fn print(all: &[Felt]) {
-    let rows = rows(all);
-    let wide = |at: usize| rows.iter().map(|row| row[at].len()).chain([HEAD[at].len()]).max().unwrap_or(0);
+/// Columns of what curves that are made anew gain.
+pub(super) const GAIN: [&str; 6] = ["display", "material", "press", "agreement before", "made anew", "gain"];
+
+/// The agreement of the same presses with the curves of the drawing, and with those of the model.
+pub(super) fn gains(before: &[Felt], after: &[Felt]) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    for (one, other) in before.iter().zip(after) {
+        for (old, new) in one.presses.iter().zip(&other.presses) {
+            let [was, is] = [one.fluid(old), other.fluid(new)].map(|score| score.map(|score| score.agreement));
+            let gain = was.zip(is).map(|(was, is)| format!("{:+.1} points", 100.0 * (is - was)));
+            let told = |part: Option<f64>| part.map_or("nothing scored".to_owned(), percent);
+            let words = [name(one.display), &one.curve.material, old.pace.name()].map(str::to_owned);
+            rows.push(words.into_iter().chain([told(was), told(is), gain.unwrap_or_default()]).collect());
+        }
+    }
+    rows
+}
+
+pub(super) fn print_gain(before: &[Felt], after: &[Felt]) {
+    if !before.is_empty() {
+        outln!("");
+        lines(&GAIN, &gains(before, after));
+    }
+}
+
+/// A table in columns.
+fn lines(head: &[&str], rows: &[Vec<String>]) {
+    let wide = |at: usize| rows.iter().map(|row| row[at].len()).chain([head[at].len()]).max().unwrap_or(0);
     let line = |cells: &[String]| {
         let cells: Vec<String> = cells.iter().enumerate().map(|(at, cell)| format!("{cell:<0$}", wide(at))).collect();
         cells.join("  ").trim_end().to_owned()
     };
-    outln!("{}", line(&HEAD.map(str::to_owned)));
+    outln!("{}", line(&head.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>()));
     rows.iter().for_each(|row| outln!("{}", line(row)));
+}
+
+pub(super) fn print(all: &[Felt]) {
+    lines(&HEAD, &rows(all));
     outln!("");
     notes(all).iter().for_each(|note| outln!("{note}"));
 }
@@ -142,7 +171,7 @@ fn readings(felt: &Felt) -> String {
     csv
 }
 
-pub(super) fn summary(plant: &str, magnet: &str, all: &[Felt], files: &[PathBuf]) -> Value {
+pub(super) fn summary(plant: &str, magnet: &str, (all, before): (&[Felt], &[Felt]), files: &[PathBuf]) -> Value {
     let press = |felt: &Felt, press: &Pressed| {
         let actuator = felt.actuator(press).filter(|_| felt.display == Display::Actuator).map(|s| {
             json!({"position": s.position, "force": s.force, "tracking": s.tracking, "travel": s.travel,
@@ -161,5 +190,6 @@ pub(super) fn summary(plant: &str, magnet: &str, all: &[Felt], files: &[PathBuf]
     let files = crate::cli::file::names(files);
     let is_read = all.iter().any(|felt| felt.is_read);
     json!({"plant": (!is_read).then_some(plant), "magnet": magnet, "of_readings": is_read, "least_N": number(LEAST_N), "felt": all.iter().map(felt).collect::<Vec<_>>(),
+           "before": before.iter().map(felt).collect::<Vec<_>>(),
            "files": files})
 }
