@@ -90,6 +90,13 @@ fn both_halves(table: &[u8], other: u8) -> Script {
     script.keep_alive(40);
     script.send(script::set_display(DisplayMode::Material { parts: Parts::Both, material: other }));
     script.keep_alive(260);
+    // the coil alone, at the place that the potentiometer reads
+    script.send(script::set_display(DisplayMode::Idle));
+    script.send(script::set_display(DisplayMode::Material { parts: Parts::CoilAtPlace, material: other }));
+    script.keep_alive(100);
+    script.send(script::set_display(DisplayMode::Idle));
+    script.send(follow());
+    script.keep_alive(20);
     for (input, broken, _) in BROKEN {
         script.send(press());
         script.keep_alive(40);
