@@ -57,7 +57,7 @@ pub struct Display {
     target_mm: f32,
     /// Where the shaft was at the beginning, mm.
     still_mm: f32,
-    /// What the current at the finger's place is changed by, as a part of it.
+    /// What the current at the finger's place is changed by, as a part of it; kept from touch to touch.
     trim: f32,
     /// Most that the material would have borne in this touch, N.
     most_n: f32,
@@ -83,6 +83,8 @@ pub struct DisplayInput {
     pub shaft_mm: f32,
     /// Force of the finger, N.
     pub force_n: f32,
+    /// Least force that its sensor tells, N.
+    pub least_n: f32,
     /// Estimated coil temperature, degrees Celsius.
     pub coil_c: f32,
 }
@@ -133,7 +135,7 @@ impl Display {
             pid.step(&mut self.pid, error_mm)
         };
         let allowed_a = config.coil_max_a * allowed_fraction(thermal, input.coil_c);
-        let (coil_target_a, shown) = coil(self.trimmed(config, wanted, input.force_n), allowed_a);
+        let (coil_target_a, shown) = coil(self.trimmed(config, wanted, input, allowed_a), allowed_a);
         let shown = Shown { shaft_limited: asked_mm > config.target_max_mm, ..shown };
         DisplayOutput { target_mm: self.target_mm, actuator_v, coil_target_a, shown }
     }
@@ -141,25 +143,32 @@ impl Display {
 
 impl Display {
     /// The current at the finger's place, corrected by the force that is read there: what fluid and magnet are beside
-    /// what the curve was made for is the same all over a press. Corrected while the finger goes down only, for on the
-    /// way up a fluid lets go.
-    fn trimmed(&mut self, config: &DisplayConfig, wanted: &Wanted, read_n: f32) -> Option<Current> {
+    /// what the curve was made for is the same all over a press. It is learned while the finger goes down only, for on
+    /// the way up a fluid lets go; and from one curve, from a force that the sensor tells, and not against a limit.
+    fn trimmed(
+        &mut self,
+        config: &DisplayConfig,
+        wanted: &Wanted,
+        input: &DisplayInput,
+        allowed_a: f32,
+    ) -> Option<Current> {
         /// A finger within this part of its deepest force goes down or holds.
         const DOWN: f32 = 0.98;
         let (Some(bears_n), Some(current)) = (wanted.bears_n, wanted.current) else {
             return wanted.current;
         };
-        if !(bears_n > config.coil_standby_n) {
+        if bears_n > config.coil_standby_n {
+            self.most_n = if bears_n > self.most_n { bears_n } else { self.most_n };
+            let is_down = bears_n >= DOWN * self.most_n;
+            let is_told = input.force_n > input.least_n && bears_n > input.least_n;
+            let missing = limit((bears_n - input.force_n) / bears_n, -1.0, 1.0);
+            let is_free = missing <= 0.0 || current.a * (1.0 + self.trim) < allowed_a;
+            if is_down && is_told && is_free && wanted.is_settled && !current.unreachable {
+                let trim = self.trim + config.trim_per_s * protocol::TICK_S * missing;
+                self.trim = limit(trim, config.trim.0, config.trim.1);
+            }
+        } else {
             self.most_n = 0.0;
-            return Some(current);
-        }
-        if bears_n > self.most_n {
-            self.most_n = bears_n;
-        }
-        if bears_n >= DOWN * self.most_n && !current.unreachable {
-            let missing = limit((bears_n - read_n) / bears_n, -1.0, 1.0);
-            let trim = self.trim + config.trim_per_s * protocol::TICK_S * missing;
-            self.trim = limit(trim, config.trim.0, config.trim.1);
         }
         Some(Current { a: current.a * (1.0 + self.trim), ..current })
     }
@@ -178,27 +187,35 @@ fn coil(wanted: Option<Current>, allowed_a: f32) -> (f32, Shown) {
 mod tests {
     use super::*;
 
-    /// A fluid that bears too little gets more current, in proportion and up to a bound, while the finger goes down;
-    /// not on the way up, not at rest and not without a place.
+    /// A fluid that bears too little gets more current, in proportion and up to a bound, while the finger goes down.
     #[test]
     fn at_a_place_the_force_that_is_read_trims_the_current() {
         let config = DisplayConfig::default();
         let current = Some(Current { a: 1.0, unreachable: false });
-        let at = |bears_n| Wanted { current, bears_n, ..Wanted::default() };
+        let at = |bears_n| Wanted { current, bears_n, is_settled: true, ..Wanted::default() };
+        let read = |force_n| DisplayInput { shaft_mm: 1.0, force_n, least_n: 0.2, coil_c: 20.0 };
         let mut display = Display::default();
-        let mut trimmed = |bears_n, read_n| display.trimmed(&config, &at(bears_n), read_n).map_or(0.0, |c| c.a);
-        assert_eq!(trimmed(None, 0.0), 1.0);
-        assert_eq!(trimmed(Some(0.5 * config.coil_standby_n), 0.0), 1.0);
+        let mut trimmed = |wanted: &Wanted, force_n, allowed_a| {
+            display.trimmed(&config, wanted, &read(force_n), allowed_a).map_or(0.0, |c| c.a)
+        };
+        // not without a place, not at rest, not during a transition, not from a force that the sensor does not tell
+        assert_eq!(trimmed(&at(None), 0.5, 2.5), 1.0);
+        assert_eq!(trimmed(&at(Some(0.5 * config.coil_standby_n)), 0.5, 2.5), 1.0);
+        assert_eq!(trimmed(&Wanted { is_settled: false, ..at(Some(2.0)) }, 1.0, 2.5), 1.0);
+        for nothing in [0.0, 0.2, f32::NAN] {
+            assert_eq!(trimmed(&at(Some(2.0)), nothing, 2.5), 1.0);
+        }
         // a tenth is missing: a quarter of a second makes up for a tenth
-        let after = (0..13).map(|_| trimmed(Some(2.0), 1.8)).last().unwrap_or(0.0);
+        let after = (0..13).map(|_| trimmed(&at(Some(2.0)), 1.8, 2.5)).last().unwrap_or(0.0);
         assert!((after - 1.104).abs() < 1e-3, "{after}");
-        let kept = trimmed(Some(1.0), 0.0);
-        assert!((kept - after).abs() < 1e-6, "on the way up it stays");
-        let most = (0..200).map(|_| trimmed(Some(2.0), f32::NAN)).last().unwrap_or(0.0);
-        assert!((1.0 + config.trim.0..=1.0 + config.trim.1).contains(&most), "{most}");
-        let most = (0..200).map(|_| trimmed(Some(2.0), 0.0)).last().unwrap_or(0.0);
+        // on the way up and at rest it stays
+        assert_eq!((trimmed(&at(Some(1.0)), 0.5, 2.5), trimmed(&at(Some(0.05)), 0.5, 2.5)), (after, after));
+        // against a limit nothing winds up, and beyond its bounds it does not go
+        assert_eq!((0..200).map(|_| trimmed(&at(Some(3.0)), 0.3, 1.0)).last(), Some(after));
+        let most = (0..200).map(|_| trimmed(&at(Some(3.0)), 0.3, 2.5)).last().unwrap_or(0.0);
         assert!((most - 1.0 - config.trim.1).abs() < 1e-6, "{most}");
-        assert_eq!(display.trimmed(&config, &Wanted::default(), 0.0), None);
+        let least = (0..200).map(|_| trimmed(&at(Some(3.0)), 9.0, 2.5)).last().unwrap_or(0.0);
+        assert!((least - 1.0 - config.trim.0).abs() < 1e-6, "{least}");
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub struct Wanted {
     pub bound_a: f32,
     /// What the material bears at the finger's place, N, where that decides the current.
     pub bears_n: Option<f32>,
+    /// It is one curve's, and not what two are mixed to: only then does a force tell how a curve is off.
+    pub is_settled: bool,
 }
 
 /// The force that shaft and coil answer to: what is read, and while that is less, what they wait at.
@@ -133,6 +135,7 @@ impl Showing {
                 current: between.current(coil_n),
                 bound_a: between.bound_a(coil_n).unwrap_or(0.0),
                 bears_n,
+                is_settled: true,
             })
         };
         let to = of(self.to())?;
@@ -184,6 +187,7 @@ impl Wanted {
             current,
             bound_a: mixed(self.bound_a, to.bound_a, share),
             bears_n: to.bears_n,
+            is_settled: false,
         }
     }
 }

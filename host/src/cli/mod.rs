@@ -90,7 +90,7 @@ enum Command {
     Magnet(magnet::Arguments),
     /// Find what coil and actuator must do so that a material is felt: control curves by finite elements
     ControlCurve(control_curve::Arguments),
-    /// Press the simulated display and tell how near it comes to the materials that it shows
+    /// Press a display, simulated or real, and tell how near it comes to the materials that it shows
     Feel(feel::Arguments),
     /// Go round a bench in a random order, and tell its foams and tissues apart
     Tour(tour::Arguments),

@@ -1,9 +1,9 @@
 //! `palpate tour`.
 
 use std::io::{BufRead, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -20,7 +20,7 @@ use crate::log::library_names;
 use crate::ownership::OwnFolder;
 use crate::plant::Jitter;
 use crate::report::{Page, number, tour as picture};
-use crate::session::{Patience, Session};
+use crate::session::{Patience, Session, SessionError};
 use crate::signals;
 use crate::simulated_board::SimulatedBoard;
 use crate::tour::{
@@ -82,7 +82,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(copy) = &arguments.copy {
         return super::file::copy(copy, Tour::THESIS);
     }
-    within("--rate", arguments.rate, 0.1..=8.0, "mm/s")?;
+    let (slowest, fastest) = firmware::mode::ModeConfig::default().rate_mm_s;
+    within("--rate", arguments.rate, f64::from(slowest)..=f64::from(fastest), "mm/s")?;
     within("--depth", arguments.depth, 0.5..=4.0, "mm")?;
     within("--noise", arguments.noise, 0.0..=0.2, "of the largest force")?;
     let tour = match &arguments.tour {
@@ -103,10 +104,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         progress.set("specimens", done, tour.stops.len());
     })
     .into_diagnostic()?;
-    let log = folder.clear(PRESSES).into_diagnostic()?;
-    let walked = gone(arguments, (&tour, &specimens), (&table, &bytes), (&log, &stop), &progress);
+    let mut begin = || folder.clear(PRESSES);
+    let walked = gone(arguments, (&tour, &specimens), (&table, &bytes), (&mut begin, &stop), &progress);
     progress.end();
-    folder.adopt(PRESSES).into_diagnostic()?;
+    if arguments.out.join(PRESSES).exists() {
+        folder.adopt(PRESSES).into_diagnostic()?;
+    }
     let round = Round { tour: &tour, table: &table, names: library_names(&table), arguments, found: walked? };
     let mut files = vec![arguments.out.join(PRESSES)];
     files.extend(round.write(&mut folder, &specimens)?);
@@ -130,6 +133,9 @@ fn table(arguments: &Arguments, progress: &Progress) -> miette::Result<Vec<u8>> 
     }
 }
 
+/// Clears the file of the presses, once the board has answered: what an earlier tour left is kept until then.
+type Begin<'a> = dyn FnMut() -> std::io::Result<PathBuf> + 'a;
+
 /// All presses with what the filter makes of each.
 type Found = Vec<One>;
 /// A press, and the filter's.
@@ -139,23 +145,26 @@ fn gone(
     arguments: &Arguments,
     (tour, specimens): (&Tour, &Specimens),
     (table, bytes): (&Table<'_>, &[u8]),
-    (log, stop): (&Path, &AtomicBool),
+    (begin, stop): (&mut Begin<'_>, &AtomicBool),
     progress: &Progress,
 ) -> miette::Result<Found> {
     let kind = bounding(&arguments.bounding).ok_or_else(|| miette!("--bounding is {}", arguments.bounding))?;
     let order = tour.order(arguments.seed);
-    let mut log = std::fs::File::create(log).into_diagnostic().wrap_err_with(|| log.display().to_string())?;
-    writeln!(log, "{HEAD}").into_diagnostic()?;
+    let mut log: Option<std::fs::File> = None;
     let names = library_names(table);
     let mut found = Found::new();
     let mut told = |press: &Pressed| {
         let slice = (press.verdict.height_mm, press.verdict.rate_mm_s);
         let by_filter = filtered(table, &press.samples, slice, kind);
         let line = row(&tour.stops[press.stop], press, by_filter.as_ref(), &names);
+        let log = match &mut log {
+            Some(log) => log,
+            none => none.insert(begun(begin).map_err(|cause| TourError::Unwritten(cause.to_string()))?),
+        };
         writeln!(log, "{line}").and_then(|()| log.flush()).map_err(|cause| TourError::Unwritten(cause.to_string()))?;
         progress.set("presses", press.number, order.len());
         found.push((press.clone(), by_filter));
-        if stop.load(Ordering::Relaxed) { Err(TourError::Ended { number: press.number + 1 }) } else { Ok(()) }
+        Ok(())
     };
     let way = (arguments.rate, arguments.depth);
     let walked = if arguments.board == Address::Simulated {
@@ -164,7 +173,7 @@ fn gone(
         let (mut session, _) = Session::open(link, Patience::default()).into_diagnostic()?;
         session.upload(bytes, |_| {}).into_diagnostic()?;
         settle(&mut session)?;
-        walk(&mut session, (tour, &order), way, &mut Simulated { tour, specimens }, &mut told)
+        walk(&mut session, (tour, &order), way, (&mut Simulated { tour, specimens }, stop), &mut told)
     } else {
         let link = crate::link::open(&arguments.board).into_diagnostic()?;
         let (mut session, _) = Session::open(link, Patience::default()).into_diagnostic()?;
@@ -175,16 +184,23 @@ fn gone(
                 "the board has another table than that of the tour"
             ));
         }
-        walk(&mut session, (tour, &order), way, &mut Operator, &mut told)
+        walk(&mut session, (tour, &order), way, (&mut Operator, stop), &mut told)
     };
     match walked {
         // what was pressed until then is worth a page
-        Err(TourError::Ended { number }) if !found.is_empty() => {
-            errln!("ended before press {number}");
+        Err(error) if !found.is_empty() => {
+            errln!("{error}");
             Ok(found)
         }
         walked => walked.into_diagnostic().map(|_| found),
     }
+}
+
+/// The file of the presses with its head.
+fn begun(begin: &mut Begin<'_>) -> std::io::Result<std::fs::File> {
+    let mut log = std::fs::File::create(begin()?)?;
+    writeln!(log, "{HEAD}")?;
+    Ok(log)
 }
 
 /// Lets the load cell's mean fill, and takes its zero.
@@ -209,9 +225,13 @@ impl Surroundings<InProcess> for Simulated<'_> {
         of_stop: usize,
     ) -> Result<(), TourError> {
         let foam = self.specimens.foam(self.tour, at, of_stop);
-        let foam = foam.ok_or_else(|| TourError::Unwritten(format!("\"{}\" has no force", stop.name)))?;
+        let foam = foam.ok_or_else(|| TourError::Forceless { stop: stop.name.clone() })?;
         session.link_mut().board_mut().place(foam);
         Ok(())
+    }
+
+    fn mend(&mut self, session: &mut Session<InProcess>, _: &[String]) -> Result<(), TourError> {
+        Ok(session.clear_faults()?)
     }
 }
 
@@ -222,25 +242,43 @@ impl<L: Link> Surroundings<L> for Operator {
     fn bring(&mut self, _: &mut Session<L>, (_, stop): (usize, &Stop), of_stop: usize) -> Result<(), TourError> {
         let [x, y, z] = stop.at_mm;
         errln!("{} (its press {of_stop}): move the probe above ({x}, {y}, {z}) mm, then Enter; q ends", stop.name);
-        let mut line = String::new();
-        let read = std::io::stdin().lock().read_line(&mut line);
-        let goes_on = read.is_ok_and(|bytes| bytes > 0) && line.trim() != "q";
-        if goes_on { Ok(()) } else { Err(TourError::Ended { number: of_stop }) }
+        entered()
+    }
+
+    /// A fault is cleared by whoever has seen to its cause.
+    fn mend(&mut self, session: &mut Session<L>, why: &[String]) -> Result<(), TourError> {
+        loop {
+            errln!("aborted: {}; see to it, then Enter clears the fault; q ends", why.join("; "));
+            entered()?;
+            match session.clear_faults() {
+                Ok(()) => return Ok(()),
+                Err(error @ SessionError::Refused { .. }) => errln!("{error}"),
+                Err(error) => return Err(error.into()),
+            }
+        }
     }
 }
 
+/// Waits for Enter; `walk` says before which press it ended.
+fn entered() -> Result<(), TourError> {
+    let mut line = String::new();
+    let read = std::io::stdin().lock().read_line(&mut line);
+    let goes_on = read.is_ok_and(|bytes| bytes > 0) && line.trim() != "q";
+    if goes_on { Ok(()) } else { Err(TourError::Ended { number: 0 }) }
+}
+
 /// Columns of the presses.
-const HEAD: &str = "press,stop,x_mm,y_mm,z_mm,true_mu_MPa,true_alpha,outcome,search_mu_MPa,search_alpha,search_named,\
+const HEAD: &str = "press,stop,x_mm,y_mm,z_mm,stated_mu_MPa,stated_alpha,outcome,search_mu_MPa,search_alpha,search_named,\
                     filter_mu_MPa,filter_alpha,filter_named";
 
 fn row(stop: &Stop, press: &Pressed, filter: Option<&Filtered>, names: &[String]) -> String {
-    let name = |index: Option<usize>| index.and_then(|i| names.get(i)).cloned().unwrap_or_default();
+    let name = |index: Option<usize>| index.and_then(|i| names.get(i)).map(|own| quoted(own)).unwrap_or_default();
     let pair = |own: Option<(f64, f64)>| own.map_or(",".to_owned(), |(mu, alpha)| format!("{mu:.6},{alpha:.4}"));
     let [x, y, z] = stop.at_mm;
     format!(
         "{},{},{x},{y},{z},{:.6},{:.4},{:?},{},{},{},{}",
         press.number,
-        stop.name,
+        quoted(&stop.name),
         stop.mu_mpa * stop.softened(press.of_stop),
         stop.alpha,
         press.verdict.outcome,
@@ -249,6 +287,11 @@ fn row(stop: &Stop, press: &Pressed, filter: Option<&Filtered>, names: &[String]
         pair(filter.map(|found| (found.mu_mpa, found.alpha))),
         name(filter.and_then(|found| found.named)),
     )
+}
+
+/// A name as a cell.
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"', '\n']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }
 
 /// A tour that was gone.
@@ -316,8 +359,12 @@ impl Round<'_> {
             .collect()
     }
 
+    fn is_simulated(&self) -> bool {
+        self.arguments.board == Address::Simulated
+    }
+
     fn note(&self) -> String {
-        let where_ = if self.arguments.board == Address::Simulated { "Simulated. " } else { "" };
+        let where_ = if self.is_simulated() { "Simulated. " } else { "" };
         format!(
             "{where_}{} presses at {} mm/s to {} mm, order by seed {}; Kalman filter bounded by {}.",
             self.found.len(),
@@ -346,7 +393,8 @@ impl Round<'_> {
         page.table(&COLUMNS, &self.rows());
         let presses: Vec<Pressed> = self.found.iter().map(|(press, _)| press.clone()).collect();
         let filters: Vec<Option<Filtered>> = self.found.iter().map(|(_, filter)| filter.clone()).collect();
-        let mut drawn = picture::identified(self.tour, &presses, &filters, &self.arguments.bounding);
+        let mut drawn =
+            picture::identified(self.tour, &presses, &filters, (&self.arguments.bounding, self.is_simulated()));
         drawn.extend(picture::indentations(self.tour, specimens));
         drawn.push(picture::compressions(self.tour));
         drawn.extend(picture::surface(self.table));
@@ -372,7 +420,7 @@ impl Round<'_> {
                    "search": told(&search.1), "filter": told(&filter.1)})
         };
         json!({"rate_mm_s": self.arguments.rate, "depth_mm": self.arguments.depth, "seed": self.arguments.seed,
-               "bounding": self.arguments.bounding, "simulated": self.arguments.board == Address::Simulated,
+               "bounding": self.arguments.bounding, "simulated": self.is_simulated(),
                "stops": self.tour.stops.iter().enumerate().map(stop).collect::<Vec<_>>(),
                "files": super::file::names(files)})
     }

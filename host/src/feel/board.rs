@@ -26,29 +26,43 @@ const ENDS_S: f64 = 30.0;
 /// How long a finger must have lifted, s.
 const LIFTED_S: f64 = 0.3;
 
+/// What was felt, and why it is not all.
+pub type FeltSoFar = (Vec<Felt>, Option<Unfelt>);
+
 /// Displays each material twice and records the finger that presses it; `ready` asks for each press, and ends it all by
-/// an error. The outputs are off again whatever happens.
-///
-/// # Errors
-/// [`Unfelt::Untouched`] where nobody presses, [`Unfelt::Ended`] on a signal, and what the board refuses.
+/// an error. What was felt until then is kept, and the outputs are off again whatever happens.
 pub fn on_board<L: Link>(
     session: &mut Session<L>,
     (materials, display): (&[OnBoard], Display),
     stop: &AtomicBool,
     ready: &mut dyn FnMut(&ControlCurve, Pace) -> Result<(), Unfelt>,
-) -> Result<Vec<Felt>, Unfelt> {
+) -> FeltSoFar {
     let mut all = Vec::new();
     for material in materials {
         let mut presses = Vec::new();
+        let mut ended = None;
         for pace in Pace::ALL {
-            ready(&material.curve, pace)?;
-            let samples = pressed(session, (material, display), stop);
-            session.set_mode(Mode::Idle)?;
-            presses.push(Pressed { pace, samples: samples? });
+            let felt = ready(&material.curve, pace).and_then(|()| {
+                let samples = pressed(session, (material, display), stop);
+                session.set_mode(Mode::Idle)?;
+                samples
+            });
+            match felt {
+                Ok(samples) => presses.push(Pressed { pace, samples }),
+                Err(error) => ended = Some(error),
+            }
+            if ended.is_some() {
+                break;
+            }
         }
-        all.push(Felt { curve: material.curve.clone(), display, presses, is_read: true });
+        if !presses.is_empty() {
+            all.push(Felt { curve: material.curve.clone(), display, presses, is_read: true });
+        }
+        if ended.is_some() {
+            return (all, ended);
+        }
     }
-    Ok(all)
+    (all, None)
 }
 
 fn pressed<L: Link>(
@@ -56,8 +70,13 @@ fn pressed<L: Link>(
     (material, display): (&OnBoard, Display),
     stop: &AtomicBool,
 ) -> Result<Vec<Sample>, Unfelt> {
+    if stop.load(Ordering::Relaxed) {
+        return Err(Unfelt::Ended);
+    }
     let parts = if display == Display::Actuator { Parts::Actuator } else { Parts::CoilAtPlace };
     session.set_display(DisplayMode::Material { parts, material: material.index })?;
+    // what was said while somebody was asked to press still waits to be read
+    let from_tick = session.status()?.uptime_ms / (1000 / TICK_HZ);
     let began_s = session.link().now_s();
     let mut is_free = false;
     let (mut samples, mut first_s, mut touched_s, mut lifted_s) = (Vec::new(), None, None, None);
@@ -69,12 +88,13 @@ fn pressed<L: Link>(
         }
         if now_s >= until_s {
             // a finger that does not lift has been felt all the same
-            return if touched_s.is_some() { Ok(samples) } else { Err(untouched(&material.curve)) };
+            return if touched_s.is_some() { Ok(samples) } else { Err(untouched(&material.curve, is_free)) };
         }
         let Some(event) = session.poll(until_s.min(now_s + LIFTED_S))? else { continue };
         match event {
             Event::Fault(fault) => return Err(Unfelt::Fault(crate::session::fault_text(&fault))),
-            Event::Telemetry(record) => {
+            Event::Gap(gap) => return Err(Unfelt::Fault(crate::session::gap_text(&gap))),
+            Event::Telemetry(record) if record.tick >= from_tick => {
                 let (force_n, shaft_mm) = (f64::from(record.fsr_n), f64::from(record.shaft_mm));
                 // a finger that lies there already has to lift first: a press begins with nothing
                 is_free |= force_n <= TOUCHED_N;
@@ -107,8 +127,13 @@ fn pressed<L: Link>(
     }
 }
 
-fn untouched(curve: &ControlCurve) -> Unfelt {
-    Unfelt::Untouched { material: curve.material.clone(), waited_s: BEGINS_S }
+fn untouched(curve: &ControlCurve, is_free: bool) -> Unfelt {
+    let material = curve.material.clone();
+    if is_free {
+        Unfelt::Untouched { material, waited_s: BEGINS_S }
+    } else {
+        Unfelt::Loaded { material, waited_s: BEGINS_S }
+    }
 }
 
 #[cfg(test)]
@@ -139,8 +164,9 @@ mod tests {
         let felt = on_board(&mut session, (&materials, Display::Actuator), &AtomicBool::new(false), &mut |_, pace| {
             asked.push(pace);
             Ok(())
-        })
-        .unwrap();
+        });
+        let (felt, ended) = felt;
+        assert!(ended.is_none());
         assert_eq!(asked, Pace::ALL);
         let slow = &felt[0].presses[0];
         let score = felt[0].actuator(slow).unwrap();
@@ -153,11 +179,26 @@ mod tests {
     #[test]
     fn a_board_that_nobody_presses_is_told_and_off() {
         let (mut session, materials) = opened(None);
-        let felt = on_board(&mut session, (&materials, Display::Actuator), &AtomicBool::new(false), &mut |_, _| Ok(()));
-        assert!(felt.unwrap_err().to_string().starts_with("nobody pressed EVA within 20 s"));
+        let run = |session: &mut Session<InProcess>, stop: bool| {
+            on_board(session, (&materials, Display::Actuator), &AtomicBool::new(stop), &mut |_, _| Ok(()))
+        };
+        let (felt, ended) = run(&mut session, false);
+        assert!(felt.is_empty());
+        assert!(ended.unwrap().to_string().starts_with("nobody pressed EVA within 20 s"));
         assert_eq!(session.status().unwrap().mode, Mode::Idle);
-        let stopped =
-            on_board(&mut session, (&materials, Display::Actuator), &AtomicBool::new(true), &mut |_, _| Ok(()));
-        assert!(matches!(stopped, Err(Unfelt::Ended)));
+        assert!(matches!(run(&mut session, true).1, Some(Unfelt::Ended)));
+    }
+
+    /// Whoever ends after the first press keeps it.
+    #[test]
+    fn what_was_felt_is_kept() {
+        let (mut session, materials) = opened(Some(Touch { peak_n: 3.0, period_s: 8.0 }));
+        let mut left = 1;
+        let (felt, ended) =
+            on_board(&mut session, (&materials, Display::Actuator), &AtomicBool::new(false), &mut |_, _| {
+                left -= 1;
+                if left < 0 { Err(Unfelt::Ended) } else { Ok(()) }
+            });
+        assert!(felt.len() == 1 && felt[0].presses.len() == 1 && matches!(ended, Some(Unfelt::Ended)));
     }
 }

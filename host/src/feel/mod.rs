@@ -17,7 +17,7 @@ use crate::control::ControlCurve;
 use crate::plant::{Constants, FluidForce};
 use crate::session::SessionError;
 
-pub use board::{OnBoard, on_board};
+pub use board::{FeltSoFar, OnBoard, on_board};
 pub use score::{ActuatorScore, FluidScore, LEAST_N, Loading};
 pub use session::run;
 
@@ -153,11 +153,21 @@ pub enum Unfelt {
         /// How long was waited, s.
         waited_s: f64,
     },
-    /// A fault of the board.
+    /// A sensor that is loaded all along.
+    #[error(
+        "the display's force sensor read more than 0.1 N for {waited_s} s before {material}: lift the finger, or calibrate its zero"
+    )]
+    Loaded {
+        /// What was displayed.
+        material: String,
+        /// How long was waited, s.
+        waited_s: f64,
+    },
+    /// A fault of the board, or a gap in what it said.
     #[error("{0}")]
     Fault(String),
     /// A signal, or whoever was asked to press.
-    #[error("ended before all was pressed; the outputs are off")]
+    #[error("ended before all was pressed; what was felt until then is kept, and the outputs are off")]
     Ended,
     /// The program's own table of the fluid's force.
     #[error("the table of a fluid's force cannot be read")]

@@ -53,7 +53,12 @@ pub fn indentations(tour: &Tour, specimens: &Specimens) -> Vec<Drawn> {
 
 /// What presses are identified as: modulus and exponent over the number of the press, by the search and by the filter.
 #[must_use]
-pub fn identified(tour: &Tour, presses: &[Pressed], filtered: &[Option<Filtered>], bounding: &str) -> Vec<Drawn> {
+pub fn identified(
+    tour: &Tour,
+    presses: &[Pressed],
+    filtered: &[Option<Filtered>],
+    (bounding, is_simulated): (&str, bool),
+) -> Vec<Drawn> {
     type Of<'a> = &'a dyn Fn(usize) -> Option<(f64, f64)>;
     let search = |at: usize| presses[at].identified();
     let filter = |at: usize| filtered.get(at)?.as_ref().map(|found| (found.mu_mpa, found.alpha));
@@ -62,7 +67,7 @@ pub fn identified(tour: &Tour, presses: &[Pressed], filtered: &[Option<Filtered>
     let mut all = Vec::new();
     for (is_mu, what, number) in [(true, "mu (MPa)", 31), (false, "alpha", 32)] {
         for (word, title, of) in ways {
-            let title = format!("{what}, {title}, simulated");
+            let title = format!("{what}, {title}{}", if is_simulated { ", simulated" } else { "" });
             let mut figure = Figure::new(&title, Axis::new("press"), Axis::new(what));
             let pick = |(mu_mpa, alpha): (f64, f64)| if is_mu { mu_mpa } else { alpha };
             let foams = tour.stops.iter().enumerate().filter(|(_, stop)| stop.law == Law::Hyperfoam);
@@ -86,8 +91,9 @@ pub fn identified(tour: &Tour, presses: &[Pressed], filtered: &[Option<Filtered>
                 (false, "search") => "alpha-search",
                 (false, _) => "alpha-filter",
             };
-            let caption =
-                format!("Identified in each press by the {word}{by}; dashed: of the fresh foam (Fig. {number}).");
+            let caption = format!(
+                "Identified in each press by the {word}{by}; dashed: as stated of the fresh foam (Fig. {number})."
+            );
             all.push((name, figure, caption));
         }
     }

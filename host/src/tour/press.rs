@@ -1,11 +1,13 @@
 //! Presses of a tour on a board.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use lut_gen::solid::solve::SolveError;
 use protocol::message::{Estimate, Mode, Outcome, Recognition, State, Verdict};
 
 use super::stops::{Stop, Tour};
 use crate::link::Link;
-use crate::session::{Event, Session, SessionError};
+use crate::session::{Event, Session, SessionError, fault_text, gap_text};
 
 /// One press and what came of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +49,12 @@ pub trait Surroundings<L: Link> {
     /// # Errors
     /// Why it cannot be pressed.
     fn bring(&mut self, session: &mut Session<L>, stop: (usize, &Stop), of_stop: usize) -> Result<(), TourError>;
+
+    /// After a press that a fault has ended: `why` it did. The fault is to be cleared before the next one.
+    ///
+    /// # Errors
+    /// Why the tour cannot go on.
+    fn mend(&mut self, session: &mut Session<L>, why: &[String]) -> Result<(), TourError>;
 }
 
 /// Why a tour ends.
@@ -77,13 +85,19 @@ pub enum TourError {
         /// The press that was not made.
         number: usize,
     },
+    /// A stop without a force.
+    #[error("stop \"{stop}\" has no force over depth")]
+    Forceless {
+        /// Its name.
+        stop: String,
+    },
     /// What a press leaves behind cannot be written.
     #[error("{0}")]
     Unwritten(String),
 }
 
-/// Longest press, s of board time beside its way: approach, return and analysis.
-const BESIDE_S: f64 = 60.0;
+/// Longest press beside its way, s: the board gives an approach 90 s and a return 30 s; the analysis has the rest.
+const BESIDE_S: f64 = 130.0;
 
 /// Presses all stops of an order at a rate (mm/s) to a depth (mm); `told` hears of every press.
 ///
@@ -93,33 +107,58 @@ pub fn walk<L: Link>(
     session: &mut Session<L>,
     (tour, order): (&Tour, &[usize]),
     (rate_mm_s, depth_mm): (f64, f64),
-    surroundings: &mut dyn Surroundings<L>,
+    (surroundings, stopped): (&mut dyn Surroundings<L>, &AtomicBool),
     told: &mut dyn FnMut(&Pressed) -> Result<(), TourError>,
-) -> Result<Vec<Pressed>, TourError> {
+) -> Result<(), TourError> {
     let mut counts = vec![0; tour.stops.len()];
-    let mut all = Vec::new();
     for (at, stop) in order.iter().enumerate() {
         counts[*stop] += 1;
-        surroundings.bring(session, (*stop, &tour.stops[*stop]), counts[*stop])?;
-        session.set_mode(Mode::Palpate { rate_mm_s: rate_mm_s as f32, depth_mm: depth_mm as f32 })?;
-        let (verdict, estimate, samples) = one(session, at + 1, BESIDE_S + 4.0 * depth_mm / rate_mm_s)?;
-        if verdict.outcome == Outcome::Aborted {
-            session.clear_faults()?;
+        let ended = || TourError::Ended { number: at + 1 };
+        surroundings.bring(session, (*stop, &tour.stops[*stop]), counts[*stop]).map_err(|error| match error {
+            TourError::Ended { .. } => ended(),
+            other => other,
+        })?;
+        if stopped.load(Ordering::Relaxed) {
+            return Err(ended());
         }
-        let pressed = Pressed { number: at + 1, stop: *stop, of_stop: counts[*stop], verdict, estimate, samples };
-        told(&pressed)?;
-        all.push(pressed);
+        session.set_mode(Mode::Palpate { rate_mm_s: rate_mm_s as f32, depth_mm: depth_mm as f32 })?;
+        let longest_s = BESIDE_S + 4.0 * depth_mm / rate_mm_s;
+        let Told { verdict, estimate, samples, why } = one(session, (at + 1, longest_s), stopped)?;
+        let aborted = verdict.outcome == Outcome::Aborted;
+        told(&Pressed { number: at + 1, stop: *stop, of_stop: counts[*stop], verdict, estimate, samples })?;
+        if aborted {
+            surroundings.mend(session, &why)?;
+        }
     }
-    Ok(all)
+    Ok(())
 }
 
-/// A verdict with the filter's word and the samples before it.
-type Told = (Verdict, Option<Estimate>, Vec<(f64, f64)>);
+/// A verdict with what came before it.
+struct Told {
+    verdict: Verdict,
+    estimate: Option<Estimate>,
+    samples: Vec<(f64, f64)>,
+    /// Faults and gaps.
+    why: Vec<String>,
+}
 
-fn one<L: Link>(session: &mut Session<L>, number: usize, longest_s: f64) -> Result<Told, TourError> {
+/// How long a word of the board is waited for before signals are looked at, s.
+const TURN_S: f64 = 0.1;
+
+fn one<L: Link>(
+    session: &mut Session<L>,
+    (number, longest_s): (usize, f64),
+    stopped: &AtomicBool,
+) -> Result<Told, TourError> {
     let until_s = session.link().now_s() + longest_s;
-    let (mut samples, mut estimate) = (Vec::new(), None);
-    while let Some(event) = session.poll(until_s)? {
+    let (mut samples, mut estimate, mut why) = (Vec::new(), None, Vec::new());
+    while session.link().now_s() < until_s {
+        if stopped.load(Ordering::Relaxed) {
+            session.set_mode(Mode::Idle)?;
+            return Err(TourError::Ended { number });
+        }
+        let turn_s = session.link().now_s() + TURN_S;
+        let Some(event) = session.poll(turn_s.min(until_s))? else { continue };
         match event {
             Event::Telemetry(record) if record.state == State::Contact => {
                 samples.push((f64::from(record.depth_mm), f64::from(record.load_cell_n)));
@@ -127,8 +166,10 @@ fn one<L: Link>(session: &mut Session<L>, number: usize, longest_s: f64) -> Resu
             Event::Estimate(told) => estimate = Some(told),
             Event::Verdict(verdict) => {
                 let estimate = estimate.filter(|e: &Estimate| e.palpation == verdict.palpation);
-                return Ok((verdict, estimate, samples));
+                return Ok(Told { verdict, estimate, samples, why });
             }
+            Event::Fault(fault) => why.push(fault_text(&fault)),
+            Event::Gap(gap) => why.push(gap_text(&gap)),
             _ => {}
         }
     }

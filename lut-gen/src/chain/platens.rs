@@ -103,13 +103,17 @@ fn added(radius_over_height: f64, turn: f64, (alpha, friction): (f64, f64), retu
     })?;
     let area_mm2 = std::f64::consts::PI * radius_over_height * radius_over_height;
     let plain = frictionless(material, area_mm2, turn)?;
-    // at nothing both forces are nothing, and beyond what could be followed the last share holds
-    let last = (reached / turn * PLACES as f64) as usize;
-    let branch = |is_back: bool| -> Vec<f64> {
-        let of = |k: usize| force_at(&record, turn * k as f64 / PLACES as f64, is_back) / plain[k] - 1.0;
-        (0..=PLACES).map(|k| of(k.clamp(1, last))).collect()
+    let share = |place: f64, is_back: bool| {
+        let at = (place as usize).min(PLACES - 1);
+        let plain_n = plain[at] + (place - at as f64) * (plain[at + 1] - plain[at]);
+        force_at(&record, turn * place / PLACES as f64, is_back) / plain_n - 1.0
     };
-    Ok((smooth(&branch(false)), if returns { branch(true) } else { Vec::new() }))
+    // at nothing both forces are nothing; beyond what could be followed the last share holds, and a cylinder that had to
+    // turn before stands for its like that turns at the end
+    let followed = reached / turn;
+    let down = (0..=PLACES).map(|k| share((k.max(1) as f64).min(followed * PLACES as f64), false));
+    let back = (0..=PLACES).map(|k| share(followed * k.max(1) as f64, true));
+    Ok((smooth(&down.collect::<Vec<_>>()), if returns { back.collect() } else { Vec::new() }))
 }
 
 /// Values at even places without what elements add that fold onto the platen one by one, some thousandths of the
@@ -184,9 +188,9 @@ mod tests {
             let (down, back) = added(SHAPE, TURN, case, true).unwrap();
             for k in 4..=PLACES {
                 let share = TURN * k as f64 / PLACES as f64;
-                let miss = table.factor(case, share, false) - 1.0 - down[k];
+                let miss = table.factor(case, share, false) / (1.0 + down[k]) - 1.0;
                 assert!(miss.abs() < 0.02, "{case:?} at {share}: {miss}");
-                let miss = table.factor(case, share, true) - 1.0 - back[k];
+                let miss = table.factor(case, share, true) / (1.0 + back[k]) - 1.0;
                 assert!(miss.abs() < 0.06, "{case:?} back at {share}: {miss}");
             }
         }

@@ -30,10 +30,9 @@ pub(super) fn felt(arguments: &Arguments) -> miette::Result<Vec<Felt>> {
             ));
         }
     };
-    if arguments.plant != "frozen" {
+    if let Some(option) = is_asked(arguments) {
         return Err(miette!(
-            "--plant is {}: a real board has its own; expected no --plant beside --board",
-            arguments.plant
+            "{option} belongs to the simulation: a real board has its own; expected none beside --board"
         ));
     }
     let stop = Arc::new(AtomicBool::new(false));
@@ -52,7 +51,26 @@ pub(super) fn felt(arguments: &Arguments) -> miette::Result<Vec<Felt>> {
     if let Some(gains) = gains(&arguments.gains) {
         session.set_gains(gains).into_diagnostic()?;
     }
-    on_board(&mut session, (&wanted, display), &stop, &mut ready).into_diagnostic()
+    let (felt, ended) = on_board(&mut session, (&wanted, display), &stop, &mut ready);
+    match ended {
+        Some(error) if felt.is_empty() => Err(error).into_diagnostic(),
+        Some(error) => {
+            errln!("{error}");
+            Ok(felt)
+        }
+        None => Ok(felt),
+    }
+}
+
+/// Options of the simulation, with what they have without being asked for.
+fn is_asked(arguments: &Arguments) -> Option<&'static str> {
+    let asked = [
+        ("--plant", arguments.plant != "frozen"),
+        ("--magnet", arguments.magnet != "ring"),
+        ("--model", arguments.model.is_some()),
+        ("--seed", arguments.seed != 1),
+    ];
+    asked.into_iter().find(|(_, is)| *is).map(|(name, _)| name)
 }
 
 fn read(path: &Path) -> miette::Result<Vec<u8>> {

@@ -174,7 +174,8 @@ fn readings(felt: &Felt) -> String {
 pub(super) fn summary(plant: &str, magnet: &str, (all, before): (&[Felt], &[Felt]), files: &[PathBuf]) -> Value {
     let press = |felt: &Felt, press: &Pressed| {
         let actuator = felt.actuator(press).filter(|_| felt.display == Display::Actuator).map(|s| {
-            json!({"position": s.position, "force": s.force, "tracking": s.tracking, "travel": s.travel,
+            json!({"position": s.position, "force": s.force, "tracking": s.tracking,
+                   "travel": (!felt.is_read).then_some(s.travel),
                    "position_below": s.position_below, "scored": s.scored})
         });
         let fluid = felt
@@ -189,7 +190,7 @@ pub(super) fn summary(plant: &str, magnet: &str, (all, before): (&[Felt], &[Felt
     };
     let files = crate::cli::file::names(files);
     let is_read = all.iter().any(|felt| felt.is_read);
-    json!({"plant": (!is_read).then_some(plant), "magnet": magnet, "of_readings": is_read, "least_N": number(LEAST_N), "felt": all.iter().map(felt).collect::<Vec<_>>(),
+    json!({"plant": (!is_read).then_some(plant), "magnet": (!is_read).then_some(magnet), "of_readings": is_read, "least_N": number(LEAST_N), "felt": all.iter().map(felt).collect::<Vec<_>>(),
            "before": before.iter().map(felt).collect::<Vec<_>>(),
            "files": files})
 }

@@ -103,13 +103,13 @@ impl<'a> Coupons<'a> {
         if let Some(base) = starts.into_iter().min_by(|a, b| plain(a).total_cmp(&plain(b))) {
             search.base = base;
         }
-        let Search { problem, base, candidates, .. } = &search;
-        search.signatures = candidates.iter().map(|c| signature(problem, base, c)).collect();
         coupons.groups = self::groups(&search.problem, &search.base.model);
         coupons.search = search;
         if let Some(base) = coupons.settled(&coupons.search.base) {
             coupons.search.base = base;
         }
+        let Search { problem, base, candidates, .. } = &coupons.search;
+        coupons.search.signatures = candidates.iter().map(|c| signature(problem, base, c)).collect();
         coupons
     }
 
