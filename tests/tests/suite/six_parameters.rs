@@ -10,6 +10,7 @@ use tests::tissue::{LIVER, Pressed, recover, six};
 
 /// What one press tells lies in its interval; how much the bulk gives way and how that relaxes is said to be known only together.
 #[test]
+#[ignore = "two minutes; the example thesis_numbers measures it with every table"]
 fn six_parameters_of_one_recording() {
     let experiment = Pressed::default().record(&LIVER, 1).unwrap();
     let (found, parameters) = recover(&experiment, &LIVER).unwrap();
