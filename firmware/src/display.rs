@@ -1,7 +1,7 @@
 //! The softness display: finger force to shaft position and coil current.
 
 use crate::coil::thermal::{ThermalConfig, allowed_fraction};
-use crate::number::limit;
+use crate::number::{larger, limit};
 use crate::pid::{Pid, PidState};
 use crate::showing::Wanted;
 use protocol::lut::Current;
@@ -139,9 +139,7 @@ impl Display {
         let shown = Shown { shaft_limited: asked_mm > config.target_max_mm, ..shown };
         DisplayOutput { target_mm: self.target_mm, actuator_v, coil_target_a, shown }
     }
-}
 
-impl Display {
     /// The current at the finger's place, corrected by the force that is read there: what fluid and magnet are beside
     /// what the curve was made for is the same all over a press. It is learned while the finger goes down only, for on
     /// the way up a fluid lets go; and from one curve, from a force that the sensor tells, and not against a limit.
@@ -158,7 +156,7 @@ impl Display {
             return wanted.current;
         };
         if bears_n > config.coil_standby_n {
-            self.most_n = if bears_n > self.most_n { bears_n } else { self.most_n };
+            self.most_n = larger(bears_n, self.most_n);
             let is_down = bears_n >= DOWN * self.most_n;
             let is_told = input.force_n > input.least_n && bears_n > input.least_n;
             let missing = limit((bears_n - input.force_n) / bears_n, -1.0, 1.0);

@@ -14,6 +14,12 @@ pub fn limit(x: f32, low: f32, high: f32) -> f32 {
     }
 }
 
+/// The larger of two numbers; the second where one is none.
+#[inline]
+pub fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
 /// Square root, the FPU's instruction on the board.
 #[inline]
 pub fn sqrt(x: f32) -> f32 {

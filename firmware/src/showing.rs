@@ -9,7 +9,7 @@
 mod pulp;
 
 use crate::display::DisplayConfig;
-use crate::number::limit;
+use crate::number::{larger, limit};
 use protocol::TICK_HZ;
 use protocol::lut::{Between, Current, Table, mixed};
 use protocol::message::Curve;
@@ -129,7 +129,7 @@ impl Showing {
         let of = |curve: Curve| {
             let between = Between::new(table, curve.low, curve.high, curve.weight)?;
             let bears_n = felt.place_mm.map(|mm| between.force_at(mm, pulp::compression_mm));
-            let coil_n = bears_n.map_or(felt.coil_n, |n| above(n, felt.coil_n));
+            let coil_n = bears_n.map_or(felt.coil_n, |n| larger(n, felt.coil_n));
             Some(Wanted {
                 shaft_mm: between.shaft_mm(felt.shaft_n),
                 current: between.current(coil_n),
@@ -155,8 +155,8 @@ impl Origin {
 impl Felt {
     /// Of a reading and the least that the sensor tells, both N.
     pub fn new(config: &DisplayConfig, read_n: f32, least_n: f32) -> Self {
-        let shaft_n = above(read_n, limit(least_n, 0.0, config.least_max_n));
-        Felt { shaft_n, coil_n: above(shaft_n, config.coil_standby_n), place_mm: None }
+        let shaft_n = larger(read_n, limit(least_n, 0.0, config.least_max_n));
+        Felt { shaft_n, coil_n: larger(shaft_n, config.coil_standby_n), place_mm: None }
     }
 
     /// The same where the finger's place, mm, decides the current.
@@ -164,11 +164,6 @@ impl Felt {
     pub fn at_place(self, config: &DisplayConfig, place_mm: f32) -> Self {
         Felt { coil_n: config.coil_standby_n, place_mm: Some(place_mm), ..self }
     }
-}
-
-/// The larger of two numbers; the second where one is none.
-fn above(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 impl Wanted {

@@ -1,6 +1,6 @@
 //! What a command on a board says, and what it asks.
 
-use std::io::IsTerminal;
+use std::io::{BufRead, IsTerminal};
 
 /// An answer for programs and for people.
 pub(super) type Answer = (serde_json::Value, String);
@@ -18,4 +18,22 @@ pub(super) fn agreed(question: &str) -> bool {
     errln!("{question} [y/N]");
     let mut answer = String::new();
     std::io::stdin().read_line(&mut answer).is_ok() && matches!(answer.trim(), "y" | "Y" | "yes")
+}
+
+/// Waits for Enter; false for a line of "q", and where nothing is to be read any more.
+pub(super) fn entered() -> bool {
+    let mut line = String::new();
+    let read = std::io::stdin().lock().read_line(&mut line);
+    read.is_ok_and(|bytes| bytes > 0) && line.trim() != "q"
+}
+
+/// Prints a table, its columns as wide as they must be.
+pub(super) fn columns(head: &[&str], rows: &[Vec<String>]) {
+    let wide = |at: usize| rows.iter().map(|row| row[at].len()).chain([head[at].len()]).max().unwrap_or(0);
+    let line = |cells: &[String]| {
+        let cells: Vec<String> = cells.iter().enumerate().map(|(at, cell)| format!("{cell:<0$}", wide(at))).collect();
+        cells.join("  ").trim_end().to_owned()
+    };
+    outln!("{}", line(&head.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>()));
+    rows.iter().for_each(|row| outln!("{}", line(row)));
 }

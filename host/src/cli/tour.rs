@@ -1,6 +1,6 @@
 //! `palpate tour`.
 
-use std::io::{BufRead, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -11,12 +11,13 @@ use miette::{Context, IntoDiagnostic, miette};
 use protocol::lut::Table;
 use serde_json::{Value, json};
 
+use super::answer::{columns, entered};
 use super::progress::Progress;
 use super::range::within;
 use crate::demo::{Stage, demo_table};
 use crate::experiment::signal::mean;
 use crate::link::{Address, InProcess, Link, Pace};
-use crate::log::library_names;
+use crate::log::{library_names, quoted};
 use crate::ownership::OwnFolder;
 use crate::plant::Jitter;
 use crate::report::{Page, number, tour as picture};
@@ -172,7 +173,7 @@ fn gone(
         let link = InProcess::new(SimulatedBoard::new(arguments.seed, jitter), Pace::Free);
         let (mut session, _) = Session::open(link, Patience::default()).into_diagnostic()?;
         session.upload(bytes, |_| {}).into_diagnostic()?;
-        settle(&mut session)?;
+        session.tare_at_rest().into_diagnostic()?;
         walk(&mut session, (tour, &order), way, (&mut Simulated { tour, specimens }, stop), &mut told)
     } else {
         let link = crate::link::open(&arguments.board).into_diagnostic()?;
@@ -201,14 +202,6 @@ fn begun(begin: &mut Begin<'_>) -> std::io::Result<std::fs::File> {
     let mut log = std::fs::File::create(begin()?)?;
     writeln!(log, "{HEAD}")?;
     Ok(log)
-}
-
-/// Lets the load cell's mean fill, and takes its zero.
-fn settle<L: Link>(session: &mut Session<L>) -> miette::Result<()> {
-    session.poll(0.0).into_diagnostic()?;
-    let settled_s = session.link().now_s() + 0.1;
-    while session.poll(settled_s).into_diagnostic()?.is_some() {}
-    session.tare().into_diagnostic()
 }
 
 /// The bench of the simulation.
@@ -242,14 +235,14 @@ impl<L: Link> Surroundings<L> for Operator {
     fn bring(&mut self, _: &mut Session<L>, (_, stop): (usize, &Stop), of_stop: usize) -> Result<(), TourError> {
         let [x, y, z] = stop.at_mm;
         errln!("{} (its press {of_stop}): move the probe above ({x}, {y}, {z}) mm, then Enter; q ends", stop.name);
-        entered()
+        goes_on()
     }
 
     /// A fault is cleared by whoever has seen to its cause.
     fn mend(&mut self, session: &mut Session<L>, why: &[String]) -> Result<(), TourError> {
         loop {
             errln!("aborted: {}; see to it, then Enter clears the fault; q ends", why.join("; "));
-            entered()?;
+            goes_on()?;
             match session.clear_faults() {
                 Ok(()) => return Ok(()),
                 Err(error @ SessionError::Refused { .. }) => errln!("{error}"),
@@ -259,12 +252,9 @@ impl<L: Link> Surroundings<L> for Operator {
     }
 }
 
-/// Waits for Enter; `walk` says before which press it ended.
-fn entered() -> Result<(), TourError> {
-    let mut line = String::new();
-    let read = std::io::stdin().lock().read_line(&mut line);
-    let goes_on = read.is_ok_and(|bytes| bytes > 0) && line.trim() != "q";
-    if goes_on { Ok(()) } else { Err(TourError::Ended { number: 0 }) }
+/// Goes on at Enter; `walk` says before which press it ended.
+fn goes_on() -> Result<(), TourError> {
+    if entered() { Ok(()) } else { Err(TourError::Ended { number: 0 }) }
 }
 
 /// Columns of the presses.
@@ -287,11 +277,6 @@ fn row(stop: &Stop, press: &Pressed, filter: Option<&Filtered>, names: &[String]
         pair(filter.map(|found| (found.mu_mpa, found.alpha))),
         name(filter.and_then(|found| found.named)),
     )
-}
-
-/// A name as a cell.
-fn quoted(name: &str) -> String {
-    if name.contains([',', '"', '\n']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }
 
 /// A tour that was gone.
@@ -376,25 +361,14 @@ impl Round<'_> {
     }
 
     fn print(&self) {
-        let rows = self.rows();
-        let wide = |at: usize| rows.iter().map(|row| row[at].len()).chain([COLUMNS[at].len()]).max().unwrap_or(0);
-        let line = |cells: &[String]| {
-            let cells: Vec<String> =
-                cells.iter().enumerate().map(|(at, cell)| format!("{cell:<0$}", wide(at))).collect();
-            cells.join("  ").trim_end().to_owned()
-        };
-        outln!("{}", line(&COLUMNS.map(str::to_owned)));
-        rows.iter().for_each(|row| outln!("{}", line(row)));
+        columns(&COLUMNS, &self.rows());
         outln!("\n{}", self.note());
     }
 
     fn write(&self, folder: &mut OwnFolder, specimens: &Specimens) -> miette::Result<Vec<PathBuf>> {
         let mut page = Page::new("A tour of the bench", &self.note());
         page.table(&COLUMNS, &self.rows());
-        let presses: Vec<Pressed> = self.found.iter().map(|(press, _)| press.clone()).collect();
-        let filters: Vec<Option<Filtered>> = self.found.iter().map(|(_, filter)| filter.clone()).collect();
-        let mut drawn =
-            picture::identified(self.tour, &presses, &filters, (&self.arguments.bounding, self.is_simulated()));
+        let mut drawn = picture::identified(self.tour, &self.found, (&self.arguments.bounding, self.is_simulated()));
         drawn.extend(picture::indentations(self.tour, specimens));
         drawn.push(picture::compressions(self.tour));
         drawn.extend(picture::surface(self.table));

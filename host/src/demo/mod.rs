@@ -87,11 +87,8 @@ pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> 
         watch(Stage::Uploading { done: p.sent as usize, total: p.length as usize });
     })?;
     let upload_s = uploaded.elapsed().as_secs_f64();
-    // The bench's load cell has an offset of its own until it is tared; a mean needs a tick first.
-    session.poll(0.0)?;
-    let settled_s = session.link().inner().board().time_s() + 0.1;
-    while session.poll(settled_s)?.is_some() {}
-    session.tare()?;
+    // The bench's load cell has an offset of its own until it is tared.
+    session.tare_at_rest()?;
 
     let (csv, mcap) = (folder.clear(CSV).map_err(failed)?, folder.clear(MCAP).map_err(failed)?);
     let mut listening = Listening::new(session, Recorder::create_new(Some(&csv), Some(&mcap))?);

@@ -192,6 +192,6 @@ impl CsvLog {
 }
 
 /// Quotes a cell where commas or quotes ask for it (RFC 4180).
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.into() }
 }

@@ -23,6 +23,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use protocol::TICK_HZ;
 
 pub use about::About;
+pub(crate) use csv::quoted;
 pub use csv::{COLUMNS, CsvLog};
 pub use error::LogError;
 pub use freeze::Freeze;

@@ -55,13 +55,12 @@ pub fn indentations(tour: &Tour, specimens: &Specimens) -> Vec<Drawn> {
 #[must_use]
 pub fn identified(
     tour: &Tour,
-    presses: &[Pressed],
-    filtered: &[Option<Filtered>],
+    presses: &[(Pressed, Option<Filtered>)],
     (bounding, is_simulated): (&str, bool),
 ) -> Vec<Drawn> {
-    type Of<'a> = &'a dyn Fn(usize) -> Option<(f64, f64)>;
-    let search = |at: usize| presses[at].identified();
-    let filter = |at: usize| filtered.get(at)?.as_ref().map(|found| (found.mu_mpa, found.alpha));
+    type Of<'a> = &'a dyn Fn(&Pressed, Option<&Filtered>) -> Option<(f64, f64)>;
+    let search = |press: &Pressed, _: Option<&Filtered>| press.identified();
+    let filter = |_: &Pressed, found: Option<&Filtered>| found.map(|found| (found.mu_mpa, found.alpha));
     let ways: [(&str, &str, Of<'_>); 2] =
         [("search", "variance search", &search), ("filter", "Kalman filter", &filter)];
     let mut all = Vec::new();
@@ -72,9 +71,11 @@ pub fn identified(
             let pick = |(mu_mpa, alpha): (f64, f64)| if is_mu { mu_mpa } else { alpha };
             let foams = tour.stops.iter().enumerate().filter(|(_, stop)| stop.law == Law::Hyperfoam);
             for (stop, own) in foams {
-                let found = presses.iter().enumerate().filter(|(_, press)| press.stop == stop);
-                let points: Vec<(f64, f64)> =
-                    found.filter_map(|(at, press)| Some((press.number as f64, pick(of(at)?)))).collect();
+                let found = presses.iter().filter(|(press, _)| press.stop == stop);
+                let point = |(press, by_filter): &(Pressed, Option<Filtered>)| {
+                    Some((press.number as f64, pick(of(press, by_filter.as_ref())?)))
+                };
+                let points: Vec<(f64, f64)> = found.filter_map(point).collect();
                 let truth = pick((own.mu_mpa, own.alpha));
                 let line = vec![(1.0, truth), (presses.len().max(2) as f64, truth)];
                 figure = figure.with(Series::new("", points, Stroke::Marks, stop % COLOURS.len())).with(Series::new(

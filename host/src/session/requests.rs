@@ -110,6 +110,18 @@ impl<L: Link> Session<L> {
         self.request(&Request::ExpectSurface(Surface { height_mm })).map(|_| ())
     }
 
+    /// Lets the load cell's mean fill and takes its zero: a board that was just opened has neither.
+    ///
+    /// # Errors
+    /// As [`Session::tare`].
+    pub fn tare_at_rest(&mut self) -> Result<(), SessionError> {
+        const MEAN_S: f64 = 0.1;
+        self.poll(0.0)?;
+        let settled_s = self.link().now_s() + MEAN_S;
+        while self.poll(settled_s)?.is_some() {}
+        self.tare()
+    }
+
     /// Takes the load cell's present reading as zero.
     ///
     /// # Errors

@@ -73,14 +73,21 @@ pub fn filtered(
     told.then(|| Filtered {
         mu_mpa: f64::from(state[0]),
         alpha: f64::from(state[1]),
-        named: recognised(table, &model.surface, (state[0], state[1])),
+        named: recognised(table, &model.surface, (state[0], state[1]), OFFSETS),
     })
 }
 
 /// The library's material whose curve is nearest to that of the parameters, if within its acceptance. Parameters
-/// themselves are not compared, because mu and alpha make up for each other.
-fn recognised(table: &Table<'_>, surface: &Surface<'_>, (mu_mpa, alpha): (f32, f32)) -> Option<usize> {
-    let reach_mm = f32::from(OFFSETS) * OFFSET_MM;
+/// themselves are not compared, because mu and alpha make up for each other. The contact of each material may be off
+/// by `offsets` of 0.02 mm. `None` as well for parameters that the table has no curve for.
+#[must_use]
+pub fn recognised(
+    table: &Table<'_>,
+    surface: &Surface<'_>,
+    (mu_mpa, alpha): (f32, f32),
+    offsets: i16,
+) -> Option<usize> {
+    let reach_mm = f32::from(offsets) * OFFSET_MM;
     let step_mm = (table.depth_max_mm() - 2.0 * reach_mm) / f32::from(DEPTHS);
     let depths: Vec<f32> = (1..=DEPTHS).map(|i| reach_mm + step_mm * f32::from(i)).collect();
     let force = |d: &f32| surface.at(mu_mpa, alpha, *d).map(|f| f.force_n);
@@ -90,7 +97,7 @@ fn recognised(table: &Table<'_>, surface: &Surface<'_>, (mu_mpa, alpha): (f32, f
         depths.iter().zip(&found).map(|(d, f)| (at(*d) - f).abs()).sum::<f32>() / f32::from(DEPTHS)
     };
     let least = |material: &protocol::lut::Material<'_>| {
-        let each = (-OFFSETS..=OFFSETS).map(|i| error_n(material, OFFSET_MM * f32::from(i)));
+        let each = (-offsets..=offsets).map(|i| error_n(material, OFFSET_MM * f32::from(i)));
         each.fold(f32::INFINITY, f32::min)
     };
     let errors = table.materials().map(|m| (least(&m), m.acceptance * m.peak_force_n()));

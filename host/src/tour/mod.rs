@@ -14,7 +14,7 @@ mod stops;
 
 use crate::plant::{Noise, Source};
 
-pub use filter::{BOUNDINGS, Filtered, bounding, filtered};
+pub use filter::{BOUNDINGS, Filtered, bounding, filtered, recognised};
 pub use press::{Pressed, Surroundings, TourError, walk};
 pub use specimen::Specimens;
 pub use stops::{Law, Stop, Tour};

@@ -1,6 +1,5 @@
 //! `palpate feel --board`: your own finger on a real display.
 
-use std::io::BufRead;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -9,6 +8,7 @@ use miette::{Context, IntoDiagnostic, miette};
 use protocol::lut::Table;
 
 use super::{Arguments, DisplayWord, gains, materials};
+use crate::cli::answer::entered;
 use crate::control::ControlCurve;
 use crate::feel::{Display, Felt, OnBoard, Pace, Unfelt, on_board};
 use crate::log::library_names;
@@ -98,7 +98,5 @@ fn ready(curve: &ControlCurve, pace: Pace) -> Result<(), Unfelt> {
         pace.way_s(),
         0.9 * curve.most_n()
     );
-    let mut line = String::new();
-    let read = std::io::stdin().lock().read_line(&mut line);
-    if read.is_ok_and(|bytes| bytes > 0) && line.trim() != "q" { Ok(()) } else { Err(Unfelt::Ended) }
+    if entered() { Ok(()) } else { Err(Unfelt::Ended) }
 }

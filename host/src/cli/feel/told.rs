@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
+use crate::cli::answer::columns;
 use crate::feel::{Display, Felt, LEAST_N, Pressed};
 use crate::report::number;
 
@@ -119,23 +120,12 @@ pub(super) fn gains(before: &[Felt], after: &[Felt]) -> Vec<Vec<String>> {
 pub(super) fn print_gain(before: &[Felt], after: &[Felt]) {
     if !before.is_empty() {
         outln!("");
-        lines(&GAIN, &gains(before, after));
+        columns(&GAIN, &gains(before, after));
     }
 }
 
-/// A table in columns.
-fn lines(head: &[&str], rows: &[Vec<String>]) {
-    let wide = |at: usize| rows.iter().map(|row| row[at].len()).chain([head[at].len()]).max().unwrap_or(0);
-    let line = |cells: &[String]| {
-        let cells: Vec<String> = cells.iter().enumerate().map(|(at, cell)| format!("{cell:<0$}", wide(at))).collect();
-        cells.join("  ").trim_end().to_owned()
-    };
-    outln!("{}", line(&head.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>()));
-    rows.iter().for_each(|row| outln!("{}", line(row)));
-}
-
 pub(super) fn print(all: &[Felt]) {
-    lines(&HEAD, &rows(all));
+    columns(&HEAD, &rows(all));
     outln!("");
     notes(all).iter().for_each(|note| outln!("{note}"));
 }
