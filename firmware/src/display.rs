@@ -5,7 +5,7 @@ use crate::number::{larger, limit};
 use crate::pid::{Pid, PidState};
 use crate::showing::Wanted;
 use protocol::lut::Current;
-use protocol::message::{Fitted, Shown};
+use protocol::message::{Actuator, Fitted, Shown};
 
 /// Limits of the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +14,8 @@ pub struct DisplayConfig {
     pub target_max_mm: f32,
     /// Fastest change of the target, mm/s.
     pub target_rate_mm_s: f32,
+    /// Command that holds the shaft against the finger, V/N: feed-forward of the force that is read, 0 for a spindle.
+    pub holds_v_per_n: f32,
     /// Fastest change of a target that lies outside what is displayed, mm/s: the way home at the start.
     pub homing_rate_mm_s: f32,
     /// Within this of the end of the stroke the shaft counts as at its stop, mm: three times the zero error
@@ -39,6 +41,7 @@ impl Default for DisplayConfig {
         DisplayConfig {
             target_max_mm: 4.5,
             target_rate_mm_s: 40.0,
+            holds_v_per_n: 0.0,
             homing_rate_mm_s: 5.0,
             end_zone_mm: 0.3,
             coil_max_a: protocol::lut::CURRENT_MAX_A,
@@ -47,6 +50,24 @@ impl Default for DisplayConfig {
             trim_per_s: 4.0,
             trim: (-0.5, 1.0),
         }
+    }
+}
+
+/// What is taken of an actuator: targets of 0.5 to 19 mm, of a stroke of 20 mm (thesis section 5.1.1).
+const REACH_MM: (f32, f32) = (0.5, 19.0);
+/// Changes of 1 to 200 mm/s: ten times what the thesis' actuator makes.
+const RATE_MM_S: (f32, f32) = (1.0, 200.0);
+/// Feed-forward of at most 0.5 V/N: a tenth of the largest command for each newton.
+const HOLDS_V_PER_N: (f32, f32) = (0.0, 0.5);
+
+impl DisplayConfig {
+    /// The same for an actuator; `None` for what lies outside the board's own limits.
+    pub fn with(self, actuator: &Actuator) -> Option<Self> {
+        let within = |x: f32, (least, most): (f32, f32)| x >= least && x <= most;
+        let Actuator { reach_mm, rate_mm_s, holds_v_per_n } = *actuator;
+        let sound = within(reach_mm, REACH_MM) && within(rate_mm_s, RATE_MM_S) && within(holds_v_per_n, HOLDS_V_PER_N);
+        let with = DisplayConfig { target_max_mm: reach_mm, target_rate_mm_s: rate_mm_s, holds_v_per_n, ..self };
+        sound.then_some(with)
     }
 }
 
@@ -129,11 +150,9 @@ impl Display {
         let step_mm = rate_mm_s * protocol::TICK_S;
         self.target_mm = limit(wanted_mm, self.target_mm - step_mm, self.target_mm + step_mm);
         let error_mm = self.target_mm - input.shaft_mm;
-        let actuator_v = if input.shaft_mm <= config.end_zone_mm {
-            pid.step_above(&mut self.pid, error_mm, 0.0)
-        } else {
-            pid.step(&mut self.pid, error_mm)
-        };
+        let floor_v = if input.shaft_mm <= config.end_zone_mm { 0.0 } else { -pid.u_max_v() };
+        let holds_v = -config.holds_v_per_n * input.force_n;
+        let actuator_v = pid.step_above(&mut self.pid, error_mm, floor_v, holds_v);
         let allowed_a = config.coil_max_a * allowed_fraction(thermal, input.coil_c);
         let (coil_target_a, shown) = coil(self.trimmed(config, wanted, input, allowed_a), allowed_a);
         let shown = Shown { shaft_limited: asked_mm > config.target_max_mm, ..shown };
@@ -214,6 +233,30 @@ mod tests {
         assert!((most - 1.0 - config.trim.1).abs() < 1e-6, "{most}");
         let least = (0..200).map(|_| trimmed(&at(Some(3.0)), 9.0, 2.5)).last().unwrap_or(0.0);
         assert!((least - 1.0 - config.trim.0).abs() < 1e-6, "{least}");
+    }
+
+    #[test]
+    fn an_actuator_within_the_boards_limits_is_taken_and_its_feed_forward_holds_a_finger() {
+        let own = Actuator { reach_mm: 18.0, rate_mm_s: 150.0, holds_v_per_n: 0.1 };
+        let taken = DisplayConfig::default().with(&own).unwrap_or_default();
+        assert_eq!((taken.target_max_mm, taken.target_rate_mm_s, taken.holds_v_per_n), (18.0, 150.0, 0.1));
+        for other in [
+            Actuator { reach_mm: 19.5, ..own.clone() },
+            Actuator { rate_mm_s: f32::NAN, ..own.clone() },
+            Actuator { holds_v_per_n: -0.1, ..own.clone() },
+        ] {
+            assert_eq!(DisplayConfig::default().with(&other), None, "{other:?}");
+        }
+        let pid = Pid::build(&crate::pid::DEFAULT_GAINS, protocol::TICK_S, crate::pid::U_MAX_V);
+        let at = DisplayInput { shaft_mm: 5.0, force_n: 4.0, least_n: 0.2, coil_c: 20.0 };
+        let wanted = Wanted { shaft_mm: 5.0, ..Wanted::default() };
+        let step = |config: &DisplayConfig| {
+            Display::at(5.0).step(config, &ThermalConfig::default(), &pid, &wanted, &at).actuator_v
+        };
+        assert_eq!(
+            (step(&taken), step(&DisplayConfig { target_max_mm: 18.0, ..DisplayConfig::default() })),
+            (-0.4, 0.0)
+        );
     }
 
     #[test]

@@ -66,22 +66,28 @@ impl Pid {
         Pid { kp: gains.kp, integral: gains.ki * period_s, pole, derivative: gains.kd * gains.n * pole, u_max_v }
     }
 
+    /// Largest command, V.
+    pub const fn u_max_v(&self) -> f32 {
+        self.u_max_v
+    }
+
     /// One step: command, V within `[-u_max, u_max]`, for an error in mm.
     ///
     /// Anti-windup: the integral grows until the command is at its limit and no further (conditional
     /// integration), so the loop leaves saturation in the tick in which the error asks for it, and a blocked
     /// shaft is driven at the limit itself, which is what tells a stall.
     pub fn step(&self, state: &mut PidState, error_mm: f32) -> f32 {
-        self.step_above(state, error_mm, -self.u_max_v)
+        self.step_above(state, error_mm, -self.u_max_v, 0.0)
     }
 
     /// The same with an integral of at least `floor_v`, for a plant that stands at an end stop: there the
-    /// loop is open, an integral only grows, and what it has grown by delays the next motion.
-    pub fn step_above(&self, state: &mut PidState, error_mm: f32, floor_v: f32) -> f32 {
+    /// loop is open, an integral only grows, and what it has grown by delays the next motion. `beside_v` is a command that
+    /// is known without the error (feed-forward), V: it counts in the limit and in nothing else.
+    pub fn step_above(&self, state: &mut PidState, error_mm: f32, floor_v: f32, beside_v: f32) -> f32 {
         state.derivative_v = self.pole * state.derivative_v + self.derivative * (error_mm - state.previous_mm);
         state.previous_mm = error_mm;
         let grown_v = state.integral_v + self.integral * error_mm;
-        let others_v = self.kp * error_mm + state.derivative_v;
+        let others_v = self.kp * error_mm + state.derivative_v + beside_v;
         let u_v = others_v + grown_v;
         let integral_v = if u_v > self.u_max_v && error_mm > 0.0 {
             state.integral_v.max(self.u_max_v - others_v)

@@ -36,6 +36,62 @@ fn an_actuator_is_where_the_material_wants_it() {
     }
 }
 
+/// A voice coil (thesis section 6.2) keeps the goals in every foam, ICF among them. A fast press is nearer than the spindle's: by
+/// half where the force is well above what the sensor tells.
+#[test]
+fn a_voice_coil_is_nearer_and_faster_than_a_spindle() {
+    let fast = |felt: &Value| felt["presses"][1]["actuator"]["position"].as_f64().unwrap();
+    let spindle: Vec<f64> = felt("actuator", "frozen").iter().map(fast).collect();
+    for plant in ["voice-coil", "drawn-voice-coil:20261130"] {
+        for (felt, spindle) in felt("actuator", plant).iter().zip(&spindle) {
+            let [position, force, tracking] = ["position", "force", "tracking"].map(|m| slow(felt, "actuator", m));
+            let told = format!("{plant} {}: {position} {force} {tracking}, fast {}", felt["material"], fast(felt));
+            assert!(position <= 0.04 && force <= 0.04 && tracking <= 0.08, "{told}");
+            let part = if felt["material"] == "ICF" { 1.0 } else { 0.5 };
+            assert!(fast(felt) < part * spindle, "{told}, spindle {spindle}");
+        }
+    }
+}
+
+/// A material that gives way by 13 mm where EVA does by 0.7 mm: beyond the 4.5 mm that the thesis' actuator holds with 5 V.
+#[test]
+fn a_voice_coil_has_the_whole_stroke() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("deep.csv");
+    let eva = include_str!("../curves/eva.csv");
+    let (head, rows) = eva.split_at(eva.find("\n0,").unwrap() + 1);
+    let deeper = |line: &str| {
+        let mut cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let more_mm = 18.0 * cells[3];
+        cells[1] += more_mm;
+        cells[3] += more_mm;
+        cells.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
+    };
+    let rows: Vec<String> = rows.lines().map(deeper).collect();
+    std::fs::write(&file, format!("{}{}\n", head.replace("material = EVA", "material = deep"), rows.join("\n")))
+        .unwrap();
+    let deepest = |plant: &str| {
+        let run = Command::new(env!("CARGO_BIN_EXE_palpate"))
+            .args(["feel", "--display", "actuator", "--plant", plant, "--json"])
+            .arg(&file)
+            .arg("--out")
+            .arg(folder.path().join(plant))
+            .output()
+            .unwrap();
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        let told: Value = serde_json::from_slice(&run.stdout).unwrap();
+        let samples = std::fs::read_to_string(folder.path().join(plant).join("deep-actuator.csv")).unwrap();
+        let mut lines = samples.lines().filter(|line| !line.starts_with('#'));
+        let at = lines.next().unwrap().split(',').position(|name| name == "true_shaft_mm").unwrap();
+        let shaft = lines.filter_map(|line| line.split(',').nth(at)?.parse::<f64>().ok());
+        (shaft.fold(0.0, f64::max), slow(&told["felt"][0], "actuator", "position"))
+    };
+    let (coil_mm, position) = deepest("voice-coil");
+    assert!(coil_mm > 11.0 && position < 0.04, "{coil_mm} mm, {position}");
+    let (spindle_mm, _) = deepest("frozen");
+    assert!((4.0..4.8).contains(&spindle_mm), "{spindle_mm} mm");
+}
+
 /// 92 % (thesis 84 %); the curve of A2 gives force away for area.
 #[test]
 fn a_fluid_at_the_fingers_place_bears_what_the_material_does() {

@@ -29,6 +29,7 @@ pub fn requests() -> Vec<Request> {
             lease_ms: 850,
         }),
         Request::GetHalves(Empty {}),
+        Request::SetActuator(Actuator { reach_mm: 17.5, rate_mm_s: 150.0, holds_v_per_n: 0.125 }),
         Request::TableBegin(TableBegin { length: 36_000, crc: 0xcbf4_3926 }),
         Request::TableChunk(TableChunk { offset: 192, data }),
         Request::TableCommit(Empty {}),

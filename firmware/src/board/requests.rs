@@ -10,8 +10,8 @@ use crate::pid::{Pid, gains_are_usable};
 use crate::search::Slice;
 use crate::sensor::{calibration_is_usable, tared};
 use protocol::message::{
-    Accepted, Calibration, CalibrationState, Gains, Hello, Refusal, Refused, Report, Request, SCHEMA_HASH, Slot,
-    Status, TableBegin, TableState,
+    Accepted, Actuator, Calibration, CalibrationState, Gains, Hello, Refusal, Refused, Report, Request, SCHEMA_HASH,
+    Slot, Status, TableBegin, TableState,
 };
 use protocol::{PROTOCOL_VERSION, TICK_HZ, TICK_S};
 
@@ -56,6 +56,7 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
             Request::SetDisplay(asked) => self.set_display(link, asked),
             Request::GetHalves(_) => Ok(Answer::Report(Report::Halves(self.halves()))),
             Request::SetGains(gains) => self.set_gains(link, gains),
+            Request::SetActuator(actuator) => self.set_actuator(link, actuator),
             Request::GetCalibration(_) => Ok(Answer::Report(Report::Calibration(self.calibration.clone()))),
             Request::SetCalibration(calibration) => self.set_calibration(calibration.clone()),
             Request::Tare(_) => self.tare(),
@@ -147,6 +148,16 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         }
         self.config.gains = gains.clone();
         self.pid = Pid::build(gains, TICK_S, self.config.u_max_v);
+        Ok(Answer::Accepted)
+    }
+
+    fn set_actuator(&mut self, link: LinkId, actuator: &Actuator) -> Result<Answer, Refusal> {
+        self.must_not_be_held_from(link)?;
+        self.outputs_must_be_off()?;
+        self.config.display = self.config.display.with(actuator).ok_or(Refusal::OutOfRange)?;
+        // what a reading that is late may have missed is as fast as the shaft
+        let slew_mm_s = &mut self.config.safety.shaft_slew_mm_per_s;
+        *slew_mm_s = crate::number::larger(*slew_mm_s, actuator.rate_mm_s);
         Ok(Answer::Accepted)
     }
 

@@ -9,7 +9,7 @@ use super::{Actuator, Form, Known, Pole};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{ExperimentError, Problem, text_of};
 
-const KEYS: [&str; 9] = [
+const KEYS: [&str; 10] = [
     "title",
     "source",
     "plant",
@@ -17,12 +17,13 @@ const KEYS: [&str; 9] = [
     "rate_limit_mm_per_s",
     "friction_v",
     "backlash_mm",
+    "back_mm_per_n",
     "command_limit_v",
     "interval95",
 ];
 
 /// Keys of the file itself that may have an interval.
-const WITH_INTERVAL: [&str; 4] = ["delay_s", "rate_limit_mm_per_s", "friction_v", "backlash_mm"];
+const WITH_INTERVAL: [&str; 5] = ["delay_s", "rate_limit_mm_per_s", "friction_v", "backlash_mm", "back_mm_per_n"];
 
 const DELAY: &str = "a dead time of 0 to 1 s";
 const PAIR: &str = "two numbers, the lower first, the value between them";
@@ -77,6 +78,8 @@ pub fn parse(file: &Path, text: &str) -> Result<Actuator, ExperimentError> {
         rate_limit_mm_per_s: known("rate_limit_mm_per_s", 1e6, "a speed above 0, to 1000000 mm/s")?,
         friction_v: known("friction_v", 1000.0, "a command of 0 to 1000 V")?.unwrap_or(Known::exactly(0.0)),
         backlash_mm: known("backlash_mm", 10.0, "a width of 0 to 10 mm")?.unwrap_or(Known::exactly(0.0)),
+        back_mm_per_n: known("back_mm_per_n", 10.0, "how far a force drives it back, 0 to 10 mm/N")?
+            .unwrap_or(Known::exactly(0.0)),
         command_limit_v: limit.unwrap_or(f64::from(firmware::pid::U_MAX_V)),
     };
     if read.rate_limit_mm_per_s.is_some_and(|known| known.value <= 0.0) {

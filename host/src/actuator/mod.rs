@@ -16,9 +16,15 @@ mod writing;
 
 pub use file::{parse, read};
 
+use std::path::Path;
+
+use crate::experiment::ExperimentError;
 use flaws::Flaws;
 use plant::Plant;
 use uncertain::Uncertain;
+
+/// The file of a voice coil.
+const VOICE_COIL: &str = include_str!("../../actuators/voice-coil.toml");
 
 /// A number with its interval, the lower end first; none where it is not known how well it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,6 +87,8 @@ pub struct Actuator {
     pub friction_v: Known,
     /// Whole width of the gap between spindle and shaft, mm.
     pub backlash_mm: Known,
+    /// How far a force on the shaft drives it back at rest, mm/N: 0 for a spindle.
+    pub back_mm_per_n: Known,
     /// Largest command of the driver, V.
     pub command_limit_v: f64,
 }
@@ -97,7 +105,28 @@ impl Actuator {
             rate_limit_mm_per_s: None,
             friction_v: Known::exactly(0.0),
             backlash_mm: Known::exactly(0.0),
+            back_mm_per_n: Known::exactly(0.0),
             command_limit_v: f64::from(firmware::pid::U_MAX_V),
+        }
+    }
+
+    /// A voice coil (thesis section 6.2), its numbers assumed: the file that comes with the program.
+    ///
+    /// # Errors
+    /// None that a test would not show.
+    pub fn voice_coil() -> Result<Self, ExperimentError> {
+        parse(Path::new("voice-coil.toml"), VOICE_COIL)
+    }
+
+    /// The one that a word names: `thesis`, `voice-coil`, or a file, which goes before both.
+    ///
+    /// # Errors
+    /// As [`read`].
+    pub fn named(word: &Path) -> Result<Self, ExperimentError> {
+        match word.to_str() {
+            Some("thesis") if !word.is_file() => Ok(Self::thesis()),
+            Some("voice-coil") if !word.is_file() => Self::voice_coil(),
+            _ => read(word),
         }
     }
 

@@ -24,6 +24,9 @@ impl Actuator {
         }
         line("friction_v", "the command that a resting shaft resists", self.friction_v);
         line("backlash_mm", "whole width of the gap", self.backlash_mm);
+        if self.back_mm_per_n.value != 0.0 {
+            line("back_mm_per_n", "how far a force on the shaft drives it back, mm/N", self.back_mm_per_n);
+        }
         let _ = writeln!(text, "command_limit_v = {:?}", self.command_limit_v);
         if !intervals.is_empty() {
             let _ = writeln!(text, "interval95 = {{ {} }}", intervals.join(", "));

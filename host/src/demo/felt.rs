@@ -18,6 +18,7 @@ pub(super) fn felt(material: &str, curves: &Curves, links: &Links, seed: u64) ->
         law: links.law.clone(),
         constants: Constants::frozen()?,
         gains: None,
+        actuator: None,
         seed,
     };
     let mut felt = Vec::new();

@@ -11,7 +11,7 @@ mod table;
 
 use lut_gen::magnet::curve::FluxCurve;
 use lut_gen::magnet::fluid::Fluid as FluidLaw;
-use protocol::message::Gains;
+use protocol::message::{Actuator, Gains};
 
 use crate::control::ControlCurve;
 use crate::plant::{Constants, FluidForce};
@@ -85,6 +85,8 @@ pub struct Asked {
     pub constants: Constants,
     /// Gains of the position loop; the board's own without.
     pub gains: Option<Gains>,
+    /// What the board is told of its actuator; nothing without.
+    pub actuator: Option<Actuator>,
     /// Seed of tremor and noise.
     pub seed: u64,
 }

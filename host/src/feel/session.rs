@@ -72,6 +72,9 @@ fn opened(asked: &Asked, display: Display) -> Result<Board, Unfelt> {
     if let Some(gains) = asked.gains.clone() {
         session.set_gains(gains)?;
     }
+    if let Some(actuator) = asked.actuator.clone() {
+        session.set_actuator(actuator)?;
+    }
     calibrate(&mut session, display)?;
     Ok(session)
 }

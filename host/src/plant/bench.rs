@@ -108,7 +108,7 @@ impl Bench {
         Bench {
             hand: Some(Hand::new(constants.hand, constants.pulp.clone(), under, self.seed)),
             fsr,
-            actuator: Actuator::with(0.0, constants.actuator),
+            actuator: Actuator::with(0.0, constants.law, constants.actuator),
             fluid: fluid.map_or_else(Fluid::default, Fluid::built),
             ..self
         }
@@ -208,7 +208,7 @@ impl Bench {
             None => self.finger.step(self.actuator.rate_mm_s(), STEP_S),
         }
         self.fsr.step(self.finger_n(), STEP_S);
-        self.actuator.step(f64::from(outputs.actuator_v), STEP_S);
+        self.actuator.step(f64::from(outputs.actuator_v), self.finger_n(), STEP_S);
         self.coil.step(f64::from(coil_duty) * COIL_SUPPLY_V, STEP_S);
         self.fluid.step(self.coil.current_a(), STEP_S);
         self.pins = self.ratios();

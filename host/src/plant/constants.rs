@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{ActuatorFlaws, Curve, FsrFlaws, HandLaw, Noise, PulpLaw, Source};
+use super::{ActuatorFlaws, ActuatorLaw, Curve, FsrFlaws, HandLaw, Noise, PulpLaw, Source};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{ExperimentError, text_of};
 
@@ -16,7 +16,9 @@ pub struct Constants {
     pub hand: HandLaw,
     /// The finger's pulp.
     pub pulp: PulpLaw,
-    /// The actuator.
+    /// How command and force move the actuator's shaft.
+    pub law: ActuatorLaw,
+    /// What the actuator adds to that.
     pub actuator: ActuatorFlaws,
     /// Conductance of the FSR over 100 gf, mS.
     pub fsr_slope_ms: f64,
@@ -38,7 +40,7 @@ pub struct Constants {
 /// deviation of its logarithm.
 type Key = (&'static str, &'static str, (f64, f64), &'static str, f64);
 
-/// All of them, in the order of [`Constants::of`].
+/// All but magnet and law, in the order of [`Constants::of`].
 const KEYS: [Key; 19] = [
     ("hand", "mass_g", (0.5, 500.0), "the moving mass, 0.5 to 500 g", 0.3),
     ("hand", "stiffness_N_mm", (0.01, 20.0), "the hand's stiffness, 0.01 to 20 N/mm", 0.3),
@@ -65,10 +67,19 @@ const MAGNET: [Key; 2] = [
     ("magnet", "flux", (0.05, 20.0), "the flux density over that of the curves' magnet, 0.05 to 20", 0.05),
     ("magnet", "remanence_T", (0.0, 1.0), "the flux density without current, 0 to 1 T", 0.0),
 ];
+/// The actuator's law. A file that lacks one has the thesis' (section 5.5).
+const LAW: [(Key, f64); 4] = [
+    (("actuator", "spring_1_s2", (1.0, 1e6), "the stiffness over mass, 1 to 1e6 1/s^2", 0.05), 86.0),
+    (("actuator", "damper_1_s", (0.1, 1e4), "the damping over mass, 0.1 to 1e4 1/s", 0.05), 23.4),
+    (("actuator", "mm_per_V", (0.01, 100.0), "the shaft at rest over the command, 0.01 to 100 mm/V", 0.05), 1.0),
+    (("actuator", "back_mm_per_N", (0.0, 10.0), "how far a force drives it back, 0 to 10 mm/N", 0.05), 0.0),
+];
 
 impl Constants {
     /// The file of those that come with the program.
     pub const FROZEN: &str = include_str!("../../plants/frozen.toml");
+    /// The file of a display whose actuator is a voice coil (thesis section 6.2).
+    pub const VOICE_COIL: &str = include_str!("../../plants/voice-coil.toml");
 
     /// Those that come with the program, frozen before anything was tuned.
     ///
@@ -86,15 +97,35 @@ impl Constants {
         Self::parse(file, &text_of(file)?)
     }
 
-    /// Every constant of these times a number of its own.
+    /// Those of a display with a voice coil, which come with the program.
+    ///
+    /// # Errors
+    /// As [`Constants::frozen`].
+    pub fn voice_coil() -> Result<Self, ExperimentError> {
+        Self::parse(Path::new("voice-coil.toml"), Self::VOICE_COIL)
+    }
+
+    /// Every frozen constant times a number of its own.
     ///
     /// # Errors
     /// As [`Constants::frozen`].
     pub fn drawn(seed: u64) -> Result<Self, ExperimentError> {
+        Self::drawn_around("frozen.toml", Self::FROZEN, seed)
+    }
+
+    /// The same around those of the voice coil.
+    ///
+    /// # Errors
+    /// As [`Constants::frozen`].
+    pub fn voice_coil_drawn(seed: u64) -> Result<Self, ExperimentError> {
+        Self::drawn_around("voice-coil.toml", Self::VOICE_COIL, seed)
+    }
+
+    fn drawn_around(name: &str, text: &str, seed: u64) -> Result<Self, ExperimentError> {
         let mut noise = Noise::new(seed, Source::Constants);
-        let values = Self::values(Path::new("frozen.toml"), Self::FROZEN)?;
+        let values = Self::values(Path::new(name), text)?;
         let draw = |(value, key): (f64, &Key)| (value * (key.4 * noise.normal()).exp()).clamp(key.2.0, key.2.1);
-        let drawn: Vec<f64> = values.into_iter().zip(KEYS.iter().chain(&MAGNET)).map(draw).collect();
+        let drawn: Vec<f64> = values.into_iter().zip(keys()).map(draw).collect();
         Ok(Self::of(&drawn))
     }
 
@@ -106,25 +137,34 @@ impl Constants {
         let document = Document { file, text };
         let root = document.table()?;
         let root = Section::new(document, "the file".to_owned(), 0..0, root.get_ref());
-        let all = || KEYS.iter().chain(&MAGNET);
-        let mut sections: Vec<&str> = all().map(|key| key.0).collect();
-        sections.dedup();
-        root.only(&sections)?;
-        let mut values = Vec::new();
-        for name in sections {
+        let mut names: Vec<&str> = keys().map(|key| key.0).collect();
+        names.sort_unstable();
+        names.dedup();
+        root.only(&names)?;
+        let mut sections = Vec::new();
+        for name in names {
             let own = root.section(name, format!("[{name}]"))?;
             let own = own.ok_or_else(|| root.missing(name, "a section of constants"))?;
-            let keys: Vec<&Key> = all().filter(|key| key.0 == name).collect();
-            own.only(&keys.iter().map(|key| key.1).collect::<Vec<_>>())?;
-            for (_, key, (least, most), expected, _) in keys {
-                let value = own.number(key, *least..=*most, expected)?;
-                values.push(value.ok_or_else(|| own.missing(key, expected))?);
-            }
+            own.only(&keys().filter(|key| key.0 == name).map(|key| key.1).collect::<Vec<_>>())?;
+            sections.push((name, own));
+        }
+        let value = |key: &Key, otherwise: Option<f64>| {
+            let (name, word, (least, most), expected, _) = key;
+            let own = sections.iter().find(|(own, _)| own == name).map(|(_, own)| own);
+            let own = own.ok_or_else(|| root.missing(name, "a section of constants"))?;
+            own.number(word, *least..=*most, expected)?.or(otherwise).ok_or_else(|| own.missing(word, expected))
+        };
+        let mut values = Vec::new();
+        for key in KEYS.iter().chain(&MAGNET) {
+            values.push(value(key, None)?);
+        }
+        for (key, otherwise) in &LAW {
+            values.push(value(key, Some(*otherwise))?);
         }
         Ok(values)
     }
 
-    /// From the values of [`KEYS`] and [`MAGNET`].
+    /// From the values of [`keys`].
     fn of(v: &[f64]) -> Self {
         let at = |i: usize| v.get(i).copied().unwrap_or(0.0);
         Constants {
@@ -144,8 +184,14 @@ impl Constants {
             rest_kpa: at(18),
             flux: at(19),
             remanence_t: at(20),
+            law: ActuatorLaw { spring_1_s2: at(21), damper_1_s: at(22), mm_per_v: at(23), back_mm_per_n: at(24) },
         }
     }
+}
+
+/// All keys, in the order of [`Constants::of`].
+fn keys() -> impl Iterator<Item = &'static Key> {
+    KEYS.iter().chain(&MAGNET).chain(LAW.iter().map(|(key, _)| key))
 }
 
 /// Force over compression of a pulp that gives way `softness` times as far.

@@ -29,7 +29,7 @@ mod transducer;
 mod tremor;
 mod truth;
 
-pub use actuator::{Actuator, ActuatorFlaws};
+pub use actuator::{Actuator, ActuatorFlaws, ActuatorLaw};
 pub use arm::Arm;
 pub use bench::Bench;
 pub use coil::Coil;

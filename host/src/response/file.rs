@@ -37,6 +37,7 @@ fn actuator(found: &Identified, title: &str, source: &str, limit_v: f64) -> Actu
         rate_limit_mm_per_s: found.least_rate_mm_s.is_none().then(|| flaw(law.rate_mm_s, Parameter::Rate)),
         friction_v: flaw(law.friction_v, Parameter::Friction),
         backlash_mm: flaw(law.play_mm, Parameter::Play),
+        back_mm_per_n: Known::exactly(0.0),
         command_limit_v: rounded(limit_v),
     }
 }

@@ -1,8 +1,8 @@
 //! The requests of the table of messages, one function each.
 
 use protocol::message::{
-    Calibration, DisplayMode, DisplayRequest, Empty, Fitted, Gains, Halves, LastRun, Mode, ModeRequest, PalpationMode,
-    PalpationRequest, Refusal, Report, Request, Status, Surface, TelemetryRate,
+    Actuator, Calibration, DisplayMode, DisplayRequest, Empty, Fitted, Gains, Halves, LastRun, Mode, ModeRequest,
+    PalpationMode, PalpationRequest, Refusal, Report, Request, Status, Surface, TelemetryRate,
 };
 
 use super::{Session, SessionError};
@@ -73,6 +73,14 @@ impl<L: Link> Session<L> {
     /// As [`Session::request`].
     pub fn set_gains(&mut self, gains: Gains) -> Result<(), SessionError> {
         self.request(&Request::SetGains(gains)).map(|_| ())
+    }
+
+    /// Says what the display's actuator can do.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn set_actuator(&mut self, actuator: Actuator) -> Result<(), SessionError> {
+        self.request(&Request::SetActuator(actuator)).map(|_| ())
     }
 
     /// The calibration in use.

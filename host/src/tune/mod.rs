@@ -12,6 +12,7 @@
 //! | [`worst`], `certificate`, `bound`, `bound_sampled`, `discrete`, `interval` | the worst plant of a box, certified |
 //! | [`roots`] | roots while coefficients vary (Eq. 56, Fig. 78) |
 //! | [`study`] | all of it for one report |
+//! | [`setting`] | what a board is set to for an actuator |
 
 pub mod appendix;
 mod bound;
@@ -33,6 +34,7 @@ mod read;
 pub mod roots;
 pub mod sampled;
 mod search;
+pub mod setting;
 mod shaft;
 pub mod step;
 pub mod study;

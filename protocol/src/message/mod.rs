@@ -20,7 +20,7 @@ pub use halves::{
 };
 pub use identification::{Estimate, Outcome, Recognition, Verdict};
 pub use last_run::{CHANGES, FILE_LEN, LastRun, RunEnd, StateChange};
-pub use setup::{Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor, Surface};
+pub use setup::{Actuator, Calibration, Gains, LoadCell, ProbePosition, ResistiveSensor, Surface};
 pub use table::{CHUNK_LEN, Slot, TableBegin, TableChunk, TableState};
 pub use telemetry::{FaultReport, Raw, Shown, Telemetry};
 
@@ -161,6 +161,8 @@ messages! {
         0x0d SetDisplay(DisplayRequest),
         /// Answered by [`Report::Halves`].
         0x0e GetHalves(Empty),
+        /// Until the next reset. Answered by [`Report::Accepted`]; only in idle.
+        0x0f SetActuator(Actuator),
         /// Erases the inactive slot. Answered by [`Report::TableState`]; only in idle.
         0x10 TableBegin(TableBegin),
         /// Answered by [`Report::TableState`].
@@ -203,7 +205,7 @@ messages! {
 
 /// Schema hashes of earlier tables of this version. The present table only adds to them: whoever was built
 /// from one of these is understood, and is told nothing that came later.
-pub const EARLIER: [u64; 2] = [0x8504_e3d0_9c49_3aeb, 0xd7c4_0a1b_9ea6_51a0];
+pub const EARLIER: [u64; 3] = [0x8504_e3d0_9c49_3aeb, 0xd7c4_0a1b_9ea6_51a0, 0xac16_63a6_845a_7696];
 
 /// True for the present table and for those that it adds to.
 pub fn is_known_schema(hash: u64) -> bool {

@@ -15,6 +15,15 @@ wire! {
         /// Corner of the derivative filter, rad/s.
         pub n: f32,
     }
+    /// What the display's actuator can do, as it was identified (`palpate actuator identify`).
+    pub struct Actuator {
+        /// Farthest target of the shaft, mm.
+        pub reach_mm: f32,
+        /// Fastest change of the target, mm/s.
+        pub rate_mm_s: f32,
+        /// Command that holds the shaft against the finger, V/N: 0 where a spindle does.
+        pub holds_v_per_n: f32,
+    }
     /// Where the next palpation is to find its specimen.
     pub struct Surface {
         /// Height of the surface above the base plate, mm. Without contact a millimetre below it the palpation ends.

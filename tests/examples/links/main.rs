@@ -30,7 +30,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 };
                 let told: Vec<String> = own
                     .iter()
-                    .map(|g| format!("gain {:.0} % printed, {:.0} % true", 100.0 * g.printed, 100.0 * g.truth))
+                    .map(|g| {
+                        let percent = [g.printed, g.interval.0, g.interval.1, g.truth].map(|part| 100.0 * part);
+                        let [printed, low, high, truth] = percent;
+                        format!("gain {printed:.1} % ({low:.1} to {high:.1}) printed, {truth:.1} % true")
+                    })
                     .collect();
                 println!("{} {}", one.line(), told.join("; "));
                 gains.extend(own);
@@ -54,6 +58,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         100.0 * RIGHT,
         bounded(gains.iter().filter(|g| g.is_near()).count(), gains.len())
     );
+    let holds = |g: &&Gains| g.interval.0 <= g.truth && g.truth <= g.interval.1;
+    println!("gain in its 95 % interval: {}", bounded(gains.iter().filter(holds).count(), gains.len()));
     let larger = gains.iter().filter(|g| g.printed > g.truth + RIGHT).count();
     println!("printed larger than that: {}", bounded(larger, gains.len()));
     Ok(())

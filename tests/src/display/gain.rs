@@ -23,6 +23,8 @@ const LESS: f64 = 0.93;
 pub struct Gains {
     /// On the page.
     pub printed: f64,
+    /// Its interval, also there.
+    pub interval: (f64, f64),
     /// In new sessions.
     pub truth: f64,
 }
@@ -32,7 +34,7 @@ impl Gains {
     #[must_use]
     pub fn of(channel: &ChannelDiagnosis, model: &DisplayModel, case: &Case) -> Option<Self> {
         let evidence = channel.evidence.as_deref()?;
-        let (before, after) = evidence.held_out.as_ref()?.gain();
+        let printed = evidence.held_out.as_ref()?.gain?;
         let own = model.channels.iter().find(|own| own.channel == channel.channel)?;
         let square = |law: &Law| -> Option<f64> {
             let each = (0..DAYS).map(|day| {
@@ -44,7 +46,7 @@ impl Gains {
             each.sum()
         };
         let truth = 1.0 - (square(&own.law())? / square(&evidence.base.fit.law)?).sqrt();
-        Some(Self { printed: 1.0 - after / before, truth })
+        Some(Self { printed: printed.part(), interval: printed.part95, truth })
     }
 
     /// Within a tenth of the error that was there before: ten points of the gain.

@@ -180,6 +180,17 @@ fn gains_are_checked() {
     assert_eq!(bench.refusal(&Request::SetGains(bad)), Refusal::OutOfRange);
 }
 
+#[test]
+fn an_actuator_is_checked_and_not_exchanged_in_motion() {
+    let mut bench = Bench::new();
+    let own = protocol::message::Actuator { reach_mm: 18.0, rate_mm_s: 150.0, holds_v_per_n: 0.1 };
+    bench.accept(&Request::SetActuator(own.clone()));
+    let far = protocol::message::Actuator { reach_mm: 25.0, ..own.clone() };
+    assert_eq!(bench.refusal(&Request::SetActuator(far)), Refusal::OutOfRange);
+    bench.mode(Mode::Display { material: 2 });
+    assert_eq!(bench.refusal(&Request::SetActuator(own)), Refusal::Busy);
+}
+
 proptest! {
     /// Bytes from a broken line never panic, and never turn an output on.
     #[test]

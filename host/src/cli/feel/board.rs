@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use miette::{Context, IntoDiagnostic, miette};
 use protocol::lut::Table;
 
-use super::{Arguments, DisplayWord, gains, materials};
+use super::{Arguments, DisplayWord, materials, setting};
 use crate::cli::answer::entered;
 use crate::control::ControlCurve;
 use crate::feel::{Display, Felt, OnBoard, Pace, Unfelt, on_board};
@@ -48,8 +48,12 @@ pub(super) fn felt(arguments: &Arguments) -> miette::Result<Vec<Felt>> {
     if session.status().into_diagnostic()?.table_hash != table.hash() {
         return Err(miette!("the board has another table than {}", path.display()));
     }
-    if let Some(gains) = gains(&arguments.gains) {
+    let (gains, actuator) = setting(arguments)?;
+    if let Some(gains) = gains {
         session.set_gains(gains).into_diagnostic()?;
+    }
+    if let Some(actuator) = actuator {
+        session.set_actuator(actuator).into_diagnostic()?;
     }
     let (felt, ended) = on_board(&mut session, (&wanted, display), &stop, &mut ready);
     match ended {

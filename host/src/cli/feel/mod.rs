@@ -7,17 +7,20 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use miette::{IntoDiagnostic, miette};
-use protocol::message::Gains;
+use protocol::message::{Actuator, Gains};
 
 use super::control_curve::magnets;
 use super::progress::Progress;
+use crate::actuator::Actuator as Identified;
 use crate::control::ControlCurve;
 use crate::control::compose::Links;
+use crate::experiment::ExperimentError;
 use crate::feel::{self, Asked, Display, Felt};
 use crate::link::Address;
 use crate::ownership::OwnFolder;
 use crate::plant::Constants;
 use crate::report::{Page, feel as picture};
+use crate::tune::setting::Setting;
 
 /// Folder of files where none is asked for.
 const DEFAULT_FOLDER: &str = "out/feel";
@@ -38,9 +41,13 @@ pub struct Arguments {
     /// The table that a real board has, for the numbers of its materials
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
-    /// The true display and hand: frozen, drawn:SEED, or a file of constants (`--copy` writes one)
+    /// The true display and hand: frozen, drawn:SEED, voice-coil, drawn-voice-coil:SEED, or a file of constants (`--copy` writes one)
     #[arg(long, value_name = "PLANT", default_value = "frozen")]
     plant: String,
+    /// The actuator that the board is set for: an actuator.toml (`palpate actuator identify`), thesis or voice-coil; gains are
+    /// searched for it unless --gains has some [default: the board's own; voice-coil for that plant]
+    #[arg(long, value_name = "FILE")]
+    actuator: Option<PathBuf>,
     /// The magnet that curves and display are made for: a magnet.toml, readings, or a name; curves are made for it anew
     #[arg(long, value_name = "FILE", default_value = "ring")]
     magnet: String,
@@ -99,6 +106,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     let constants = constants(&arguments.plant)?;
+    let (gains, actuator) = setting(arguments)?;
     let wanted = materials(&arguments.materials)?;
     let fluid = super::magnet::fluid::found(&arguments.fluid)?;
     let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
@@ -113,7 +121,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         flux: model.as_ref().unwrap_or(&links).flux.clone(),
         law: links.law.clone(),
         constants,
-        gains: gains(&arguments.gains),
+        gains,
+        actuator,
         seed: arguments.seed,
     };
     let all = pressed(&asked, displays(arguments), &progress)?;
@@ -169,6 +178,16 @@ fn displays(arguments: &Arguments) -> &'static [Display] {
     }
 }
 
+/// What the board is set to: gains, and what it is told of its actuator.
+fn setting(arguments: &Arguments) -> miette::Result<(Option<Gains>, Option<Actuator>)> {
+    let gains = gains(&arguments.gains);
+    let has_coil = ["voice-coil", "drawn-voice-coil:"].iter().any(|word| arguments.plant.starts_with(word));
+    let word = arguments.actuator.clone().or_else(|| has_coil.then(|| PathBuf::from("voice-coil")));
+    let Some(word) = word else { return Ok((gains, None)) };
+    let setting = Setting::of(&Identified::named(&word)?, gains)?;
+    Ok((Some(setting.gains), Some(setting.actuator)))
+}
+
 fn gains(numbers: &[f32]) -> Option<Gains> {
     let &[kp, ki, kd, n] = numbers else { return None };
     Some(Gains { kp, ki, kd, n })
@@ -178,13 +197,22 @@ fn constants(plant: &str) -> miette::Result<Constants> {
     if plant == "frozen" {
         return Ok(Constants::frozen()?);
     }
-    if let Some(seed) = plant.strip_prefix("drawn:") {
-        let seed = seed.parse().map_err(|_| miette!("--plant is {plant}; expected drawn: with a whole number"))?;
-        return Ok(Constants::drawn(seed)?);
+    if plant == "voice-coil" {
+        return Ok(Constants::voice_coil()?);
+    }
+    let draws: [(&str, fn(u64) -> Result<Constants, ExperimentError>); 2] =
+        [("drawn:", Constants::drawn), ("drawn-voice-coil:", Constants::voice_coil_drawn)];
+    for (word, draw) in draws {
+        if let Some(seed) = plant.strip_prefix(word) {
+            let seed = seed.parse().map_err(|_| miette!("--plant is {plant}; expected {word} with a whole number"))?;
+            return Ok(draw(seed)?);
+        }
     }
     let file = Path::new(plant);
     if !file.is_file() {
-        return Err(miette!("--plant is {plant}: no such file; expected frozen, drawn:SEED, or a file of constants"));
+        return Err(miette!(
+            "--plant is {plant}: no such file; expected frozen, drawn:SEED, voice-coil, drawn-voice-coil:SEED, or a file of constants"
+        ));
     }
     Ok(Constants::read(file)?)
 }
@@ -266,7 +294,12 @@ mod tests {
         for (words, expected) in [
             ("cork", "no file cork, and no curve of this name comes with the program; known are A2, B1, EVA, ICF"),
             ("ICF icf", "ICF is asked for twice"),
-            ("EVA --plant x.toml", "--plant is x.toml: no such file; expected frozen, drawn:SEED, or a file"),
+            ("EVA --plant x.toml", "--plant is x.toml: no such file; expected frozen, drawn:SEED, voice-coil"),
+            (
+                "EVA --plant drawn-voice-coil:x",
+                "--plant is drawn-voice-coil:x; expected drawn-voice-coil: with a whole number",
+            ),
+            ("EVA --actuator x.toml", "x.toml"),
             ("EVA --display actuator --model m.toml", "--model is m.toml: the magnet of a model changes nothing of"),
             ("EVA --plant drawn:x", "--plant is drawn:x; expected drawn: with a whole number"),
         ] {

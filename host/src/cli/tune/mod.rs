@@ -3,10 +3,11 @@
 mod files;
 mod told;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use miette::{IntoDiagnostic, miette};
+use protocol::message::Refusal;
 
 use super::progress::Progress;
 use crate::actuator::flaws::Flaws;
@@ -14,12 +15,12 @@ use crate::actuator::plant::Plant;
 use crate::actuator::uncertain::Uncertain;
 use crate::actuator::{Actuator, Form, Known};
 use crate::link::Address;
-use crate::session::{Patience, Session};
+use crate::session::{Patience, Session, SessionError};
 use crate::tune::limits::{Limits, Rule};
 use crate::tune::sampled::Sampling;
 use crate::tune::study::Study;
 use crate::tune::windup::Windup;
-use crate::tune::{Asked, Gains, Way};
+use crate::tune::{Asked, Gains, Way, setting};
 
 /// Folder of files where none is asked for.
 const DEFAULT_FOLDER: &str = "out/tune";
@@ -53,7 +54,7 @@ keep their limits.\n`palpate tune` alone tunes the thesis' actuator on the loop 
 An actuator of your own: --actuator FILE (docs/tuning.md), or --numerator and --denominator."
 )]
 pub struct Arguments {
-    /// The actuator: an actuator.toml, or `thesis`
+    /// The actuator: an actuator.toml, `thesis` or `voice-coil`
     #[arg(long, value_name = "FILE", default_value = "thesis")]
     actuator: PathBuf,
     /// Numerator of the plant instead of a file, the highest power of s first: mm/V
@@ -117,7 +118,7 @@ pub struct Arguments {
     /// Random plants of the box that the certificate is compared with
     #[arg(long, value_name = "NUMBER", default_value_t = 100_000)]
     samples: usize,
-    /// Set the gains on the board
+    /// Set the gains on the board, and how far and fast its targets may go for this actuator
     #[arg(long)]
     send: bool,
     /// The board for --send: sim, auto (the one on USB), tcp:HOST:PORT or serial:PATH
@@ -147,7 +148,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     progress.end();
     let study = study?;
     let files = files::write(&arguments.out, &actuator, arguments.way.name(), &study)?;
-    let sent = if arguments.send { Some(send(arguments, &study.judged.gains)?) } else { None };
+    let sent = if arguments.send { Some(send(arguments, &actuator, &study.judged.gains)?) } else { None };
     if arguments.json {
         outln!("{}", told::summary(&actuator, arguments.way.name(), &study, &files, sent.as_deref()));
         return Ok(());
@@ -209,10 +210,8 @@ fn actuator(arguments: &Arguments) -> miette::Result<Actuator> {
         let exact = |list: &[f64]| list.iter().map(|value| Known::exactly(*value)).collect();
         let form = Form::Coefficients { numerator: exact(numerator), denominator: exact(denominator) };
         Actuator { title: "the plant of the options".to_owned(), source: String::new(), form, ..Actuator::thesis() }
-    } else if arguments.actuator == Path::new("thesis") && !arguments.actuator.is_file() {
-        Actuator::thesis()
     } else {
-        crate::actuator::read(&arguments.actuator)?
+        Actuator::named(&arguments.actuator)?
     };
     if let Some(delay_s) = arguments.delay {
         actuator.delay_s = Known::exactly(delay_s);
@@ -272,8 +271,8 @@ fn given(arguments: &Arguments) -> miette::Result<Option<Gains>> {
     }
 }
 
-/// Sets the gains on the board, and says so.
-fn send(arguments: &Arguments, gains: &Gains) -> miette::Result<String> {
+/// Sets the gains and the actuator on the board, and says so.
+fn send(arguments: &Arguments, actuator: &Actuator, gains: &Gains) -> miette::Result<String> {
     let sent = gains.sent();
     if !firmware::pid::gains_are_usable(&sent) {
         return Err(miette!("the board would refuse these gains: {sent:?}"));
@@ -281,8 +280,17 @@ fn send(arguments: &Arguments, gains: &Gains) -> miette::Result<String> {
     let link = crate::link::open(&arguments.board).into_diagnostic()?;
     let (mut session, hello) = Session::open(link, Patience::default()).into_diagnostic()?;
     session.set_gains(sent).into_diagnostic()?;
+    let own = setting::sent(actuator);
+    let reach = format!("targets to {:.1} mm at {:.0} mm/s", own.reach_mm, own.rate_mm_s);
+    let taken = match session.set_actuator(own) {
+        Ok(()) => reach,
+        Err(SessionError::Refused { reason: Refusal::Unknown, .. }) => {
+            "gains alone: its firmware is older than settings of an actuator".to_owned()
+        }
+        Err(error) => return Err(error).into_diagnostic(),
+    };
     let version = crate::session::commit_text(&hello.build);
-    Ok(format!("to the board at {} (firmware {version}), until its next reset", arguments.board))
+    Ok(format!("to the board at {} (firmware {version}), until its next reset; {taken}", arguments.board))
 }
 
 #[cfg(test)]

@@ -63,9 +63,11 @@ fn held_out(channel: &ChannelDiagnosis, evidence: &Evidence) -> Option<Value> {
         format!("rmse_{unit}_before"): held_out.rmse_before,
         format!("rmse_{unit}_after"): held_out.rmse_after,
         "conditions": held_out.conditions,
-        "repeated": held_out.repeated.map(|(before, after)| json!({
-            format!("rmse_{unit}_before"): before,
-            format!("rmse_{unit}_after"): after,
+        "repeated": held_out.gain.map(|gain| json!({
+            format!("rmse_{unit}_before"): gain.before,
+            format!("rmse_{unit}_after"): gain.after,
+            "gain": gain.part(),
+            "gain_interval95": [gain.part95.0.is_finite().then_some(gain.part95.0), Some(gain.part95.1)],
         })),
     }))
 }

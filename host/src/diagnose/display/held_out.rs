@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::design::{Design, Series};
 use super::fit::{Fit, Problem};
 use super::forward::{Search, Weighed};
+use super::gain::{Gain, Missed};
 use super::whiten::Whitening;
 
 /// Root mean square errors over commands that were left out of fit and choice alike.
@@ -20,18 +21,9 @@ pub struct HeldOut {
     pub square_after: f64,
     /// Names of the commands.
     pub conditions: Vec<String>,
-    /// The same over a repeat of every command that was left out, with the base and with the effects: what another session of
-    /// the same commands would show. `None` where no command repeats, or runs are marked `hold_out`.
-    pub repeated: Option<(f64, f64)>,
-}
-
-impl HeldOut {
-    /// Error with the base and with the effects, in the channel's unit, whose fall is the gain: over repeats that no fit has
-    /// seen, or over commands where nothing repeats.
-    #[must_use]
-    pub fn gain(&self) -> (f64, f64) {
-        self.repeated.unwrap_or((self.rmse_before, self.rmse_after))
-    }
+    /// The same over a repeat of every command that was left out: what another session of the same commands would show.
+    /// `None` where no command repeats, or runs are marked `hold_out`.
+    pub gain: Option<Gain>,
 }
 
 /// Parts that a command is cut into where there is one only.
@@ -86,7 +78,7 @@ pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
         square_before: sum(&|e| e.0.whitened),
         square_after: sum(&|e| e.1.whitened),
         conditions: conditions.collect(),
-        repeated: if marked { None } else { repeated(search, held) },
+        gain: if marked { None } else { repeated(search, held) },
     })
 }
 
@@ -97,13 +89,29 @@ fn errors(each: &[(Miss, Miss)]) -> (f64, f64) {
     ((sum(&|e| e.0.square) / count).sqrt(), (sum(&|e| e.1.square) / count).sqrt())
 }
 
-/// Errors over the first, second, ... time that each command was given, each predicted from the others.
-fn repeated(search: &Search<'_>, held: &[Weighed]) -> Option<(f64, f64)> {
+/// What is gained on the first, second, ... time that each command was given, each predicted from the others.
+fn repeated(search: &Search<'_>, held: &[Weighed]) -> Option<Gain> {
     let design = search.problem.design;
     let before: Vec<usize> = (0..design.series.len()).map(|s| given_before(design, s)).collect();
     let last = before.iter().copied().max().filter(|last| *last > 0)?;
-    let missed = |n| left_out(search, held, &|s, _| before[s] == n && !design.series[s].hold_out);
-    Some(errors(&(0..=last).into_par_iter().map(missed).collect::<Vec<_>>()))
+    let missed = |n: usize| {
+        let is_one = |s: usize, _: usize| before[s] == n && !design.series[s].hold_out;
+        let (base, best) = predicted(search, held, &is_one);
+        let run = |s: usize| {
+            let shown = shown(design, &|r, k| r == s && is_one(r, k));
+            let own = only(search, &shown);
+            let (before, after) = (miss(&own, &base), miss(&own, &best));
+            Missed {
+                command: design.series[s].condition,
+                before: before.square,
+                after: after.square,
+                count: after.count,
+            }
+        };
+        (0..design.series.len()).filter(|s| is_one(*s, 0)).map(run).collect::<Vec<_>>()
+    };
+    let runs: Vec<Missed> = (0..=last).into_par_iter().flat_map_iter(missed).collect();
+    Gain::of(&runs)
 }
 
 /// How often the command of a run was given before it.
@@ -113,21 +121,30 @@ fn given_before(design: &Design, s: usize) -> usize {
 
 /// What base and the likeliest rival miss of the samples (run, place in it) that neither has seen.
 fn left_out(search: &Search<'_>, held: &[Weighed], is_predicted: &dyn Fn(usize, usize) -> bool) -> (Miss, Miss) {
-    let design = search.problem.design;
-    let of = |is_one: &dyn Fn(usize, usize) -> bool| {
-        let mut own = design.clone();
-        for (s, series) in own.series.iter_mut().enumerate() {
-            series.compared.iter_mut().enumerate().for_each(|(k, compared)| *compared &= is_one(s, k));
-        }
-        own
-    };
-    let (seen, shown) = (of(&|s, k| !is_predicted(s, k) && !design.series[s].hold_out), of(is_predicted));
-    let fitted = only(search, &seen);
+    let (base, best) = predicted(search, held, is_predicted);
+    let shown = shown(search.problem.design, is_predicted);
     let shown = only(search, &shown);
+    (miss(&shown, &base), miss(&shown, &best))
+}
+
+/// Base and likeliest rival as fitted to the other samples.
+fn predicted(search: &Search<'_>, held: &[Weighed], is_predicted: &dyn Fn(usize, usize) -> bool) -> (Fit, Fit) {
+    let design = search.problem.design;
+    let seen = shown(design, &|s, k| !is_predicted(s, k) && !design.series[s].hold_out);
+    let fitted = only(search, &seen);
     let base = fitted.fit(&search.base.law);
     let rivals = held.iter().map(|e| fitted.fit(&e.fit.law));
     let best = rivals.min_by(|a, b| a.square.total_cmp(&b.square)).unwrap_or_else(|| base.clone());
-    (miss(&shown, &base), miss(&shown, &best))
+    (base, best)
+}
+
+/// A design of which only some samples (run, place in it) are compared.
+fn shown(design: &Design, is_one: &dyn Fn(usize, usize) -> bool) -> Design {
+    let mut own = design.clone();
+    for (s, series) in own.series.iter_mut().enumerate() {
+        series.compared.iter_mut().enumerate().for_each(|(k, compared)| *compared &= is_one(s, k));
+    }
+    own
 }
 
 /// The problem of a design of which some samples are compared.

@@ -10,6 +10,7 @@ mod discrepancy;
 pub mod effect;
 pub mod fit;
 mod forward;
+pub mod gain;
 pub mod held_out;
 pub mod law;
 pub mod noise;

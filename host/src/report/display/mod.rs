@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use crate::diagnose::Verdict;
 use crate::diagnose::display::design::Series as Run;
+use crate::diagnose::display::gain::Gain;
 use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, Evidence, Finding, effect};
 use crate::experiment::Experiment;
 
@@ -72,9 +73,10 @@ fn lines(out: &mut String, channel: &ChannelDiagnosis) {
     let Some(evidence) = channel.evidence.as_deref() else { return };
     if let Some(held_out) = evidence.held_out.as_ref().filter(|_| !channel.findings.is_empty()) {
         let unit = channel.channel.unit();
-        if let Some((was, is)) = held_out.repeated {
-            let _ =
-                writeln!(out, "  repeats, {unit:5} {:>10} -> {}  rms, none seen by the fit", number(was), number(is));
+        if let Some(gain) = &held_out.gain {
+            let (was, is) = (number(gain.before), number(gain.after));
+            let _ = writeln!(out, "  repeats, {unit:5} {was:>10} -> {is}  rms, none seen by the fit");
+            let _ = writeln!(out, "  gain           {}", gained(gain));
         }
         let (was, is) = (held_out.rmse_before, held_out.rmse_after);
         let _ = writeln!(
@@ -93,6 +95,17 @@ fn lines(out: &mut String, channel: &ChannelDiagnosis) {
     if let Some(next) = channel.proposals.first() {
         let _ = writeln!(out, "  next run       {}", next.what);
         let _ = writeln!(out, "    would tell   {}", next.decides.join(", "));
+    }
+}
+
+/// The part of the error that is gone, with its interval.
+fn gained(gain: &Gain) -> String {
+    let part = percent(gain.part());
+    match gain.part95 {
+        (low, high) if low.is_finite() => {
+            format!("{part} of the error is gone (95 %: {} to {}).", percent(low), percent(high))
+        }
+        _ => format!("{part} of the error is gone; no command is given twice, so nothing tells how sure that is."),
     }
 }
 
@@ -220,17 +233,18 @@ fn parameters(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) 
     page.table(&["parameter", "base", "95 %", "extended", "95 %"], &rows);
     if let Some(held_out) = evidence.held_out.as_ref().filter(|_| !channel.findings.is_empty()) {
         let unit = channel.channel.unit();
-        let fall = |(was, is): (f64, f64)| format!("{} to {} {unit}", number(was), number(is));
-        if let Some(repeated) = held_out.repeated {
+        let fall = |was: f64, is: f64| format!("{} to {} {unit}", number(was), number(is));
+        if let Some(gain) = &held_out.gain {
             page.paragraph(&format!(
-                "Gain: on repeats of these commands that no fit has seen, the root mean square error falls from {}. Another \
+                "Gain: {} On repeats of these commands that no fit has seen, the root mean square error falls from {}. Another \
                  session of the same commands would show that.",
-                fall(repeated)
+                gained(gain),
+                fall(gain.before, gain.after)
             ));
         }
         page.paragraph(&format!(
             "On commands of other kinds than the fit has seen it goes from {}. Base and effects are both fitted without them.",
-            fall((held_out.rmse_before, held_out.rmse_after))
+            fall(held_out.rmse_before, held_out.rmse_after)
         ));
     }
 }

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 
 use crate::experiment::{GAP_MM, Recording};
 use crate::magnet::circuit::Circuit;
-use crate::plant::{Actuator, ActuatorFlaws, Coil, Converter, Core, Fluid, Fsr, FsrFlaws, Potentiometer};
+use crate::plant::{Actuator, ActuatorFlaws, ActuatorLaw, Coil, Converter, Core, Fluid, Fsr, FsrFlaws, Potentiometer};
 use crate::simulate::chance::{Purpose, stream};
 use crate::simulate::noise::Correlated;
 
@@ -99,7 +99,7 @@ fn position(
     let law = DEFAULT_CALIBRATION.potentiometer;
     let potentiometer = Potentiometer { slope_kohm_mm: -0.080_279, offset_kohm: 2.5829, divider_kohm: 1.6 };
     let start_mm = run.at(0.0);
-    let mut actuator = Actuator::with(start_mm, flaws);
+    let mut actuator = Actuator::with(start_mm, ActuatorLaw::THESIS, flaws);
     let (mut felt_mm, mut mode) = (start_mm, (0.0, 0.0));
     let command: Vec<f64> = time_s.iter().map(|t| rounded(run.at(*t), 1e-6)).collect();
     let mut measured = Vec::with_capacity(command.len());
@@ -115,7 +115,7 @@ fn position(
             let dt_s = TICK_S / STEPS as f64;
             // the drive holds what was commanded at the tick before its own, delayed time
             let late = ((t + (i as f64 + 0.5) * dt_s - delay_s) / TICK_S).floor().max(0.0) as usize;
-            actuator.step(command[late.min(k)] - start_mm, dt_s);
+            actuator.step(command[late.min(k)] - start_mm, 0.0, dt_s);
             let half_mm = 0.5 * play_mm;
             felt_mm = felt_mm.clamp(actuator.position_mm() - half_mm, actuator.position_mm() + half_mm);
             // a light mass on a spring, driven by the shaft's motion

@@ -1,0 +1,113 @@
+//! What naming an effect gains: the fall of the error over repeats that no fit has seen, with its interval.
+
+use crate::calibration::distribution::student_critical;
+
+/// Level that an interval misses: 95 % intervals.
+const MISSED: f64 = 0.05;
+
+/// Fall of the error over repeats of every command, each predicted from the others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gain {
+    /// Root mean square error with the base, in the channel's unit.
+    pub before: f64,
+    /// The same with the effects.
+    pub after: f64,
+    /// The part of the error that is gone, with 95 % certainty, from what runs of a command differ by. From minus infinity
+    /// where no command is given twice.
+    pub part95: (f64, f64),
+}
+
+/// Squared errors of one run that was left out: with the base and with the effects, and its samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Missed {
+    /// Place of its command.
+    pub command: usize,
+    /// With the base.
+    pub before: f64,
+    /// With the effects.
+    pub after: f64,
+    /// Samples.
+    pub count: f64,
+}
+
+impl Gain {
+    /// Over runs; `None` where the base misses nothing.
+    ///
+    /// A run's gain, zero and time are its own, so runs scatter, and their samples do not add up to more. To first order the
+    /// logarithm of the ratio of both sums varies by what `after / sum - before / sum` of a command's runs varies by.
+    pub(super) fn of(runs: &[Missed]) -> Option<Self> {
+        let sum = |of: fn(&Missed) -> f64| runs.iter().map(of).sum::<f64>();
+        let (count, before, after) = (sum(|r| r.count), sum(|r| r.before), sum(|r| r.after));
+        if !(count > 0.0 && before > 0.0 && after > 0.0) {
+            return None;
+        }
+        let commands = 1 + runs.iter().map(|run| run.command).max()?;
+        let (mut variance, mut freedom) = (0.0, 0.0);
+        for command in 0..commands {
+            let own = runs.iter().filter(|run| run.command == command);
+            let moves: Vec<f64> = own.map(|run| run.after / after - run.before / before).collect();
+            if moves.len() > 1 {
+                let (n, mean) = (moves.len() as f64, moves.iter().sum::<f64>() / moves.len() as f64);
+                variance += n * moves.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0);
+                freedom += n - 1.0;
+            }
+        }
+        let ratio = (after / before).sqrt();
+        let width =
+            if freedom > 0.0 { 0.5 * variance.sqrt() * student_critical(MISSED, freedom) } else { f64::INFINITY };
+        Some(Gain {
+            before: (before / count).sqrt(),
+            after: (after / count).sqrt(),
+            part95: (1.0 - ratio * width.exp(), 1.0 - ratio * (-width).exp()),
+        })
+    }
+
+    /// The part of the error that is gone.
+    #[must_use]
+    pub fn part(&self) -> f64 {
+        1.0 - self.after / self.before
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_pcg::Pcg64;
+
+    use super::*;
+
+    /// Nine commands three times: errors of runs scatter by what is common to both laws, and by what is not.
+    fn drawn(chance: &mut Pcg64) -> Vec<Missed> {
+        let mut normal = || -> f64 { StandardNormal.sample(chance) };
+        let run = |i: usize| {
+            let size = 1.0 + (i / 3) as f64;
+            let common = size * (0.3 * normal()).exp();
+            Missed { command: i / 3, before: common, after: 0.25 * common * (0.4 * normal()).exp(), count: 100.0 }
+        };
+        (0..27).map(run).collect()
+    }
+
+    #[test]
+    fn the_interval_holds_the_true_gain_as_often_as_it_says() {
+        let mut chance = Pcg64::seed_from_u64(11);
+        // of lognormal factors the mean is exp(s^2 / 2)
+        let truth = 1.0 - (0.25 * (0.5_f64 * 0.4 * 0.4).exp()).sqrt();
+        let all: Vec<Gain> = (0..2000).map(|_| Gain::of(&drawn(&mut chance)).unwrap()).collect();
+        let held = all.iter().filter(|gain| gain.part95.0 <= truth && truth <= gain.part95.1).count();
+        // 95 % but for the skew of what is drawn
+        assert!((1820..=1940).contains(&held), "{held} of 2000");
+        let first = all[0];
+        assert!(first.part95.0 < first.part() && first.part() < first.part95.1, "{first:?}");
+    }
+
+    #[test]
+    fn runs_that_stand_alone_tell_no_interval_and_no_runs_no_gain() {
+        let one = Missed { command: 0, before: 4.0, after: 1.0, count: 1.0 };
+        let gain = Gain::of(&[one, Missed { command: 1, ..one }]).unwrap();
+        assert_eq!((gain.before, gain.after, gain.part()), (2.0, 1.0, 0.5));
+        assert_eq!(gain.part95, (f64::NEG_INFINITY, 1.0));
+        assert_eq!(Gain::of(&[]), None);
+    }
+}

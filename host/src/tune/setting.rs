@@ -1,0 +1,118 @@
+//! What a board is set to for an actuator: gains of its position loop, farthest and fastest target, feed-forward of the force.
+
+use protocol::message::{Actuator as Sent, Gains as SentGains};
+
+use super::limits::{Limits, Rule};
+use super::sampled::Sampling;
+use super::windup::Windup;
+use super::{Asked, TuneError, Way, tune};
+use crate::actuator::Actuator;
+
+/// Part of the largest command that holds the farthest target: the rest is left to the loop.
+const HELD: f64 = 0.9;
+/// Farthest target that a board takes, mm: a stroke of 20 mm (thesis section 5.1.1) less what an overshoot needs.
+const FARTHEST_MM: f64 = 19.0;
+/// Fastest targets, mm/s, that a board takes.
+const RATES_MM_S: (f64, f64) = (1.0, 200.0);
+/// Part of a force that feed-forward holds: a force that is read too large would otherwise push the finger back.
+const FED: f64 = 0.7;
+/// Largest feed-forward that a board takes, V/N.
+const FED_MOST_V_N: f64 = 0.5;
+/// Largest peak sensitivity: a finger on the cap is part of the loop that nobody knows.
+const SENSITIVITY: f64 = 1.6;
+/// Limit of the command in the search, part of the driver's.
+const COMMAND: f64 = 0.92;
+
+/// Gains and actuator as a board takes them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Of the position loop.
+    pub gains: SentGains,
+    /// Farthest and fastest target, and feed-forward.
+    pub actuator: Sent,
+}
+
+impl Setting {
+    /// For an actuator, with gains that are searched unless they are given.
+    ///
+    /// # Errors
+    /// As [`tune`].
+    pub fn of(actuator: &Actuator, gains: Option<SentGains>) -> Result<Self, TuneError> {
+        let gains = gains.map_or_else(|| Ok(tune(&asked(actuator))?.gains.sent()), Ok)?;
+        Ok(Self { gains, actuator: sent(actuator) })
+    }
+}
+
+/// The loop that runs on the board: 50 Hz, a held command, one tick of delay.
+fn asked(actuator: &Actuator) -> Asked {
+    Asked {
+        uncertain: actuator.uncertain(0.1),
+        flaws: actuator.flaws(),
+        way: Way::Sampled(Sampling {
+            tick_s: f64::from(protocol::TICK_S),
+            ticks_late: 1,
+            limit_v: None,
+            windup: Windup::Board,
+        }),
+        limits: Limits {
+            command_v: COMMAND * actuator.command_limit_v,
+            overshoot: 0.05,
+            undershoot: 0.05,
+            sensitivity: Some(SENSITIVITY),
+            phase_deg: None,
+            step_mm: 1.0,
+            cut: false,
+        },
+        rule: Rule::Text,
+        robust: false,
+    }
+}
+
+/// What the actuator can do, within what a board takes.
+pub fn sent(actuator: &Actuator) -> Sent {
+    let plant = actuator.plant();
+    // a plant with a pole at 0 goes on as long as its command lasts
+    let at_rest = plant.numerator.at(0) / plant.denominator.at(0);
+    let reach_mm = (HELD * actuator.command_limit_v * at_rest.abs()).min(FARTHEST_MM);
+    let usual = f64::from(firmware::display::DisplayConfig::default().target_rate_mm_s);
+    let rate_mm_s = actuator.rate_limit_mm_per_s.map_or(usual, |known| known.value);
+    let back_v_n = if at_rest.is_finite() && at_rest > 0.0 { actuator.back_mm_per_n.value / at_rest } else { 0.0 };
+    Sent {
+        reach_mm: reach_mm as f32,
+        rate_mm_s: rate_mm_s.clamp(RATES_MM_S.0, RATES_MM_S.1) as f32,
+        holds_v_per_n: (FED * back_v_n).min(FED_MOST_V_N) as f32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::actuator::{Form, Known};
+
+    #[test]
+    fn the_thesis_actuator_reaches_as_far_as_a_board_that_nobody_told() {
+        let usual = firmware::display::DisplayConfig::default();
+        let thesis = sent(&Actuator::thesis());
+        assert_eq!(usual.clone().with(&thesis), Some(usual));
+    }
+
+    #[test]
+    fn a_voice_coil_has_the_whole_stroke_and_a_board_takes_it() {
+        let coil = Actuator::voice_coil().unwrap();
+        let own = sent(&coil);
+        assert_eq!((own.reach_mm, own.rate_mm_s), (18.0, 200.0));
+        assert!((own.holds_v_per_n - 0.0875).abs() < 1e-6, "{}", own.holds_v_per_n);
+        let setting = Setting::of(&coil, None).unwrap();
+        assert!(firmware::display::DisplayConfig::default().with(&setting.actuator).is_some());
+        assert!(firmware::pid::gains_are_usable(&setting.gains), "{:?}", setting.gains);
+    }
+
+    #[test]
+    fn what_integrates_has_the_whole_stroke_and_no_feed_forward() {
+        let poles = vec![crate::actuator::Pole::Real(Known::exactly(0.0))];
+        let form = Form::Poles { gain: Known::exactly(5.0), poles };
+        let own = sent(&Actuator { form, back_mm_per_n: Known::exactly(0.5), ..Actuator::thesis() });
+        assert_eq!((own.reach_mm, own.holds_v_per_n), (19.0, 0.0));
+    }
+}
