@@ -17,7 +17,7 @@ use crate::diagnose::display::effect::{self, Effect};
 use crate::diagnose::display::fit::Problem;
 use crate::diagnose::display::law::{Law, Setting};
 use crate::diagnose::display::whiten::Whitening;
-use crate::diagnose::display::{ChannelDiagnosis, Diagnosis};
+use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, answered};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{Experiment, ExperimentError, Problem as Mistake};
 
@@ -166,7 +166,7 @@ impl DisplayModel {
     pub fn gain(&self, experiment: &Experiment) -> Result<Vec<Gain>, Unusable> {
         let mut found = Vec::new();
         for one in &self.channels {
-            let design = match Design::of(experiment, one.channel, &Explained::new()) {
+            let design = match Design::of(experiment, one.channel, &self.explained(experiment, one.channel)) {
                 Err(Unusable::Absent) => continue,
                 other => other?,
             };
@@ -180,6 +180,18 @@ impl DisplayModel {
             found.push(Gain { channel: one.channel, fitted_base, model, samples });
         }
         Ok(found)
+    }
+}
+
+impl DisplayModel {
+    /// What the flux of an experiment is compared at: the current as this model, or the base, explains it.
+    #[must_use]
+    pub fn explained(&self, experiment: &Experiment, of: Channel) -> Explained {
+        if of != Channel::Flux {
+            return Explained::new();
+        }
+        let current = self.channels.iter().find(|one| one.channel == Channel::Current).map(ChannelModel::law);
+        answered(experiment, current.as_ref())
     }
 }
 
@@ -205,10 +217,14 @@ impl Gain {
     }
 }
 
+/// With the values of the fit, which is what predicts and what the printed gain is of. An evidence allows for discrepancies that
+/// a prediction has not; its intervals hold the fit's values here (`docs/decisions/0002-plain-fits.md`).
 fn of_channel(found: &ChannelDiagnosis) -> Option<ChannelModel> {
     let best = found.evidence.as_deref()?.held.first()?;
     let known = |effect: Option<usize>| -> Vec<Known> {
-        best.estimates(effect).into_iter().map(|(_, value, interval)| (value, Some(interval))).collect()
+        let fitted = effect.map_or(&best.fit.law.base, |at| &best.fit.law.settings[at].values);
+        let each = best.estimates(effect).into_iter().zip(fitted);
+        each.map(|((_, _, (low, high)), value)| (*value, Some((low.min(*value), high.max(*value))))).collect()
     };
     let added = best.fit.effects.iter().enumerate().map(|(at, effect)| {
         let finding = found.findings.iter().find(|finding| finding.code == effect.code);

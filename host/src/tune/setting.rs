@@ -94,7 +94,7 @@ mod tests {
     fn the_thesis_actuator_reaches_as_far_as_a_board_that_nobody_told() {
         let usual = firmware::display::DisplayConfig::default();
         let thesis = sent(&Actuator::thesis());
-        assert_eq!(usual.clone().with(&thesis), Some(usual));
+        assert_eq!(usual.with(&thesis), Some(usual));
     }
 
     #[test]

@@ -1,8 +1,7 @@
 //! Whether what naming an effect gains is what is printed.
 
 use palpate::diagnose::display::ChannelDiagnosis;
-use palpate::diagnose::display::channel::Channel;
-use palpate::diagnose::display::design::{Design, Explained};
+use palpate::diagnose::display::design::Design;
 use palpate::diagnose::display::fit::Problem;
 use palpate::diagnose::display::law::Law;
 use palpate::diagnose::display::whiten::Whitening;
@@ -38,7 +37,9 @@ impl Gains {
         let own = model.channels.iter().find(|own| own.channel == channel.channel)?;
         let square = |law: &Law| -> Option<f64> {
             let each = (0..DAYS).map(|day| {
-                let design = Design::of(&fresh(case, day, channel.channel), channel.channel, &Explained::new()).ok()?;
+                let fresh = fresh(case, day);
+                let explained = model.explained(&fresh, channel.channel);
+                let design = Design::of(&fresh, channel.channel, &explained).ok()?;
                 let used = vec![true; design.series.len()];
                 let problem = Problem { design: &design, whitening: Whitening::none(design.samples()), used };
                 Some(problem.plain(law).norm_squared())
@@ -63,12 +64,8 @@ impl Gains {
 }
 
 /// The same display on another day: the same kinds of presses, a little less far, with new noise and new gains of every run.
-fn fresh(case: &Case, day: u64, of: Channel) -> Experiment {
+fn fresh(case: &Case, day: u64) -> Experiment {
     let mut spec = case.spec(true);
-    // a diagnosis explains the current that the flux is compared at; here it is read without noise instead
-    if of == Channel::Flux {
-        spec.noise.current_a = 0.0;
-    }
     spec.seed = case.seed + (day + 1) * 1_000_000;
     for run in &mut spec.runs {
         run.values.iter_mut().for_each(|value| *value *= LESS);

@@ -3,15 +3,12 @@
 //! They are not part of this repository; without them the tests say SKIPPED.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::sync::LazyLock;
-
-use palpate::diagnose::{Diagnosis, Models, Verdict, diagnose};
+use crate::MODELS;
+use palpate::diagnose::{Diagnosis, Verdict, diagnose};
 use palpate::experiment;
 
 /// Material of all cases: `mu`, MPa, and `alpha`.
 const TRUE: [f64; 2] = [0.050, 8.0];
-
-static MODELS: LazyLock<Models> = LazyLock::new(Models::default);
 
 /// The diagnosis of a case, or `None` with a visible message if it is absent.
 fn diagnosed(case: &str) -> Option<Diagnosis> {

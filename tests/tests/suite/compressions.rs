@@ -3,16 +3,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
-use std::sync::LazyLock;
 
+use crate::SOLVER;
 use lut_gen::solid::law::PronyTerm;
 use palpate::diagnose::Verdict;
 use palpate::diagnose::compression::{Diagnosis, answer, diagnose};
 use palpate::experiment::{self, Test};
-use palpate::simulate::{Effect, RunTemplate, Solver, Spec, TrueSpecimen, simulate};
+use palpate::simulate::{Effect, RunTemplate, Spec, TrueSpecimen, simulate};
 use tests::hidden::{Case, Design, NoiseKind, What};
-
-static SOLVER: LazyLock<Solver> = LazyLock::new(Solver::new);
 
 /// Pieces of a foam that are shortened by half at two rates, three of each, held and let go.
 fn pieces(seed: u64) -> Spec {

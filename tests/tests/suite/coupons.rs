@@ -1,18 +1,13 @@
 //! Compressed coupons of the foam: what they let a diagnosis say that balls do not.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::sync::LazyLock;
-
+use crate::{MODELS, SOLVER};
 use palpate::diagnose::plan::On;
-use palpate::diagnose::{self, Diagnosis, Models, Verdict};
+use palpate::diagnose::{self, Diagnosis, Verdict};
 use palpate::experiment::{Experiment, Test};
-use palpate::simulate::{Effect, RunTemplate, Solver, Spec, TrueSpecimen, simulate};
+use palpate::simulate::{Effect, RunTemplate, Spec, TrueSpecimen, simulate};
 use tests::hidden::{Case, Design, NoiseKind, What};
 use tests::score::follow::Followed;
-
-/// Shared, so that every force model is solved once.
-static SOLVER: LazyLock<Solver> = LazyLock::new(Solver::new);
-static MODELS: LazyLock<Models> = LazyLock::new(Models::default);
 
 /// A D18 without an effect: two balls, three rates, loading alone.
 fn clean(seed: u64) -> Spec {

@@ -4,16 +4,12 @@
 
 use std::sync::LazyLock;
 
-use palpate::diagnose::{self, Models, Verdict};
+use crate::{MODELS, SOLVER};
+use palpate::diagnose::{self, Verdict};
 use palpate::experiment::Experiment;
-use palpate::simulate::Solver;
 use tests::hidden::{Case, Design, NoiseKind, What};
 use tests::score::outcome::Outcome;
 use tests::score::{Answer, Scored, control};
-
-/// Shared, so that every force model is solved once.
-static SOLVER: LazyLock<Solver> = LazyLock::new(Solver::new);
-static MODELS: LazyLock<Models> = LazyLock::new(Models::default);
 
 /// Presses that relax: three tests look at them.
 static RELAXING: LazyLock<Experiment> = LazyLock::new(|| experiment(&hiding(Design::D18, 31_010, "relaxation", 4)));

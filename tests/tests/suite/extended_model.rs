@@ -5,9 +5,9 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
+use crate::MODELS;
 use lut_gen::solid::law::PronyTerm;
 use lut_gen::solid::model::Resolution;
-use palpate::diagnose::Models;
 use palpate::experiment::Experiment;
 use palpate::extended::gain::{self, Options};
 use palpate::extended::{ExtendedModel, identify};
@@ -19,8 +19,6 @@ const MU_MPA: f64 = 0.1;
 const ALPHA: f64 = 8.0;
 const G: f64 = 0.3;
 const TAU_S: f64 = 1.0;
-
-static MODELS: LazyLock<Models> = LazyLock::new(Models::default);
 
 /// Two presses with a hold at each of three rates, by finite elements of the whole path.
 static EXPERIMENT: LazyLock<Experiment> = LazyLock::new(|| {

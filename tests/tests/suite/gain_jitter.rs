@@ -2,9 +2,11 @@
 #![allow(clippy::unwrap_used)]
 use std::path::Path;
 
+use crate::{MODELS, SOLVER};
 use lut_gen::chain::Chain;
 use lut_gen::effect::relaxation;
 use lut_gen::solid::law::PronyTerm;
+use palpate::diagnose::Prepared;
 use palpate::diagnose::coordinate::Candidate;
 use palpate::diagnose::design::Design;
 use palpate::diagnose::fit::{Fit, Problem};
@@ -12,9 +14,8 @@ use palpate::diagnose::jitter::{EXPECTED, Posterior};
 use palpate::diagnose::noise::Jitter;
 use palpate::diagnose::search::{Search, allowed};
 use palpate::diagnose::whiten::Whitening;
-use palpate::diagnose::{Models, Prepared};
 use palpate::infer::covariance::covariance;
-use palpate::simulate::{EXAMPLE, Effect, Solver, parse, simulate};
+use palpate::simulate::{EXAMPLE, Effect, parse, simulate};
 
 /// Largest move of the logarithm of the modulus, in the smaller of two standard errors.
 const MOST: f64 = 0.2;
@@ -37,14 +38,13 @@ fn moved((one, its): (f64, f64), (other, error): (f64, f64)) -> f64 {
 /// Data without an effect, fitted with the base, and data with relaxation of three sizes, fitted with relaxation that may be wrong by the error of its form.
 #[test]
 fn twice_the_prior_of_the_gains_jitter_moves_no_modulus() {
-    let models = Models::kept();
     for (g, seed) in [(0.0, 2), (0.0, 5), (0.02, 3), (0.1, 4), (0.1, 5), (0.3, 2), (0.3, 3)] {
         let mut spec =
             parse(Path::new("example.toml"), &EXAMPLE.replace("seed = 1", &format!("seed = {seed}"))).unwrap();
         spec.effects = if g > 0.0 { vec![Effect::Relaxation(vec![PronyTerm::alike(g, 1.0)])] } else { Vec::new() };
-        let experiment = simulate(&spec, &Solver::default(), &|_, _, _| {}).unwrap().experiment();
+        let experiment = simulate(&spec, &SOLVER, &|_, _, _| {}).unwrap().experiment();
         let design = Design::of(&experiment, &experiment.specimens[0].material).unwrap();
-        let library = models.of(&design.geometries, &|_, _| {}).unwrap();
+        let library = MODELS.of(&design.geometries, &|_, _| {}).unwrap();
         let chain = Chain { library, passages: design.passages() };
         let prepared = Prepared::new(&design, &chain, experiment.sensor.noise_n).unwrap();
         let search = Search::new(prepared, vec![Candidate { effect: &relaxation::ONE, owner: 0 }]);

@@ -43,3 +43,12 @@ mod unseen_effects;
 mod whole_paths;
 mod winding;
 mod without_specimen;
+
+use std::sync::LazyLock;
+
+use palpate::diagnose::Models;
+use palpate::simulate::Solver;
+
+/// Shared by all files, so that every force model and every solve is made once.
+static MODELS: LazyLock<Models> = LazyLock::new(Models::default);
+static SOLVER: LazyLock<Solver> = LazyLock::new(Solver::new);

@@ -5,7 +5,8 @@
 
 use std::path::Path;
 
-use palpate::diagnose::{Diagnosis, Models, diagnose};
+use crate::MODELS;
+use palpate::diagnose::{Diagnosis, diagnose};
 use palpate::experiment::{self, Experiment, motion};
 use palpate::identify::spec::FitSpec;
 use palpate::identify::{self, Identification, Outcome, identify};
@@ -73,7 +74,7 @@ fn beef_of_two_muscles() {
 #[test]
 fn beef_relaxes_beside_a_base_that_is_a_fit_of_it() {
     let Some(experiment) = of_recordings("beef_diagnosed", "beef_ball") else { return };
-    let found = diagnose(&experiment, &Models::default(), &|_, _, _| {}).unwrap();
+    let found = diagnose(&experiment, &MODELS, &|_, _, _| {}).unwrap();
     assert_eq!(found.len(), 2);
     for one in &found {
         let Diagnosis { material, evidence, findings, .. } = one;

@@ -88,14 +88,12 @@ fn rubber(friction: f64, alpha: f64) -> Truth {
 }
 
 /// Stiffening rubbers are named, with a coefficient that is right to what two meshes differ by where points stick and
-/// where they slip. Softer ones may be "unknown", for the place where the face turns round is known to no more than a
-/// few percent of the force; nothing else is named.
+/// where they slip.
 #[test]
 fn platens_that_rub_are_named() {
-    let each = [(0.2, 4.5, 81_002), (0.3, 5.0, 81_202), (0.15, 3.0, 81_200)]
+    let each = [(0.2, 4.5, 81_002), (0.3, 5.0, 81_202)]
         .map(|(friction, alpha, seed)| (friction, found(&pressed(&rubber(friction, alpha), seed))));
-    assert!(each.iter().all(|(_, found)| codes(found).iter().all(|code| *code == "friction")));
-    for (friction, found) in &each[..2] {
+    for (friction, found) in &each {
         assert_eq!(codes(found), ["friction"]);
         let (_, value, _) = found.findings[0].parameters[0];
         assert!((value / friction - 1.0).abs() < 0.15, "{value} instead of {friction}");

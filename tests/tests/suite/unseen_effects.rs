@@ -1,17 +1,13 @@
 //! Intervals of experiments with a cause that stays silent hold the truth, are wider than those of noise, and the answer says what widened them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::sync::LazyLock;
-
-use palpate::diagnose::{self, Models, Verdict, answer};
+use crate::{MODELS, SOLVER};
+use palpate::diagnose::{self, Verdict, answer};
 use palpate::identify::{self, spec::FitSpec};
-use palpate::simulate::{Effect, Solver, simulate};
+use palpate::simulate::{Effect, simulate};
 use palpate::unseen;
 use tests::hidden::Design;
 use tests::silent::Silent;
-
-static SOLVER: LazyLock<Solver> = LazyLock::new(Solver::new);
-static MODELS: LazyLock<Models> = LazyLock::new(Models::default);
 
 /// Causes at about two prior deviations. Intervals of 95 % may miss one of eight, and no more: two of eight would come up once in eighteen times, and the
 /// seeds are fixed.

@@ -3,13 +3,13 @@
 
 use std::sync::LazyLock;
 
+use crate::{MODELS, SOLVER};
 use lut_gen::chain::{Chain, Detail, Model, Setting};
 use lut_gen::effect::{self, Effect};
 use lut_gen::solid::law::PronyTerm;
-use palpate::diagnose::Models;
 use palpate::diagnose::design::{Branch, Design};
 use palpate::diagnose::fit;
-use palpate::simulate::{self, Noise, Solver, Spec, simulate};
+use palpate::simulate::{self, Noise, Spec, simulate};
 use tests::hidden;
 
 /// What two meshes leave of a second term and of a Poisson's ratio, as a part of what they add.
@@ -19,15 +19,13 @@ const POISSON: f64 = 0.004;
 /// A D36 experiment without noise, of a foam whose exponent is large, and the force models that fit it.
 struct Bench {
     case: hidden::Case,
-    solver: Solver,
-    models: Models,
 }
 
 static BENCH: LazyLock<Bench> = LazyLock::new(|| {
     let steep = |seed: &u64| hidden::Case::new(hidden::Design::D36, *seed).truth().foam.alpha > 16.0;
     let seed = (1..100).find(steep).unwrap();
     let case = hidden::Case::new(hidden::Design::D36, seed).hiding(hidden::What::Clean);
-    Bench { case, solver: Solver::new(), models: Models::default() }
+    Bench { case }
 });
 
 /// Root mean square of what chain and chain with whole paths miss on the way down, in the hold and on the way back, as a part of what the
@@ -38,7 +36,7 @@ fn misses(hidden: simulate::Effect, effect: &'static Effect, values: &[f64]) -> 
 
 /// The experiment with some effects, where every second run lacks its first readings, and the chain of its force models.
 fn recorded(hidden: Vec<simulate::Effect>, late: usize) -> (Design, Chain) {
-    let Bench { case, solver, models } = &*BENCH;
+    let (Bench { case }, solver, models) = (&*BENCH, &*SOLVER, &*MODELS);
     let spec = Spec { noise: Noise::default(), effects: hidden, ..case.spec() };
     let mut experiment = simulate(&spec, solver, &|_, _, _| {}).unwrap().experiment();
     for run in experiment.runs.iter_mut().step_by(2) {

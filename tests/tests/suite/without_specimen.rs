@@ -1,17 +1,12 @@
 //! Runs in air, under a mass and on a stiff block: what they let a diagnosis say that presses into the specimen do not.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::sync::LazyLock;
-
+use crate::{MODELS, SOLVER};
 use lut_gen::solid::law::PronyTerm;
-use palpate::diagnose::{self, Diagnosis, Models, Verdict};
+use palpate::diagnose::{self, Diagnosis, Verdict};
 use palpate::experiment::{Experiment, Test};
-use palpate::simulate::{Effect, RunTemplate, Solver, Spec, TrueLaw, TrueSpecimen, simulate};
+use palpate::simulate::{Effect, RunTemplate, Spec, TrueLaw, TrueSpecimen, simulate};
 use tests::hidden::{Case, Design, NoiseKind, What};
-
-/// Shared, so that every force model is solved once.
-static SOLVER: LazyLock<Solver> = LazyLock::new(Solver::new);
-static MODELS: LazyLock<Models> = LazyLock::new(Models::default);
 
 /// Time that loads stand, s.
 const STANDING_S: f64 = 60.0;

@@ -200,13 +200,14 @@ fn constants(plant: &str) -> miette::Result<Constants> {
     if plant == "voice-coil" {
         return Ok(Constants::voice_coil()?);
     }
-    let draws: [(&str, fn(u64) -> Result<Constants, ExperimentError>); 2] =
-        [("drawn:", Constants::drawn), ("drawn-voice-coil:", Constants::voice_coil_drawn)];
-    for (word, draw) in draws {
-        if let Some(seed) = plant.strip_prefix(word) {
-            let seed = seed.parse().map_err(|_| miette!("--plant is {plant}; expected {word} with a whole number"))?;
-            return Ok(draw(seed)?);
-        }
+    let draw = |seed: &str, word: &str, drawn: fn(u64) -> Result<Constants, ExperimentError>| {
+        let seed = seed.parse().map_err(|_| miette!("--plant is {plant}; expected {word}: with a whole number"))?;
+        Ok(drawn(seed)?)
+    };
+    match plant.split_once(':') {
+        Some((word @ "drawn", seed)) => return draw(seed, word, Constants::drawn),
+        Some((word @ "drawn-voice-coil", seed)) => return draw(seed, word, Constants::voice_coil_drawn),
+        _ => {}
     }
     let file = Path::new(plant);
     if !file.is_file() {

@@ -158,6 +158,19 @@ fn explained(channels: &[ChannelDiagnosis]) -> Explained {
     evidence.design.series.iter().map(|series| (series.file.clone(), law.answered_a(series))).collect()
 }
 
+/// The coil's current of an experiment as a law explains it and the fluid has answered it; without a law, as the base does that
+/// is fitted to these very runs. Nothing where it was not recorded.
+///
+/// What remembers in steel turns with every wiggle of its current: noise would be taken for loops.
+#[must_use]
+pub fn answered(experiment: &Experiment, law: Option<&Law>) -> Explained {
+    let Ok(design) = Design::of(experiment, Channel::Current, &Explained::new()) else { return Explained::new() };
+    let used = vec![true; design.series.len()];
+    let plain = Problem { design: &design, whitening: Whitening::none(design.samples()), used };
+    let law = law.cloned().unwrap_or_else(|| plain.fit(&Law::nominal(Channel::Current)).law);
+    design.series.iter().map(|series| (series.file.clone(), law.answered_a(series))).collect()
+}
+
 fn empty(channel: Channel, verdict: Verdict) -> ChannelDiagnosis {
     ChannelDiagnosis {
         channel,

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use palpate::diagnose::{Models, diagnose};
+use crate::MODELS;
+use palpate::diagnose::diagnose;
 use palpate::identify::spec::FitSpec;
 use palpate::identify::{Identification, identify};
 
@@ -88,7 +89,7 @@ fn a_saturated_sensor_is_named_and_its_readings_left_out() {
     let of = found(&folder);
     holds_the_truth(&of, TRUE, Some(WHOLE));
     told(&of, &["r8.csv: the force sensor is saturated", "stands at 1.5 N"]);
-    let found = diagnose(&read(&folder), &Models::default(), &|_, _, _| {}).unwrap();
+    let found = diagnose(&read(&folder), &MODELS, &|_, _, _| {}).unwrap();
     let codes: Vec<&str> = found[0].faults.iter().map(|fault| fault.code()).collect();
     assert_eq!(codes, ["saturated", "saturated"]);
 }
