@@ -16,8 +16,10 @@ pub struct DisplayConfig {
     pub target_rate_mm_s: f32,
     /// Command that holds the shaft against the finger, V/N: feed-forward of the force that is read, 0 for a spindle.
     pub holds_v_per_n: f32,
-    /// Fastest change of a target that lies outside what is displayed, mm/s: the way home at the start.
+    /// Fastest change of a target that begins beyond `near_mm`, until it has met what is wanted, mm/s: the way home.
     pub homing_rate_mm_s: f32,
+    /// A shaft within this is home from the start, mm.
+    pub near_mm: f32,
     /// Within this of the end of the stroke the shaft counts as at its stop, mm: three times the zero error
     /// that the bring-up accepts. Nothing is integrated into the stop (`docs/decisions/0011-end-stop.md`).
     pub end_zone_mm: f32,
@@ -43,6 +45,7 @@ impl Default for DisplayConfig {
             target_rate_mm_s: 40.0,
             holds_v_per_n: 0.0,
             homing_rate_mm_s: 5.0,
+            near_mm: 4.5,
             end_zone_mm: 0.3,
             coil_max_a: protocol::lut::CURRENT_MAX_A,
             coil_standby_n: 0.1,
@@ -59,6 +62,11 @@ const REACH_MM: (f32, f32) = (0.5, 19.0);
 const RATE_MM_S: (f32, f32) = (1.0, 200.0);
 /// Feed-forward of at most 0.5 V/N: a tenth of the largest command for each newton.
 const HOLDS_V_PER_N: (f32, f32) = (0.0, 0.5);
+/// Force that feed-forward holds at most, N: more is no finger that feels, but a sensor that is wrong.
+const HELD_MOST_N: f32 = 6.0;
+/// What the loop may add to a feed-forward at the stop, as a part of it: hosts send 0.7 of what holds a force, and the rest
+/// is the integral's, which decision 11 forbids there for a shaft that no finger drives.
+const UNFED: f32 = 0.5;
 
 impl DisplayConfig {
     /// The same for an actuator; `None` for what lies outside the board's own limits.
@@ -78,6 +86,8 @@ pub struct Display {
     target_mm: f32,
     /// Where the shaft was at the beginning, mm.
     still_mm: f32,
+    /// The target has met what was wanted once.
+    is_home: bool,
     /// What the current at the finger's place is changed by, as a part of it; kept from touch to touch.
     trim: f32,
     /// Most that the material would have borne in this touch, N.
@@ -145,14 +155,15 @@ impl Display {
     ) -> DisplayOutput {
         let asked_mm = wanted.shaft_mm;
         let wanted_mm = limit(asked_mm, 0.0, config.target_max_mm);
-        let displayed = self.target_mm <= config.target_max_mm;
+        let displayed = self.is_home || self.target_mm <= config.near_mm;
         let rate_mm_s = if displayed { config.target_rate_mm_s } else { config.homing_rate_mm_s };
         let step_mm = rate_mm_s * protocol::TICK_S;
         self.target_mm = limit(wanted_mm, self.target_mm - step_mm, self.target_mm + step_mm);
+        self.is_home |= self.target_mm == wanted_mm;
         let error_mm = self.target_mm - input.shaft_mm;
-        let floor_v = if input.shaft_mm <= config.end_zone_mm { 0.0 } else { -pid.u_max_v() };
-        let holds_v = -config.holds_v_per_n * input.force_n;
-        let actuator_v = pid.step_above(&mut self.pid, error_mm, floor_v, holds_v);
+        let held_v = config.holds_v_per_n * limit(input.force_n, 0.0, HELD_MOST_N);
+        let floor_v = if input.shaft_mm <= config.end_zone_mm { -UNFED * held_v } else { -pid.u_max_v() };
+        let actuator_v = pid.step_above(&mut self.pid, error_mm, floor_v, -held_v);
         let allowed_a = config.coil_max_a * allowed_fraction(thermal, input.coil_c);
         let (coil_target_a, shown) = coil(self.trimmed(config, wanted, input, allowed_a), allowed_a);
         let shown = Shown { shaft_limited: asked_mm > config.target_max_mm, ..shown };
@@ -257,6 +268,64 @@ mod tests {
             (step(&taken), step(&DisplayConfig { target_max_mm: 18.0, ..DisplayConfig::default() })),
             (-0.4, 0.0)
         );
+        // a force that no finger makes is held as the largest that one does
+        let wrong = DisplayInput { force_n: 50.0, ..at };
+        let held = Display::at(5.0).step(&taken, &ThermalConfig::default(), &pid, &wanted, &wrong);
+        assert!((held.actuator_v + 0.6).abs() < 1e-6, "{}", held.actuator_v);
+    }
+
+    /// With a finger on it, for two seconds: the command ends at its limit, which is what tells a stall.
+    #[test]
+    fn a_blocked_shaft_is_driven_at_the_limit_with_feed_forward_as_well() {
+        let own = Actuator { reach_mm: 18.0, rate_mm_s: 150.0, holds_v_per_n: 0.3 };
+        let config = DisplayConfig::default().with(&own).unwrap_or_default();
+        let gains = protocol::message::Gains { kp: 0.02, ki: 4.0, kd: 0.0, n: 50.0 };
+        let pid = Pid::build(&gains, protocol::TICK_S, crate::pid::U_MAX_V);
+        let wanted = Wanted { shaft_mm: 3.0, ..Wanted::default() };
+        let blocked = DisplayInput { shaft_mm: 1.0, force_n: 3.0, least_n: 0.2, coil_c: 20.0 };
+        let mut display = Display::at(1.0);
+        let mut last = 0.0;
+        for _ in 0..100 {
+            last = display.step(&config, &ThermalConfig::default(), &pid, &wanted, &blocked).actuator_v;
+        }
+        assert_eq!(last, crate::pid::U_MAX_V);
+    }
+
+    /// At its stop a coil that a finger pushes is held there, and no chatter begins; a spindle gets no command into it.
+    #[test]
+    fn at_the_stop_a_finger_is_held_by_feed_forward_and_integral() {
+        let own = Actuator { reach_mm: 18.0, rate_mm_s: 150.0, holds_v_per_n: 0.0875 };
+        let coil = DisplayConfig::default().with(&own).unwrap_or_default();
+        let gains = protocol::message::Gains { kp: 0.02, ki: 4.9, kd: 0.0, n: 50.0 };
+        let pid = Pid::build(&gains, protocol::TICK_S, crate::pid::U_MAX_V);
+        let wanted = Wanted::default();
+        let mut display = Display::default();
+        // 4 mm/V, driven back by 0.5 mm/N, at rest within a tick
+        let mut shaft_mm = 0.0;
+        let mut place = [0.0; 100];
+        for at in &mut place {
+            let input = DisplayInput { shaft_mm, force_n: 5.0, least_n: 0.2, coil_c: 20.0 };
+            let v = display.step(&coil, &ThermalConfig::default(), &pid, &wanted, &input).actuator_v;
+            shaft_mm = limit(4.0 * v + 2.5, 0.0, 20.0);
+            *at = shaft_mm;
+        }
+        assert!(place[50..].iter().all(|mm| *mm < 0.05), "{:?}", &place[90..]);
+    }
+
+    /// From far out the way home is slow whatever the reach, and fast once it is home.
+    #[test]
+    fn a_far_shaft_comes_home_slowly_with_the_whole_stroke_as_well() {
+        let own = Actuator { reach_mm: 19.0, rate_mm_s: 200.0, holds_v_per_n: 0.0 };
+        let config = DisplayConfig::default().with(&own).unwrap_or_default();
+        let pid = Pid::build(&crate::pid::DEFAULT_GAINS, protocol::TICK_S, crate::pid::U_MAX_V);
+        let input = DisplayInput { shaft_mm: 15.0, force_n: 0.0, least_n: 0.2, coil_c: 20.0 };
+        let mut display = Display::at(15.0);
+        let mut target = |mm| {
+            let wanted = Wanted { shaft_mm: mm, ..Wanted::default() };
+            display.step(&config, &ThermalConfig::default(), &pid, &wanted, &input).target_mm
+        };
+        assert!((target(14.8) - 14.9).abs() < 1e-6 && (target(14.8) - 14.8).abs() < 1e-6);
+        assert!((target(10.0) - 10.8).abs() < 1e-5, "home: 200 mm/s");
     }
 
     #[test]

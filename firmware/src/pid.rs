@@ -4,7 +4,7 @@
 //! (immutable), and [`PidState`], which is an argument. Discretisation: backward Euler for integral and derivative
 //! filter, so a gain that is stable in continuous time cannot make the filter itself unstable.
 
-use crate::number::limit;
+use crate::number::{larger, limit};
 use protocol::message::Gains;
 
 /// Gains for the plant `86 / (s^2 + 23.4 s + 86)` (thesis Eqs. 55-56) sampled at 50 Hz with a hold and one tick of delay.
@@ -82,7 +82,8 @@ impl Pid {
 
     /// The same with an integral of at least `floor_v`, for a plant that stands at an end stop: there the
     /// loop is open, an integral only grows, and what it has grown by delays the next motion. `beside_v` is a command that
-    /// is known without the error (feed-forward), V: it counts in the limit and in nothing else.
+    /// is known without the error (feed-forward), V. The integral may make up for it, so that a blocked shaft is driven
+    /// at the limit with a feed-forward as well.
     pub fn step_above(&self, state: &mut PidState, error_mm: f32, floor_v: f32, beside_v: f32) -> f32 {
         state.derivative_v = self.pole * state.derivative_v + self.derivative * (error_mm - state.previous_mm);
         state.previous_mm = error_mm;
@@ -96,7 +97,7 @@ impl Pid {
         } else {
             grown_v
         };
-        state.integral_v = limit(integral_v, floor_v, self.u_max_v);
+        state.integral_v = limit(integral_v, floor_v, self.u_max_v + larger(-beside_v, 0.0));
         limit(others_v + state.integral_v, -self.u_max_v, self.u_max_v)
     }
 }

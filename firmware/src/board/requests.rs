@@ -155,9 +155,6 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         self.must_not_be_held_from(link)?;
         self.outputs_must_be_off()?;
         self.config.display = self.config.display.with(actuator).ok_or(Refusal::OutOfRange)?;
-        // what a reading that is late may have missed is as fast as the shaft
-        let slew_mm_s = &mut self.config.safety.shaft_slew_mm_per_s;
-        *slew_mm_s = crate::number::larger(*slew_mm_s, actuator.rate_mm_s);
         Ok(Answer::Accepted)
     }
 

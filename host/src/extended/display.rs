@@ -218,7 +218,7 @@ impl Gain {
 }
 
 /// With the values of the fit, which is what predicts and what the printed gain is of. An evidence allows for discrepancies that
-/// a prediction has not; its intervals hold the fit's values here (`docs/decisions/0002-plain-fits.md`).
+/// a prediction has not; its intervals hold the fit's values here.
 fn of_channel(found: &ChannelDiagnosis) -> Option<ChannelModel> {
     let best = found.evidence.as_deref()?.held.first()?;
     let known = |effect: Option<usize>| -> Vec<Known> {

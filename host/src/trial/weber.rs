@@ -362,16 +362,11 @@ mod tests {
     #[test]
     fn a_stated_weber_fraction_is_recovered() {
         let mut random = Pcg64Mcg::seed_from_u64(2026);
-        let cases: [(&[f64], f64, u32); 4] = [
-            (&[1.0, 1.3], 0.15, 60),
-            (&[1.0, 1.5], 0.25, 40),
-            (&[1.0, 1.4, 1.9], 0.3, 30),
-            (&[1.0, 1.25, 1.6], 0.15, 25),
-        ];
+        let cases: [(&[f64], f64, u32); 2] = [(&[1.0, 1.3], 0.15, 60), (&[1.0, 1.4, 1.9], 0.3, 30)];
         for (stiffness, weber, repeats) in cases {
             let mut inside = 0;
             let mut found = Vec::new();
-            let subjects = if stiffness.len() == 2 { 120 } else { 40 };
+            let subjects = if stiffness.len() == 2 { 300 } else { 100 };
             for _ in 0..subjects {
                 let one =
                     estimate(&subject(&mut random, stiffness, weber, repeats), stiffness, References::Touched).unwrap();

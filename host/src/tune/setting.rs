@@ -12,6 +12,8 @@ use crate::actuator::Actuator;
 const HELD: f64 = 0.9;
 /// Farthest target that a board takes, mm: a stroke of 20 mm (thesis section 5.1.1) less what an overshoot needs.
 const FARTHEST_MM: f64 = 19.0;
+/// The nearest farthest target that a board takes, mm.
+const NEAREST_MM: f64 = 0.5;
 /// Fastest targets, mm/s, that a board takes.
 const RATES_MM_S: (f64, f64) = (1.0, 200.0);
 /// Part of a force that feed-forward holds: a force that is read too large would otherwise push the finger back.
@@ -20,8 +22,13 @@ const FED: f64 = 0.7;
 const FED_MOST_V_N: f64 = 0.5;
 /// Largest peak sensitivity: a finger on the cap is part of the loop that nobody knows.
 const SENSITIVITY: f64 = 1.6;
-/// Limit of the command in the search, part of the driver's.
+/// Limit of the command in the search, part of the largest.
 const COMMAND: f64 = 0.92;
+
+/// Largest command, V: the driver's, or the board's if that is less.
+fn most_v(actuator: &Actuator) -> f64 {
+    actuator.command_limit_v.min(f64::from(firmware::pid::U_MAX_V))
+}
 
 /// Gains and actuator as a board takes them.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,14 +39,41 @@ pub struct Setting {
     pub actuator: Sent,
 }
 
+/// Why a board cannot be set for an actuator.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum Unsettable {
+    /// No gains.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Gains(#[from] TuneError),
+    /// It moves too little.
+    #[error(
+        "the largest command of {command_v} V holds the shaft at {reach_mm:.2} mm; expected {NEAREST_MM} mm or more, which a board takes"
+    )]
+    Short {
+        /// Where 90 % of the largest command hold the shaft, mm.
+        reach_mm: f64,
+        /// That command, V.
+        command_v: f64,
+    },
+}
+
 impl Setting {
     /// For an actuator, with gains that are searched unless they are given.
     ///
     /// # Errors
-    /// As [`tune`].
-    pub fn of(actuator: &Actuator, gains: Option<SentGains>) -> Result<Self, TuneError> {
-        let gains = gains.map_or_else(|| Ok(tune(&asked(actuator))?.gains.sent()), Ok)?;
-        Ok(Self { gains, actuator: sent(actuator) })
+    /// As [`tune`], and an actuator whose reach is below what a board takes.
+    pub fn of(actuator: &Actuator, gains: Option<SentGains>) -> Result<Self, Unsettable> {
+        let own = sent(actuator);
+        let reach_mm = f64::from(own.reach_mm);
+        if reach_mm < NEAREST_MM {
+            return Err(Unsettable::Short { reach_mm, command_v: most_v(actuator) });
+        }
+        let gains = match gains {
+            Some(gains) => gains,
+            None => tune(&asked(actuator))?.gains.sent(),
+        };
+        Ok(Self { gains, actuator: own })
     }
 }
 
@@ -55,7 +89,7 @@ fn asked(actuator: &Actuator) -> Asked {
             windup: Windup::Board,
         }),
         limits: Limits {
-            command_v: COMMAND * actuator.command_limit_v,
+            command_v: COMMAND * most_v(actuator),
             overshoot: 0.05,
             undershoot: 0.05,
             sensitivity: Some(SENSITIVITY),
@@ -69,11 +103,11 @@ fn asked(actuator: &Actuator) -> Asked {
 }
 
 /// What the actuator can do, within what a board takes.
-pub fn sent(actuator: &Actuator) -> Sent {
+fn sent(actuator: &Actuator) -> Sent {
     let plant = actuator.plant();
     // a plant with a pole at 0 goes on as long as its command lasts
     let at_rest = plant.numerator.at(0) / plant.denominator.at(0);
-    let reach_mm = (HELD * actuator.command_limit_v * at_rest.abs()).min(FARTHEST_MM);
+    let reach_mm = (HELD * most_v(actuator) * at_rest.abs()).min(FARTHEST_MM);
     let usual = f64::from(firmware::display::DisplayConfig::default().target_rate_mm_s);
     let rate_mm_s = actuator.rate_limit_mm_per_s.map_or(usual, |known| known.value);
     let back_v_n = if at_rest.is_finite() && at_rest > 0.0 { actuator.back_mm_per_n.value / at_rest } else { 0.0 };
@@ -106,6 +140,21 @@ mod tests {
         let setting = Setting::of(&coil, None).unwrap();
         assert!(firmware::display::DisplayConfig::default().with(&setting.actuator).is_some());
         assert!(firmware::pid::gains_are_usable(&setting.gains), "{:?}", setting.gains);
+    }
+
+    #[test]
+    fn an_actuator_that_hardly_moves_is_told() {
+        let exact = |list: &[f64]| list.iter().map(|value| Known::exactly(*value)).collect();
+        let form = Form::Coefficients { numerator: exact(&[8.6]), denominator: exact(&[1.0, 23.4, 86.0]) };
+        let weak = Actuator { form, ..Actuator::thesis() };
+        let told = Setting::of(&weak, Some(firmware::pid::DEFAULT_GAINS)).unwrap_err().to_string();
+        assert!(told.contains("5 V holds the shaft at 0.45 mm; expected 0.5 mm or more"), "{told}");
+    }
+
+    #[test]
+    fn a_board_gives_no_more_than_its_own_largest_command() {
+        let strong = Actuator { command_limit_v: 24.0, ..Actuator::thesis() };
+        assert_eq!(sent(&strong), sent(&Actuator::thesis()));
     }
 
     #[test]

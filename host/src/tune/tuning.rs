@@ -137,13 +137,14 @@ fn space(scale: f64, asked: &Asked) -> Space {
     Space { command, integral: command / scale, corner: ((0.3 / scale).min(0.1 * high), high), most }
 }
 
-/// A proportional gain that the loop hardly bears, V/mm: some times what makes a plant of first order with these delays
+/// A proportional gain that the loop hardly bears, V/mm: some times what makes a plant of second order with these delays
 /// swing. A plant that is fast beside a tick has gains far below its limit of command.
 fn bearable(asked: &Asked) -> f64 {
     const SOME: f64 = 3.0;
     let plant = &asked.uncertain.plant;
     let late_s = plant.delay_s + asked.way.late_s();
-    SOME * (plant.denominator.at(0) + plant.denominator.at(1) / late_s) / plant.numerator.at(0).abs()
+    let [a, b, c] = [0, 1, 2].map(|power| plant.denominator.at(power));
+    SOME * (a + b / late_s + c / (late_s * late_s)) / plant.numerator.at(0).abs()
 }
 
 fn starts(scale: f64, asked: &Asked) -> Vec<Gains> {

@@ -9,11 +9,13 @@ use protocol::lut::Table;
 
 use super::{Arguments, DisplayWord, materials, setting};
 use crate::cli::answer::entered;
+use crate::cli::tune;
 use crate::control::ControlCurve;
 use crate::feel::{Display, Felt, OnBoard, Pace, Unfelt, on_board};
 use crate::log::library_names;
 use crate::session::{Patience, Session};
 use crate::signals;
+use crate::tune::setting::Setting;
 
 /// Asks for every press, and records it.
 ///
@@ -42,18 +44,19 @@ pub(super) fn felt(arguments: &Arguments) -> miette::Result<Vec<Felt>> {
     })?;
     let bytes = read(path)?;
     let table = Table::parse(&bytes).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
+    let set = setting(arguments)?;
     let wanted = on_table(&table, materials(&arguments.materials)?)?;
     let link = crate::link::open(&arguments.board).into_diagnostic()?;
     let (mut session, _) = Session::open(link, Patience::default()).into_diagnostic()?;
     if session.status().into_diagnostic()?.table_hash != table.hash() {
         return Err(miette!("the board has another table than {}", path.display()));
     }
-    let (gains, actuator) = setting(arguments)?;
-    if let Some(gains) = gains {
-        session.set_gains(gains).into_diagnostic()?;
-    }
-    if let Some(actuator) = actuator {
-        session.set_actuator(actuator).into_diagnostic()?;
+    match set {
+        (Some(gains), Some(actuator)) => {
+            errln!("the board is set: {}", tune::set(&mut session, Setting { gains, actuator })?);
+        }
+        (Some(gains), None) => session.set_gains(gains).into_diagnostic()?,
+        (None, _) => {}
     }
     let (felt, ended) = on_board(&mut session, (&wanted, display), &stop, &mut ready);
     match ended {

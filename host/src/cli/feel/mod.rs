@@ -67,7 +67,7 @@ pub struct Arguments {
     /// Folder for the page, its pictures and the samples
     #[arg(long, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     out: PathBuf,
-    /// Copy the frozen constants to this new file, to change them, and press nothing
+    /// Copy the constants of --plant (frozen or voice-coil) to this new file, to change them, and press nothing
     #[arg(long, value_name = "FILE")]
     copy: Option<PathBuf>,
     /// Print one JSON object on standard output
@@ -93,7 +93,7 @@ enum DisplayWord {
 /// A file with a mistake, a magnet that shows none of the materials, a file that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(copy) = &arguments.copy {
-        return super::file::copy(copy, Constants::FROZEN);
+        return super::file::copy(copy, copied(&arguments.plant)?);
     }
     if arguments.board != Address::Simulated {
         let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
@@ -178,13 +178,30 @@ fn displays(arguments: &Arguments) -> &'static [Display] {
     }
 }
 
+/// The constants that come with the program under a name.
+fn copied(plant: &str) -> miette::Result<&'static str> {
+    match plant {
+        "frozen" => Ok(Constants::FROZEN),
+        "voice-coil" => Ok(Constants::VOICE_COIL),
+        _ => Err(miette!(
+            "--copy with --plant {plant}; expected frozen or voice-coil, whose files come with the program"
+        )),
+    }
+}
+
 /// What the board is set to: gains, and what it is told of its actuator.
 fn setting(arguments: &Arguments) -> miette::Result<(Option<Gains>, Option<Actuator>)> {
     let gains = gains(&arguments.gains);
-    let has_coil = ["voice-coil", "drawn-voice-coil:"].iter().any(|word| arguments.plant.starts_with(word));
+    let has_coil = arguments.plant == "voice-coil" || arguments.plant.starts_with("drawn-voice-coil:");
     let word = arguments.actuator.clone().or_else(|| has_coil.then(|| PathBuf::from("voice-coil")));
     let Some(word) = word else { return Ok((gains, None)) };
-    let setting = Setting::of(&Identified::named(&word)?, gains)?;
+    let setting = Setting::of(&Identified::named(&word)?, gains).map_err(|error| {
+        miette!(
+            help = "`palpate tune --actuator FILE` finds gains under other limits; give them with --gains KP,KI,KD,N",
+            "no gains for the actuator {}: {error}",
+            word.display()
+        )
+    })?;
     Ok((Some(setting.gains), Some(setting.actuator)))
 }
 
@@ -301,6 +318,7 @@ mod tests {
                 "--plant is drawn-voice-coil:x; expected drawn-voice-coil: with a whole number",
             ),
             ("EVA --actuator x.toml", "x.toml"),
+            ("--copy x.toml --plant drawn:1", "--copy with --plant drawn:1; expected frozen or voice-coil"),
             ("EVA --display actuator --model m.toml", "--model is m.toml: the magnet of a model changes nothing of"),
             ("EVA --plant drawn:x", "--plant is drawn:x; expected drawn: with a whole number"),
         ] {

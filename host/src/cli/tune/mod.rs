@@ -14,13 +14,14 @@ use crate::actuator::flaws::Flaws;
 use crate::actuator::plant::Plant;
 use crate::actuator::uncertain::Uncertain;
 use crate::actuator::{Actuator, Form, Known};
-use crate::link::Address;
+use crate::link::{Address, Link};
 use crate::session::{Patience, Session, SessionError};
 use crate::tune::limits::{Limits, Rule};
 use crate::tune::sampled::Sampling;
+use crate::tune::setting::Setting;
 use crate::tune::study::Study;
 use crate::tune::windup::Windup;
-use crate::tune::{Asked, Gains, Way, setting};
+use crate::tune::{Asked, Gains, Way};
 
 /// Folder of files where none is asked for.
 const DEFAULT_FOLDER: &str = "out/tune";
@@ -277,20 +278,26 @@ fn send(arguments: &Arguments, actuator: &Actuator, gains: &Gains) -> miette::Re
     if !firmware::pid::gains_are_usable(&sent) {
         return Err(miette!("the board would refuse these gains: {sent:?}"));
     }
+    let setting = Setting::of(actuator, Some(sent))?;
     let link = crate::link::open(&arguments.board).into_diagnostic()?;
     let (mut session, hello) = Session::open(link, Patience::default()).into_diagnostic()?;
-    session.set_gains(sent).into_diagnostic()?;
-    let own = setting::sent(actuator);
-    let reach = format!("targets to {:.1} mm at {:.0} mm/s", own.reach_mm, own.rate_mm_s);
-    let taken = match session.set_actuator(own) {
+    let taken = set(&mut session, setting)?;
+    let version = crate::session::commit_text(&hello.build);
+    Ok(format!("to the board at {} (firmware {version}), until its next reset; {taken}", arguments.board))
+}
+
+/// Sets a board for an actuator, and says what it took: the actuator first, so that one that is refused leaves the gains.
+pub(super) fn set<L: Link>(session: &mut Session<L>, setting: Setting) -> miette::Result<String> {
+    let reach = format!("targets to {:.1} mm at {:.0} mm/s", setting.actuator.reach_mm, setting.actuator.rate_mm_s);
+    let taken = match session.set_actuator(setting.actuator) {
         Ok(()) => reach,
         Err(SessionError::Refused { reason: Refusal::Unknown, .. }) => {
-            "gains alone: its firmware is older than settings of an actuator".to_owned()
+            "gains alone, for its firmware is older than settings of an actuator".to_owned()
         }
         Err(error) => return Err(error).into_diagnostic(),
     };
-    let version = crate::session::commit_text(&hello.build);
-    Ok(format!("to the board at {} (firmware {version}), until its next reset; {taken}", arguments.board))
+    session.set_gains(setting.gains).into_diagnostic()?;
+    Ok(taken)
 }
 
 #[cfg(test)]

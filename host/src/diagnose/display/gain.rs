@@ -13,7 +13,7 @@ pub struct Gain {
     /// The same with the effects.
     pub after: f64,
     /// The part of the error that is gone, with 95 % certainty, from what runs of a command differ by. From minus infinity
-    /// where no command is given twice.
+    /// where they do not differ at all.
     pub part95: (f64, f64),
 }
 
@@ -31,12 +31,14 @@ pub(super) struct Missed {
 }
 
 impl Gain {
-    /// Over runs; `None` where the base misses nothing.
+    /// Over runs of commands that were given twice or more; `None` where there is none, or the base misses nothing.
     ///
     /// A run's gain, zero and time are its own, so runs scatter, and their samples do not add up to more. To first order the
     /// logarithm of the ratio of both sums varies by what `after / sum - before / sum` of a command's runs varies by. Degrees
     /// of freedom are Satterthwaite's: of few runs of one large command there are few.
     pub(super) fn of(runs: &[Missed]) -> Option<Self> {
+        let is_repeated = |run: &&Missed| runs.iter().filter(|other| other.command == run.command).count() > 1;
+        let runs: Vec<Missed> = runs.iter().filter(is_repeated).copied().collect();
         let sum = |of: fn(&Missed) -> f64| runs.iter().map(of).sum::<f64>();
         let (count, before, after) = (sum(|r| r.count), sum(|r| r.before), sum(|r| r.after));
         if !(count > 0.0 && before > 0.0 && after > 0.0) {
@@ -47,7 +49,7 @@ impl Gain {
         for command in 0..commands {
             let own = runs.iter().filter(|run| run.command == command);
             let moves: Vec<f64> = own.map(|run| run.after / after - run.before / before).collect();
-            if moves.len() > 1 {
+            if !moves.is_empty() {
                 let (n, mean) = (moves.len() as f64, moves.iter().sum::<f64>() / moves.len() as f64);
                 let own = n * moves.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0);
                 variance += own;
@@ -109,11 +111,15 @@ mod tests {
     }
 
     #[test]
-    fn runs_that_stand_alone_tell_no_interval_and_no_runs_no_gain() {
+    fn runs_that_do_not_differ_tell_no_interval_and_a_run_alone_no_gain() {
         let one = Missed { command: 0, before: 4.0, after: 1.0, count: 1.0 };
-        let gain = Gain::of(&[one, Missed { command: 1, ..one }]).unwrap();
+        let gain = Gain::of(&[one, one]).unwrap();
         assert_eq!((gain.before, gain.after, gain.part()), (2.0, 1.0, 0.5));
         assert_eq!(gain.part95, (f64::NEG_INFINITY, 1.0));
+        // a large command that was given once counts in nothing
+        let large = Missed { command: 1, before: 400.0, after: 400.0, count: 1.0 };
+        assert_eq!(Gain::of(&[one, large, one]), Some(gain));
+        assert_eq!(Gain::of(&[one, Missed { command: 1, ..one }]), None);
         assert_eq!(Gain::of(&[]), None);
     }
 }

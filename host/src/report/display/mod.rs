@@ -105,7 +105,7 @@ fn gained(gain: &Gain) -> String {
         (low, high) if low.is_finite() => {
             format!("{part} of the error is gone (95 %: {} to {}).", percent(low), percent(high))
         }
-        _ => format!("{part} of the error is gone; no command is given twice, so nothing tells how sure that is."),
+        _ => format!("{part} of the error is gone; repeats do not differ, so nothing tells how sure that is."),
     }
 }
 
