@@ -57,11 +57,11 @@ impl Default for DisplayConfig {
 }
 
 /// What is taken of an actuator: targets of 0.5 to 19 mm, of a stroke of 20 mm (thesis section 5.1.1).
-const REACH_MM: (f32, f32) = (0.5, 19.0);
+pub const REACH_MM: (f32, f32) = (0.5, 19.0);
 /// Changes of 1 to 200 mm/s: ten times what the thesis' actuator makes.
-const RATE_MM_S: (f32, f32) = (1.0, 200.0);
+pub const RATE_MM_S: (f32, f32) = (1.0, 200.0);
 /// Feed-forward of at most 0.5 V/N: a tenth of the largest command for each newton.
-const HOLDS_V_PER_N: (f32, f32) = (0.0, 0.5);
+pub const HOLDS_V_PER_N: (f32, f32) = (0.0, 0.5);
 /// Force that feed-forward holds at most, N: more is no finger that feels, but a sensor that is wrong.
 const HELD_MOST_N: f32 = 6.0;
 /// What the loop may add to a feed-forward at the stop, as a part of it: hosts send 0.7 of what holds a force, and the rest

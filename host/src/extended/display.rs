@@ -16,7 +16,6 @@ use crate::diagnose::display::design::{Design, Explained, Series, Unusable};
 use crate::diagnose::display::effect::{self, Effect};
 use crate::diagnose::display::fit::Problem;
 use crate::diagnose::display::law::{Law, Setting};
-use crate::diagnose::display::whiten::Whitening;
 use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, answered};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{Experiment, ExperimentError, Problem as Mistake};
@@ -170,8 +169,7 @@ impl DisplayModel {
                 Err(Unusable::Absent) => continue,
                 other => other?,
             };
-            let used = vec![true; design.series.len()];
-            let plain = Problem { design: &design, whitening: Whitening::none(design.samples()), used };
+            let plain = Problem::unweighted(&design);
             let samples = design.series.iter().flat_map(|s| &s.compared).filter(|c| **c).count();
             let rms = |square: f64| (square / samples.max(1) as f64).sqrt();
             let law = one.law();
@@ -181,9 +179,7 @@ impl DisplayModel {
         }
         Ok(found)
     }
-}
 
-impl DisplayModel {
     /// What the flux of an experiment is compared at: the current as this model, or the base, explains it.
     #[must_use]
     pub fn explained(&self, experiment: &Experiment, of: Channel) -> Explained {

@@ -1,25 +1,17 @@
 //! What a board is set to for an actuator: gains of its position loop, farthest and fastest target, feed-forward of the force.
 
+use firmware::display::{DisplayConfig, HOLDS_V_PER_N, RATE_MM_S, REACH_MM};
 use protocol::message::{Actuator as Sent, Gains as SentGains};
 
 use super::limits::{Limits, Rule};
 use super::sampled::Sampling;
-use super::windup::Windup;
 use super::{Asked, TuneError, Way, tune};
 use crate::actuator::Actuator;
 
 /// Part of the largest command that holds the farthest target: the rest is left to the loop.
 const HELD: f64 = 0.9;
-/// Farthest target that a board takes, mm: a stroke of 20 mm (thesis section 5.1.1) less what an overshoot needs.
-const FARTHEST_MM: f64 = 19.0;
-/// The nearest farthest target that a board takes, mm.
-const NEAREST_MM: f64 = 0.5;
-/// Fastest targets, mm/s, that a board takes.
-const RATES_MM_S: (f64, f64) = (1.0, 200.0);
 /// Part of a force that feed-forward holds: a force that is read too large would otherwise push the finger back.
 const FED: f64 = 0.7;
-/// Largest feed-forward that a board takes, V/N.
-const FED_MOST_V_N: f64 = 0.5;
 /// Largest peak sensitivity: a finger on the cap is part of the loop that nobody knows.
 const SENSITIVITY: f64 = 1.6;
 /// Limit of the command in the search, part of the largest.
@@ -48,7 +40,8 @@ pub enum Unsettable {
     Gains(#[from] TuneError),
     /// It moves too little.
     #[error(
-        "the largest command of {command_v} V holds the shaft at {reach_mm:.2} mm; expected {NEAREST_MM} mm or more, which a board takes"
+        "the largest command of {command_v} V holds the shaft at {reach_mm:.2} mm; expected {least_mm} mm or more, which a board takes",
+        least_mm = REACH_MM.0
     )]
     Short {
         /// Where 90 % of the largest command hold the shaft, mm.
@@ -65,9 +58,8 @@ impl Setting {
     /// As [`tune`], and an actuator whose reach is below what a board takes.
     pub fn of(actuator: &Actuator, gains: Option<SentGains>) -> Result<Self, Unsettable> {
         let own = sent(actuator);
-        let reach_mm = f64::from(own.reach_mm);
-        if reach_mm < NEAREST_MM {
-            return Err(Unsettable::Short { reach_mm, command_v: most_v(actuator) });
+        if own.reach_mm < REACH_MM.0 {
+            return Err(Unsettable::Short { reach_mm: own.reach_mm.into(), command_v: most_v(actuator) });
         }
         let gains = match gains {
             Some(gains) => gains,
@@ -82,21 +74,8 @@ fn asked(actuator: &Actuator) -> Asked {
     Asked {
         uncertain: actuator.uncertain(0.1),
         flaws: actuator.flaws(),
-        way: Way::Sampled(Sampling {
-            tick_s: f64::from(protocol::TICK_S),
-            ticks_late: 1,
-            limit_v: None,
-            windup: Windup::Board,
-        }),
-        limits: Limits {
-            command_v: COMMAND * most_v(actuator),
-            overshoot: 0.05,
-            undershoot: 0.05,
-            sensitivity: Some(SENSITIVITY),
-            phase_deg: None,
-            step_mm: 1.0,
-            cut: false,
-        },
+        way: Way::Sampled(Sampling::board(1)),
+        limits: Limits { command_v: COMMAND * most_v(actuator), sensitivity: Some(SENSITIVITY), ..Limits::default() },
         rule: Rule::Text,
         robust: false,
     }
@@ -107,14 +86,14 @@ fn sent(actuator: &Actuator) -> Sent {
     let plant = actuator.plant();
     // a plant with a pole at 0 goes on as long as its command lasts
     let at_rest = plant.numerator.at(0) / plant.denominator.at(0);
-    let reach_mm = (HELD * most_v(actuator) * at_rest.abs()).min(FARTHEST_MM);
-    let usual = f64::from(firmware::display::DisplayConfig::default().target_rate_mm_s);
+    let reach_mm = (HELD * most_v(actuator) * at_rest.abs()).min(f64::from(REACH_MM.1));
+    let usual = f64::from(DisplayConfig::default().target_rate_mm_s);
     let rate_mm_s = actuator.rate_limit_mm_per_s.map_or(usual, |known| known.value);
     let back_v_n = if at_rest.is_finite() && at_rest > 0.0 { actuator.back_mm_per_n.value / at_rest } else { 0.0 };
     Sent {
         reach_mm: reach_mm as f32,
-        rate_mm_s: rate_mm_s.clamp(RATES_MM_S.0, RATES_MM_S.1) as f32,
-        holds_v_per_n: (FED * back_v_n).min(FED_MOST_V_N) as f32,
+        rate_mm_s: (rate_mm_s as f32).clamp(RATE_MM_S.0, RATE_MM_S.1),
+        holds_v_per_n: ((FED * back_v_n) as f32).min(HOLDS_V_PER_N.1),
     }
 }
 
@@ -126,7 +105,7 @@ mod tests {
 
     #[test]
     fn the_thesis_actuator_reaches_as_far_as_a_board_that_nobody_told() {
-        let usual = firmware::display::DisplayConfig::default();
+        let usual = DisplayConfig::default();
         let thesis = sent(&Actuator::thesis());
         assert_eq!(usual.with(&thesis), Some(usual));
     }
@@ -138,7 +117,7 @@ mod tests {
         assert_eq!((own.reach_mm, own.rate_mm_s), (18.0, 200.0));
         assert!((own.holds_v_per_n - 0.0875).abs() < 1e-6, "{}", own.holds_v_per_n);
         let setting = Setting::of(&coil, None).unwrap();
-        assert!(firmware::display::DisplayConfig::default().with(&setting.actuator).is_some());
+        assert!(DisplayConfig::default().with(&setting.actuator).is_some());
         assert!(firmware::pid::gains_are_usable(&setting.gains), "{:?}", setting.gains);
     }
 

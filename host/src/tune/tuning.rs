@@ -128,7 +128,7 @@ fn time_scale(plant: &Plant, asked: &Asked) -> f64 {
 
 /// Where gains are looked for.
 fn space(scale: f64, asked: &Asked) -> Space {
-    let command = (asked.limits.command_v / asked.limits.step_mm).min(bearable(asked));
+    let command = proportional(asked);
     let most = match asked.way {
         Way::Continuous => Gains { kp: f64::INFINITY, ki: f64::INFINITY, kd: f64::INFINITY, n: 3000.0 / scale },
         Way::Sampled(_) => Gains::from(firmware::pid::GAIN_CEILING),
@@ -137,18 +137,19 @@ fn space(scale: f64, asked: &Asked) -> Space {
     Space { command, integral: command / scale, corner: ((0.3 / scale).min(0.1 * high), high), most }
 }
 
-/// A proportional gain that the loop hardly bears, V/mm: some times what makes a plant of second order with these delays
-/// swing. A plant that is fast beside a tick has gains far below its limit of command.
-fn bearable(asked: &Asked) -> f64 {
+/// Size of the proportional gain, V/mm: what the command's limit allows in a step, or what the loop hardly bears, some times
+/// what makes a plant of second order with these delays swing. A plant that is fast beside a tick bears far less.
+fn proportional(asked: &Asked) -> f64 {
     const SOME: f64 = 3.0;
     let plant = &asked.uncertain.plant;
     let late_s = plant.delay_s + asked.way.late_s();
     let [a, b, c] = [0, 1, 2].map(|power| plant.denominator.at(power));
-    SOME * (a + b / late_s + c / (late_s * late_s)) / plant.numerator.at(0).abs()
+    let bearable = SOME * (a + b / late_s + c / (late_s * late_s)) / plant.numerator.at(0).abs();
+    (asked.limits.command_v / asked.limits.step_mm).min(bearable)
 }
 
 fn starts(scale: f64, asked: &Asked) -> Vec<Gains> {
-    let command = (asked.limits.command_v / asked.limits.step_mm).min(bearable(asked));
+    let command = proportional(asked);
     // That of Appendix E, and one of half the command without a derivative.
     let thesis = Gains { kp: 3.0, ki: 10.0, kd: 0.1, n: 1.0 };
     vec![thesis, Gains { kp: 0.5 * command, ki: 0.5 * command / scale, kd: 0.0, n: 1.0 / scale }]

@@ -4,7 +4,6 @@ use palpate::diagnose::display::ChannelDiagnosis;
 use palpate::diagnose::display::design::Design;
 use palpate::diagnose::display::fit::Problem;
 use palpate::diagnose::display::law::Law;
-use palpate::diagnose::display::whiten::Whitening;
 use palpate::experiment::Experiment;
 use palpate::extended::display::DisplayModel;
 
@@ -40,9 +39,7 @@ impl Gains {
                 let fresh = fresh(case, day);
                 let explained = model.explained(&fresh, channel.channel);
                 let design = Design::of(&fresh, channel.channel, &explained).ok()?;
-                let used = vec![true; design.series.len()];
-                let problem = Problem { design: &design, whitening: Whitening::none(design.samples()), used };
-                Some(problem.plain(law).norm_squared())
+                Some(Problem::unweighted(&design).plain(law).norm_squared())
             });
             each.sum()
         };

@@ -87,7 +87,7 @@ pub(super) fn at(law: &Law, list: &[Coordinate], x: &DVector<f64>) -> Law {
     out
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
     /// Measured less predicted in the channel's unit, 0 where nothing is compared or fitted.
     #[must_use]
     pub fn plain(&self, law: &Law) -> DVector<f64> {
@@ -99,6 +99,12 @@ impl Problem<'_> {
             }
         }
         out
+    }
+
+    /// All runs of a design, every sample alike: errors in the channel's unit.
+    #[must_use]
+    pub fn unweighted(design: &'a Design) -> Self {
+        Self { design, whitening: Whitening::none(design.samples()), used: vec![true; design.series.len()] }
     }
 
     /// The same data of which some runs count only.

@@ -8,7 +8,6 @@ use super::effect::{CATALOGUE, Effect, Quantity};
 use super::fit::{self, Fit, Problem};
 use super::law::{self, Law, Setting};
 use super::noise::Noise;
-use super::whiten::Whitening;
 use crate::infer::evidence::Parameter;
 use crate::infer::presence;
 use crate::infer::sets::{Forward, Misfits};
@@ -166,8 +165,7 @@ fn plainly(problem: &Problem<'_>, shown: &Law, beside: &DVector<f64>, from: &Law
         at += series.output.len();
         series.output = shown.predict(series).iter().zip(more.iter()).map(|(y, more)| y + more).collect();
     }
-    let whitening = Whitening::none(design.samples());
-    let plain = Problem { design: &design, whitening, used: problem.used.clone() };
+    let plain = Problem { used: problem.used.clone(), ..Problem::unweighted(&design) };
     let fit = plain.fit_base(from);
     let compared = design.series.iter().zip(&plain.used).filter(|(_, used)| **used);
     let count: usize = compared.map(|(s, _)| s.compared.iter().filter(|c| **c).count()).sum();

@@ -1,5 +1,6 @@
 //! Error on commands that no fit has seen, with the base law and with what was found.
 
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::design::{Design, Series};
@@ -97,16 +98,12 @@ fn repeated(search: &Search<'_>, held: &[Weighed]) -> Option<Gain> {
     let missed = |n: usize| {
         let is_one = |s: usize, _: usize| before[s] == n && !design.series[s].hold_out;
         let (base, best) = predicted(search, held, &is_one);
+        let [before, after] = [&base, &best].map(|fit| search.problem.plain(&fit.law));
         let run = |s: usize| {
-            let shown = shown(design, &|r, k| r == s && is_one(r, k));
-            let own = only(search, &shown);
-            let (before, after) = (miss(&own, &base), miss(&own, &best));
-            Missed {
-                command: design.series[s].condition,
-                before: before.square,
-                after: after.square,
-                count: after.count,
-            }
+            let series = &design.series[s];
+            let square = |left: &DVector<f64>| left.rows(design.first(s), series.time_s.len()).norm_squared();
+            let count = series.compared.iter().filter(|compared| **compared).count();
+            Missed { command: series.condition, before: square(&before), after: square(&after), count: count as f64 }
         };
         (0..design.series.len()).filter(|s| is_one(*s, 0)).map(run).collect::<Vec<_>>()
     };

@@ -154,8 +154,12 @@ pub fn diagnose(experiment: &Experiment, progress: &super::Progress<'_>) -> Opti
 fn explained(channels: &[ChannelDiagnosis]) -> Explained {
     let current = channels.iter().find(|c| c.channel == Channel::Current && c.verdict != Verdict::Unknown);
     let Some(evidence) = current.and_then(|c| c.evidence.as_deref()) else { return Explained::new() };
-    let law = &evidence.held.first().unwrap_or(&evidence.base).fit.law;
-    evidence.design.series.iter().map(|series| (series.file.clone(), law.answered_a(series))).collect()
+    by(&evidence.design, &evidence.held.first().unwrap_or(&evidence.base).fit.law)
+}
+
+/// What the fluid has answered of the current of every run, by a law.
+fn by(current: &Design, law: &Law) -> Explained {
+    current.series.iter().map(|series| (series.file.clone(), law.answered_a(series))).collect()
 }
 
 /// The coil's current of an experiment as a law explains it and the fluid has answered it; without a law, as the base does that
@@ -165,10 +169,10 @@ fn explained(channels: &[ChannelDiagnosis]) -> Explained {
 #[must_use]
 pub fn answered(experiment: &Experiment, law: Option<&Law>) -> Explained {
     let Ok(design) = Design::of(experiment, Channel::Current, &Explained::new()) else { return Explained::new() };
-    let used = vec![true; design.series.len()];
-    let plain = Problem { design: &design, whitening: Whitening::none(design.samples()), used };
-    let law = law.cloned().unwrap_or_else(|| plain.fit(&Law::nominal(Channel::Current)).law);
-    design.series.iter().map(|series| (series.file.clone(), law.answered_a(series))).collect()
+    match law {
+        Some(law) => by(&design, law),
+        None => by(&design, &Problem::unweighted(&design).fit(&Law::nominal(Channel::Current)).law),
+    }
 }
 
 fn empty(channel: Channel, verdict: Verdict) -> ChannelDiagnosis {
