@@ -125,9 +125,42 @@ fn curves_for_a_diagnosed_magnet_gain_what_is_felt() {
     assert!(after > 0.92 && after > before + 0.1, "{before} {after}");
     let page = std::fs::read_to_string(folder.path().join("out/feel/feel.html")).unwrap();
     assert!(page.contains("What curves for the model gain"));
-    // a model without a magnet
+    // a model of a fluid that bears less, and none of magnet and fluid
+    let fluid = "[channel.fluid]\nyield_ratio = 0.7\nstiffness_ratio = 1\nsize_ratio = 1\ntouch_mm = 0\nzero_N = 0\n";
+    std::fs::write(&model, fluid).unwrap();
+    let told: Value = serde_json::from_slice(&run(&["--model", "display.toml", "--json"]).stdout).unwrap();
+    let [before, after] = ["before", "felt"].map(|key| slow(&told[key][0], "fluid", "agreement"));
+    assert!(after > 0.92 && after > before, "{before} {after}");
     std::fs::write(&model, "[channel.current]\ngain = 1\nzero_A = 0\n").unwrap();
     let output = run(&["--model", "display.toml"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("[channel.flux]"));
+}
+
+/// Presses in the closed loop: instruments beside the display tell what its plant's file hides of pulp and sensor.
+#[test]
+fn recorded_presses_tell_of_pulp_and_sensor() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_palpate")).current_dir(folder.path()).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        output.stdout
+    };
+    run(&["feel", "EVA", "--display", "actuator", "--record", "presses"]);
+    let told: Value =
+        serde_json::from_slice(&run(&["diagnose", "presses", "--json", "--model", "display.toml"])).unwrap();
+    let parameter = |channel: &str, code: &str, name: &str| {
+        let one = told["channels"].as_array().unwrap().iter().find(|one| one["channel"] == channel).unwrap();
+        assert_eq!((&one["verdict"], &one["effects"][0]["code"]), (&"named".into(), &code.into()), "{one}");
+        one["effects"][0]["parameters"][name]["value"].as_f64().unwrap()
+    };
+    // frozen.toml: a quarter of the force at once relaxes, a third of that at rest, in 0.5 s; half width of the FSR 0.05. A hand's
+    // presses hold for half a second, and the sensor creeps as well: a fifth
+    let near = |found: f64, truth: f64| assert!((found / truth - 1.0).abs() < 0.2, "{found} for {truth}");
+    near(parameter("pulp", "pulp-relaxation", "part"), 1.0 / 3.0);
+    near(parameter("pulp", "pulp-relaxation", "tau_s"), 0.5);
+    near(parameter("force", "sensor-creep", "half_width"), 0.05);
+    let model = std::fs::read_to_string(folder.path().join("display.toml")).unwrap();
+    assert!(model.contains("[channel.pulp]") && model.contains("[channel.force]"), "{model}");
 }

@@ -26,7 +26,7 @@ use std::path::Path;
 
 pub(crate) use description::circle_mm;
 pub use error::{Column, ExperimentError, Problem};
-pub use file::{DISPLAY_PAIRS, GAP_MM};
+pub use file::{DISPLAY_PAIRS, GAP_MM, UNDER_FINGER};
 pub use folder::{Experiment, Run, Sensor};
 pub use format::{Format, Mapping, Pace, Part, Source};
 pub use kind::Test;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::error::{ExperimentError, Problem};
-use super::file::DISPLAY_PAIRS;
+use super::file::{DISPLAY_PAIRS, FINGER, UNDER_FINGER};
 
 /// The samples of a run. The vectors that a kind of test does not have are empty, all others
 /// have the same length.
@@ -84,12 +84,19 @@ impl Recording {
 
     /// A display run without what it was told, or without what was measured, says nothing.
     pub(super) fn check_pairs(&self, file: &Path) -> Result<(), ExperimentError> {
-        let complete = |(told, measured): &(&str, &str)| self.column(told).is_some() && self.column(measured).is_some();
+        let has = |name: &str| self.column(name).is_some();
+        let under_finger = || UNDER_FINGER.iter().any(|name| has(name));
+        let complete =
+            |(told, measured): &(&str, &str)| has(told) && has(measured) && (*told != FINGER || under_finger());
         if DISPLAY_PAIRS.iter().any(complete) {
             return Ok(());
         }
-        let pairs: Vec<String> =
-            DISPLAY_PAIRS.iter().map(|(told, measured)| format!("{told} with {measured}")).collect();
+        let under = UNDER_FINGER.join(" or ");
+        let pair = |(told, measured): &(&str, &str)| match *told {
+            FINGER => format!("{told} and {measured} with {under}"),
+            _ => format!("{told} with {measured}"),
+        };
+        let pairs: Vec<String> = DISPLAY_PAIRS.iter().map(pair).collect();
         let problem = format!("a display run needs at least one pair of columns: {}", pairs.join(", or "));
         Err(ExperimentError::of_file(file, Problem::Contradiction(problem)))
     }

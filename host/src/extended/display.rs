@@ -7,6 +7,7 @@ use std::path::Path;
 
 use lut_gen::magnet::bh::LawError;
 use lut_gen::magnet::curve::{Built, FluxCurve};
+use lut_gen::magnet::fluid::Fluid;
 use serde_json::{Value, json};
 
 use super::file::{intervals, needed};
@@ -83,7 +84,7 @@ impl DisplayModel {
     #[must_use]
     pub fn to_toml(&self) -> String {
         let mut out = String::from(
-            "# The laws of a display's channels and the effects that a diagnosis found. Units: mm, N, A, T, s.\n",
+            "# The laws of a display's channels and the effects that a diagnosis found. Units: mm, N, A, T, s, kPa.\n",
         );
         for one in &self.channels {
             let word = one.channel.word();
@@ -147,6 +148,7 @@ impl DisplayModel {
             output: vec![0.0; current_a.len()],
             compared: vec![true; current_a.len()],
             input: current_a.clone(),
+            yield_kpa: Vec::new(),
             is_answered: false,
             gap_ratio: 1.0,
             gap_mm: 0.0,
@@ -155,6 +157,24 @@ impl DisplayModel {
         };
         let points: Vec<(f64, f64)> = current_a.into_iter().zip(law.predict(&ramp)).collect();
         Some(FluxCurve::new(&points, 0.0, Built::default()))
+    }
+
+    /// Yield stress over flux density of its fluid, in place of a law. `None` where nothing was found of the fluid.
+    ///
+    /// # Errors
+    /// A yield stress that does not rise with the flux density.
+    pub fn fluid(&self, law: &Fluid) -> Option<Result<Fluid, LawError>> {
+        /// Field strengths, kA/m: at the last a fluid of Carlson's law has 99.9 % of its largest stress.
+        const MOST_KA_M: f64 = 600.0;
+        const POINTS: usize = 120;
+        let own = self.channels.iter().find(|one| one.channel == Channel::Fluid)?.law();
+        let pascal = |ka_m: f64| 1e3 * own.yields_kpa(law.yield_at_strength(ka_m));
+        let strength = (1..=POINTS).map(|k| MOST_KA_M * (k as f64 / POINTS as f64).powi(2));
+        let points = strength.map(|ka_m| (1e3 * ka_m, pascal(ka_m)));
+        // what is borne without a field begins within an ampere a metre
+        let rest = Some((1.0, pascal(0.0))).filter(|(_, rest)| *rest > 0.0);
+        let points: Vec<(f64, f64)> = std::iter::once((0.0, 0.0)).chain(rest).chain(points).collect();
+        Some(Fluid::measured(law.law().clone(), &points))
     }
 
     /// What it gains on the display's runs of an experiment, channel by channel; a channel that was not
@@ -288,7 +308,7 @@ fn read_effect(channel: Channel, section: &Section<'_>) -> Result<Added, Experim
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::diagnose::display::effect::{delay, rate_limit};
+    use crate::diagnose::display::effect::{delay, fluid_rest, rate_limit, yield_law};
 
     fn model() -> DisplayModel {
         let one = |value: f64| (value, Some((0.9 * value, 1.1 * value)));
@@ -310,6 +330,23 @@ mod tests {
         assert!(DisplayModel::is_one(&text), "{text}");
         assert_eq!(DisplayModel::parse(Path::new("m.toml"), &text).unwrap(), model());
         assert_eq!(model().channels[0].law().settings.len(), 2);
+    }
+
+    #[test]
+    fn a_fluid_is_that_of_its_law() {
+        let law = Fluid::carlson(0.22, lut_gen::magnet::fluid::Oil::Hydrocarbon).unwrap();
+        assert!(model().fluid(&law).is_none());
+        let base = [0.8, 1.1, 1.0, 0.0, 0.0].map(|value| (value, None)).to_vec();
+        let added = |effect, value: f64| Added { effect, values: vec![(value, None)], ambiguous_with: Vec::new() };
+        let effects = vec![added(&yield_law::EFFECT, 1.1), added(&fluid_rest::EFFECT, 0.2)];
+        let own = DisplayModel { channels: vec![ChannelModel { channel: Channel::Fluid, base, effects }] };
+        let found = own.fluid(&law).unwrap().unwrap();
+        for flux_t in [0.05, 0.1, 0.2, 0.4] {
+            let exact = 0.2 + 0.8 * law.yield_at_flux(flux_t).powf(1.1);
+            // of cubics between 120 points
+            assert!((found.yield_at_flux(flux_t) / exact - 1.0).abs() < 2e-3, "{flux_t} T: {exact}");
+        }
+        assert!(found.flux_for_yield(0.1).unwrap() < 1e-4);
     }
 
     #[test]

@@ -115,6 +115,7 @@ fn pressed<L: Link>(
                     bone_mm: shaft_mm,
                     shaft_mm,
                     yield_kpa: f64::NAN,
+                    flux_t: f64::NAN,
                     read_n: force_n,
                     read_mm: shaft_mm,
                     target_mm: f64::from(record.shaft_target_mm),

@@ -5,6 +5,7 @@
 //! samples beside them.
 
 mod board;
+pub mod record;
 mod score;
 mod session;
 mod table;
@@ -104,6 +105,8 @@ pub struct Sample {
     pub shaft_mm: f64,
     /// True yield stress of the fluid, kPa.
     pub yield_kpa: f64,
+    /// True flux density in the fluid, T.
+    pub flux_t: f64,
     /// Force as read, N.
     pub read_n: f64,
     /// Shaft as read, and where the board wants it, mm.

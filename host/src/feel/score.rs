@@ -106,6 +106,7 @@ mod tests {
             bone_mm: curve.travel_at(force_n),
             shaft_mm: curve.shaft_at(force_n),
             yield_kpa: 0.0,
+            flux_t: 0.0,
             read_n: force_n,
             read_mm: curve.shaft_at(force_n),
             target_mm: curve.shaft_at(force_n),

@@ -33,12 +33,22 @@ const WEIGHED_S: f64 = 1.0;
 /// # Errors
 /// [`Unfelt`].
 pub fn run(asked: &Asked, display: Display, told: &mut dyn FnMut(usize)) -> Result<Vec<Felt>, Unfelt> {
+    run_at(asked, display, &Pace::ALL, told)
+}
+
+/// The same with these presses of each material, one after the other.
+pub(super) fn run_at(
+    asked: &Asked,
+    display: Display,
+    paces: &[Pace],
+    told: &mut dyn FnMut(usize),
+) -> Result<Vec<Felt>, Unfelt> {
     let mut session = opened(asked, display)?;
     let mut done = 0;
     let mut all = Vec::new();
     for (index, curve) in asked.curves.iter().enumerate() {
         let mut presses = Vec::new();
-        for pace in Pace::ALL {
+        for &pace in paces {
             let samples = pressed(&mut session, asked, (index, curve, display == Display::FluidAtPlace), pace)?;
             presses.push(Pressed { pace, samples });
             done += 1;
@@ -165,6 +175,7 @@ fn pressed(
             bone_mm: board.bench().bone_mm(),
             shaft_mm: truth.shaft_mm,
             yield_kpa: truth.yield_kpa,
+            flux_t: truth.flux_t,
             read_n: f64::from(record.fsr_n),
             read_mm: f64::from(record.shaft_mm),
             target_mm: f64::from(record.shaft_target_mm),

@@ -2,12 +2,9 @@
 
 use std::path::Path;
 
-use super::{ActuatorFlaws, ActuatorLaw, Curve, FsrFlaws, HandLaw, Noise, PulpLaw, Source};
+use super::{ActuatorFlaws, ActuatorLaw, FsrFlaws, HandLaw, Noise, PulpLaw, Source};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{ExperimentError, text_of};
-
-/// Force of the round finger on a plate, by finite elements.
-const PULP: &str = include_str!("../../plants/pulp.csv");
 
 /// Constants of the display, the hand and the finger.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,7 +166,7 @@ impl Constants {
         let at = |i: usize| v.get(i).copied().unwrap_or(0.0);
         Constants {
             hand: HandLaw { mass_g: at(0), stiffness_n_mm: at(1), damping_n_s_mm: at(2), tremor_mm: at(3) },
-            pulp: PulpLaw { slow: slow(at(4)), relaxing: (at(5), at(6)) },
+            pulp: PulpLaw::round(at(4), (at(5), at(6))),
             actuator: ActuatorFlaws {
                 friction_v: at(7),
                 rate_mm_s: at(8),
@@ -192,18 +189,6 @@ impl Constants {
 /// All keys, in the order of [`Constants::of`].
 fn keys() -> impl Iterator<Item = &'static Key> {
     KEYS.iter().chain(&MAGNET).chain(LAW.iter().map(|(key, _)| key))
-}
-
-/// Force over compression of a pulp that gives way `softness` times as far.
-fn slow(softness: f64) -> Curve {
-    let rows = PULP.lines().filter_map(|line| line.split_once(','));
-    let points: Vec<(f64, f64)> = rows.filter_map(|(u, n)| Some((u.parse().ok()?, n.parse().ok()?))).collect();
-    let step = points.first().map_or(0.0, |first| first.0);
-    let force: Vec<f64> = points.iter().map(|point| point.1).collect();
-    // A test reads the table; a spring of 1 N/mm stands for one that is none.
-    Curve::new(softness * step, &force)
-        .or_else(|| Curve::new(1.0, &[1.0, 2.0]))
-        .unwrap_or_else(|| unreachable!("a spring"))
 }
 
 #[cfg(test)]

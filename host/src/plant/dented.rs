@@ -43,6 +43,15 @@ impl FluidForce {
         FluidForce::new(step_mm?, curves)
     }
 
+    /// Of a finger whose pulp gives way `softness` times as far under the same force: one that is larger by that, of tissue that is
+    /// softer by its square.
+    #[must_use]
+    pub fn of_a_finger(mut self, softness: f64) -> Self {
+        self.step_mm *= softness;
+        self.curves.iter_mut().for_each(|(kpa, _)| *kpa /= softness * softness);
+        self
+    }
+
     /// Largest force at a travel (mm) and a shear yield stress (kPa), N: in proportion to the stress below the least of the
     /// table, straight lines in travel, and a power of the stress between two of them.
     pub fn at(&self, travel_mm: f64, yield_kpa: f64) -> f64 {
@@ -117,6 +126,12 @@ mod tests {
         }
         assert_eq!((force.at(-1.0, 1.0), force.at(1.0, 0.0)), (0.0, 0.0));
         assert!(FluidForce::parse("1,1,x\n").is_none() && FluidForce::parse("").is_none());
+    }
+
+    #[test]
+    fn a_larger_finger_of_softer_tissue_bears_as_much_farther_down() {
+        let (round, soft) = (table(), table().of_a_finger(2.0));
+        assert!((soft.at(3.0, 1.0) - round.at(1.5, 4.0)).abs() < 1e-12);
     }
 
     #[test]

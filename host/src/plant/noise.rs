@@ -26,6 +26,8 @@ pub enum Source {
     Hand = 8,
     /// Constants of a drawn plant.
     Constants = 9,
+    /// Instruments beside a display: a load cell under it, a camera.
+    Instruments = 10,
 }
 
 /// A stream of random numbers.

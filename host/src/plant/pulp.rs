@@ -11,6 +11,24 @@ pub struct PulpLaw {
     pub relaxing: (f64, f64),
 }
 
+/// Force of the round finger on a plate, by finite elements.
+const ROUND: &str = include_str!("../../plants/pulp.csv");
+
+impl PulpLaw {
+    /// The round finger, giving way `softness` times as far; of its force at once a part relaxes, in a time (s).
+    pub fn round(softness: f64, relaxing: (f64, f64)) -> Self {
+        let rows = ROUND.lines().filter_map(|line| line.split_once(','));
+        let points: Vec<(f64, f64)> = rows.filter_map(|(u, n)| Some((u.parse().ok()?, n.parse().ok()?))).collect();
+        let step = points.first().map_or(0.0, |first| first.0);
+        let force: Vec<f64> = points.iter().map(|point| point.1).collect();
+        // A test reads the table; a spring of 1 N/mm stands for one that is none.
+        let slow = Curve::new(softness * step, &force)
+            .or_else(|| Curve::new(1.0, &[1.0, 2.0]))
+            .unwrap_or_else(|| unreachable!("a spring"));
+        PulpLaw { slow, relaxing }
+    }
+}
+
 /// The pulp of a finger that touches.
 #[derive(Debug, Clone)]
 pub struct Pulp {

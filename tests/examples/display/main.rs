@@ -1,13 +1,13 @@
 //! Scores the diagnosis of the display on hidden flaws: `cargo run --release -p tests --example display -- --cases 100`.
 //!
-//! `--cases` of each plan (100 unless stated), `--plan short|full` one plan only, `--seed` moves the first seed, `--only NAME` hides
+//! `--cases` of each plan (100 unless stated), `--plan short|full|finger` one plan only, `--seed` moves the first seed, `--only NAME` hides
 //! one effect (or `clean`) at all levels by turns, `--verbose` tells every case on a line, `--write` puts the tables into
 //! docs/display-diagnosis.md.
 
 use std::path::Path;
 use std::time::Instant;
 
-use tests::display::{Case, HIDDEN, LEVELS, OUTSIDE, Plan, Scored, Tally, suite};
+use tests::display::{Case, LEVELS, Plan, Scored, Tally, suite};
 use tests::document::replace_section;
 
 /// Seeds begin far from those that the diagnosis was developed on.
@@ -25,7 +25,7 @@ struct Arguments {
 fn arguments(mut words: impl Iterator<Item = String>) -> Result<Arguments, String> {
     let mut out = Arguments {
         cases: 100,
-        plans: vec![Plan::Short, Plan::Full],
+        plans: vec![Plan::Short, Plan::Full, Plan::Finger],
         seed: FIRST_SEED,
         only: None,
         verbose: false,
@@ -40,7 +40,8 @@ fn arguments(mut words: impl Iterator<Item = String>) -> Result<Arguments, Strin
                 out.plans = match value()?.as_str() {
                     "short" => vec![Plan::Short],
                     "full" => vec![Plan::Full],
-                    other => return Err(format!("--plan {other}: expected short or full")),
+                    "finger" => vec![Plan::Finger],
+                    other => return Err(format!("--plan {other}: expected short, full or finger")),
                 }
             }
             "--only" => out.only = Some(value()?),
@@ -64,7 +65,7 @@ fn cases(arguments: &Arguments, plan: Plan) -> Result<Vec<Case>, String> {
     if only == "clean" {
         return Ok(seeds.map(|(_, case)| case).collect());
     }
-    let all: Vec<&'static str> = HIDDEN.iter().chain(&OUTSIDE).copied().collect();
+    let all: Vec<&'static str> = plan.hidden().iter().chain(plan.outside()).copied().collect();
     let name = *all.iter().find(|name| *name == only).ok_or(format!("--only {only}: no such effect"))?;
     Ok(seeds.map(|(i, case)| case.hiding(&[name], i % LEVELS)).collect())
 }

@@ -1,23 +1,25 @@
 //! Hidden effects of the display's links, and whether what naming them gains is what is printed:
 //! `cargo run --release -p tests --example links -- --cases 2 --seed 97000`.
 //!
-//! Twelve kinds, each at three sizes (half, once and twice what a full plan should see), `--cases` times. The printed gain is
+//! Eighteen kinds, each at three sizes (half, once and twice what a full plan should see), `--cases` times. The printed gain is
 //! the fall of the error over repeats that no fit has seen; the true one that over presses of a new session that no fit has seen.
 
 use palpate::diagnose::display::{self, ChannelDiagnosis};
 use palpate::extended::display::DisplayModel;
 use tests::arguments::cases_and_seed;
-use tests::display::{Case, Gains, HIDDEN, LEVELS, Outcome, Plan, RIGHT, Scored};
+use tests::display::{Case, Gains, LEVELS, Outcome, Plan, RIGHT, Scored};
 use tests::score::rate::bounded;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (count, first) = cases_and_seed(std::env::args().skip(1), (2, 97_000))?;
     let (mut scored, mut gains): (Vec<Scored>, Vec<Gains>) = (Vec::new(), Vec::new());
-    for (i, kind) in HIDDEN.iter().enumerate() {
+    let kinds =
+        [Plan::Full, Plan::Finger].into_iter().flat_map(|plan| plan.hidden().iter().map(move |kind| (plan, kind)));
+    for (i, (plan, kind)) in kinds.enumerate() {
         for level in 1..LEVELS {
             for repeat in 0..count {
                 let seed = first + (i * LEVELS * count + level * count + repeat) as u64;
-                let case = Case::clean(Plan::Full, seed).hiding(&[kind], level);
+                let case = Case::clean(plan, seed).hiding(&[kind], level);
                 let found =
                     display::diagnose(&case.spec(true).experiment(), &|_, _, _| {}).ok_or("no run of a display")?;
                 let one = Scored::judged(&case, &found);

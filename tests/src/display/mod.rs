@@ -17,6 +17,8 @@ pub enum Plan {
     Short,
     /// Commands of several heights and speeds, three times each.
     Full,
+    /// A finger on the cap and in the fluid, slow and fast, three times each.
+    Finger,
 }
 
 impl Plan {
@@ -26,36 +28,66 @@ impl Plan {
         match self {
             Plan::Short => "short",
             Plan::Full => "full",
+            Plan::Finger => "finger",
+        }
+    }
+
+    /// Effects of the catalogue that are hidden; codes with several laws come up once a law.
+    #[must_use]
+    pub fn hidden(self) -> &'static [&'static str] {
+        match self {
+            Plan::Short | Plan::Full => &[
+                "rate-limit",
+                "delay",
+                "stiction",
+                "backlash",
+                "creep",
+                "memory",
+                "hysteresis",
+                "sensor-nonlinearity",
+                "coil-heating",
+                "saturation",
+                "remanence",
+                "gap",
+            ],
+            Plan::Finger => {
+                &["pulp-size", "pulp-relaxation", "yield-law", "fluid-rest", "fluid-viscosity", "fluid-response"]
+            }
+        }
+    }
+
+    /// Effects that no catalogue names.
+    #[must_use]
+    pub fn outside(self) -> &'static [&'static str] {
+        match self {
+            Plan::Short | Plan::Full => {
+                &["outside-ripple", "outside-wobble", "outside-viscous", "outside-clip", "outside-eddy"]
+            }
+            Plan::Finger => &["outside-ridges", "outside-cup"],
+        }
+    }
+
+    /// Pairs, first the ones in one channel.
+    #[must_use]
+    pub fn pairs(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Plan::Short | Plan::Full => &[
+                ("rate-limit", "delay"),
+                ("creep", "sensor-nonlinearity"),
+                ("delay", "stiction"),
+                ("saturation", "remanence"),
+                ("rate-limit", "creep"),
+                ("sensor-nonlinearity", "coil-heating"),
+            ],
+            Plan::Finger => &[
+                ("pulp-size", "pulp-relaxation"),
+                ("yield-law", "fluid-viscosity"),
+                ("pulp-relaxation", "fluid-response"),
+            ],
         }
     }
 }
 
-/// Effects of the catalogue that are hidden; codes with several laws come up once a law.
-pub const HIDDEN: [&str; 12] = [
-    "rate-limit",
-    "delay",
-    "stiction",
-    "backlash",
-    "creep",
-    "memory",
-    "hysteresis",
-    "sensor-nonlinearity",
-    "coil-heating",
-    "saturation",
-    "remanence",
-    "gap",
-];
-/// Effects that no catalogue names.
-pub const OUTSIDE: [&str; 5] = ["outside-ripple", "outside-wobble", "outside-viscous", "outside-clip", "outside-eddy"];
-/// Pairs, first the ones in one channel.
-pub const PAIRS: [(&str, &str); 6] = [
-    ("rate-limit", "delay"),
-    ("creep", "sensor-nonlinearity"),
-    ("delay", "stiction"),
-    ("saturation", "remanence"),
-    ("rate-limit", "creep"),
-    ("sensor-nonlinearity", "coil-heating"),
-];
 /// Levels of strength: from hardly visible to large.
 pub const LEVELS: usize = 4;
 
@@ -104,6 +136,7 @@ impl Case {
         spec.runs = match self.plan {
             Plan::Short => short(),
             Plan::Full => full(),
+            Plan::Finger => finger(),
         };
         // noise differs from laboratory to laboratory by a factor of two either way
         let mut around = |usual: f64| usual * 2f64.powf(chance.random_range(-1.0..1.0));
@@ -112,6 +145,9 @@ impl Case {
         spec.noise.current_a = around(spec.noise.current_a);
         spec.noise.flux_t = around(spec.noise.flux_t);
         spec.noise.correlation_s = around(spec.noise.correlation_s);
+        // of a stream of its own: cases of before keep their numbers
+        let mut of_finger = Pcg64::seed_from_u64(!self.seed);
+        spec.noise.finger_n *= 2f64.powf(of_finger.random_range(-1.0..1.0));
         spec.noise.heavy_tails = self.mismatched;
         if effects {
             let strength = [0.25, 0.5, 1.0, 2.0][self.level.min(LEVELS - 1)];
@@ -147,6 +183,21 @@ fn full() -> Vec<DisplayRun> {
     ]
 }
 
+fn finger() -> Vec<DisplayRun> {
+    vec![
+        DisplayRun::new(Subject::Pulp, vec![0.0, 3.0, 0.0], 0.5).ramped(1.5).times(3),
+        DisplayRun::new(Subject::Pulp, vec![0.0, 1.5, 3.0, 1.0, 2.5, 0.0], 1.0).ramped(0.3).times(3),
+        DisplayRun::new(Subject::Pulp, vec![0.0, 2.5], 3.0).ramped(0.2).times(3),
+        DisplayRun::new(Subject::Fluid, vec![0.0, 3.0, 0.0], 0.3).ramped(2.0).times(3).with_current(vec![2.5; 3]),
+        DisplayRun::new(Subject::Fluid, vec![0.0, 3.0, 0.0], 0.3).ramped(2.0).times(3).with_current(vec![0.6; 3]),
+        DisplayRun::new(Subject::Fluid, vec![0.0, 3.0], 0.5).ramped(0.3).times(3).with_current(vec![1.5; 2]),
+        DisplayRun::new(Subject::Fluid, vec![0.0, 0.8, 1.6, 2.4, 3.2], 0.0)
+            .ramped(1.0)
+            .times(3)
+            .with_current(vec![2.5, 2.5, 1.5, 0.9, 0.4]),
+    ]
+}
+
 /// An effect at a strength around 1, where a full plan should see it.
 fn effect(name: &str, strength: f64, chance: &mut Pcg64) -> Option<DisplayEffect> {
     let s = strength * chance.random_range(0.8..1.25);
@@ -166,6 +217,15 @@ fn effect(name: &str, strength: f64, chance: &mut Pcg64) -> Option<DisplayEffect
         "saturation" => DisplayEffect::Saturation { tesla: 0.2 / s },
         "remanence" => DisplayEffect::Remanence { tesla: 0.001 * s, ampere: chance.random_range(0.3..0.8) },
         "gap" => DisplayEffect::Gap { mm: if sign > 0.0 { 0.1 * s } else { -0.07 * s } },
+        "pulp-size" => DisplayEffect::PulpSize { ratio: (sign * 0.1 * s).exp() },
+        "pulp-relaxation" => DisplayEffect::PulpRelaxation { part: 0.08 * s, tau_s: chance.random_range(0.3..2.0) },
+        // the magnet's largest flux makes 2.4 kPa
+        "yield-law" => DisplayEffect::YieldLaw { most_kpa: 4.0 / s },
+        "fluid-rest" => DisplayEffect::FluidRest { kpa: 0.05 * s },
+        "fluid-viscosity" => DisplayEffect::FluidViscosity { kpa_s_per_mm: 0.01 * s },
+        "fluid-response" => DisplayEffect::FluidResponse { seconds: 0.06 * s },
+        "outside-ridges" => DisplayEffect::OutsideRidges { part: 0.05 * s, pitch_mm: chance.random_range(0.4..0.8) },
+        "outside-cup" => DisplayEffect::OutsideCup { part: 0.2 * s },
         "outside-ripple" => DisplayEffect::OutsideRipple { mm: 0.1 * s, pitch_mm: chance.random_range(2.0..4.0) },
         "outside-wobble" => DisplayEffect::OutsideWobble { share: 0.1 * s, hz: chance.random_range(2.0..5.0) },
         "outside-viscous" => DisplayEffect::OutsideViscous { seconds: 0.02 * s },
@@ -189,6 +249,12 @@ pub fn code(name: &str) -> Option<&'static str> {
         "saturation" => "saturation",
         "remanence" => "remanence",
         "gap" => "gap",
+        "pulp-size" => "pulp-size",
+        "pulp-relaxation" => "pulp-relaxation",
+        "yield-law" => "yield-law",
+        "fluid-rest" => "fluid-rest",
+        "fluid-viscosity" => "fluid-viscosity",
+        "fluid-response" => "fluid-response",
         _ => return None,
     })
 }
@@ -205,16 +271,19 @@ pub fn suite(plan: Plan, count: usize, first_seed: u64) -> Vec<Case> {
                 2 => case.mismatched(),
                 8 => {
                     outside += 1;
-                    case.hiding(&[OUTSIDE[(outside - 1) % OUTSIDE.len()]], 1 + (outside - 1) / OUTSIDE.len() % 3)
+                    let all = plan.outside();
+                    case.hiding(&[all[(outside - 1) % all.len()]], 1 + (outside - 1) / all.len() % 3)
                 }
                 9 => {
                     pair += 1;
-                    let (a, b) = PAIRS[(pair - 1) % PAIRS.len()];
-                    case.hiding(&[a, b], 2 + (pair - 1) / PAIRS.len() % 2)
+                    let all = plan.pairs();
+                    let (a, b) = all[(pair - 1) % all.len()];
+                    case.hiding(&[a, b], 2 + (pair - 1) / all.len() % 2)
                 }
                 _ => {
                     single += 1;
-                    case.hiding(&[HIDDEN[(single - 1) % HIDDEN.len()]], (single - 1) / HIDDEN.len() % LEVELS)
+                    let all = plan.hidden();
+                    case.hiding(&[all[(single - 1) % all.len()]], (single - 1) / all.len() % LEVELS)
                 }
             }
         })

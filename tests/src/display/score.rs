@@ -165,6 +165,7 @@ fn strength(case: &Case, found: &Diagnosis) -> f64 {
         spec.noise.force_share = 0.0;
         spec.noise.current_a = 0.0;
         spec.noise.flux_t = 0.0;
+        (spec.noise.finger_n, spec.noise.finger_mm) = (0.0, 0.0);
         spec.noise.gain_jitter = 0.0;
     }
     let (with, without) = (with.experiment(), without.experiment());
@@ -214,7 +215,7 @@ impl Tally<'_> {
         let mut out = String::from(
             "| plan | cases | false alarm on clean | wrong name (all cases) | exact of visible | exact or in set of visible | outside, visible: unknown | pairs, visible: both | pairs: one of two |\n|---|---|---|---|---|---|---|---|---|\n",
         );
-        for plan in [Plan::Short, Plan::Full] {
+        for plan in [Plan::Short, Plan::Full, Plan::Finger] {
             let own = self.of(&|s| s.case.plan == plan);
             if own.is_empty() {
                 continue;

@@ -11,6 +11,7 @@ mod control_curves;
 mod coupons;
 mod demo_chain;
 mod diagnose_hidden;
+mod display_finger;
 mod display_hidden;
 mod experiment_errors;
 mod experiment_modes;

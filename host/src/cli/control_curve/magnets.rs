@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use lut_gen::magnet::curve::FluxCurve;
+use lut_gen::magnet::fluid::Fluid;
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::control::compose::Links;
@@ -23,25 +24,52 @@ const CURRENTS: usize = 16;
 /// # Errors
 /// A file with a mistake, a drawing that cannot be solved, one that does not say where the fluid is.
 pub(in crate::cli) fn links(asked: &str, fluid: &NamedFluid, most_a: f64) -> miette::Result<Links> {
-    let flux = match (measured::located(asked).into_diagnostic()?, diagnosed(asked, most_a)?) {
-        (Some(flux), _) | (None, Some(flux)) => flux,
+    let model = displayed(Path::new(asked))?;
+    let flux = match (measured::located(asked).into_diagnostic()?, &model) {
+        (Some(flux), _) => flux,
+        (None, Some(model)) => flux_of(model, asked, most_a)?
+            .ok_or_else(|| miette!("{asked} has no [channel.flux]: nothing was found of its magnet"))?,
         (None, None) => drawn(asked, most_a)?,
     };
+    let law = model.map(|model| fluid_of(&model, asked, &fluid.fluid)).transpose()?.flatten();
     // readings may end before the driver does
     let most_a = most_a.min(flux.most_a());
-    Ok(Links { magnet: asked.to_owned(), flux, fluid: fluid.title.clone(), law: fluid.fluid.clone(), most_a })
+    let law = law.unwrap_or_else(|| fluid.fluid.clone());
+    Ok(Links { magnet: asked.to_owned(), flux, fluid: fluid.title.clone(), law, most_a })
 }
 
-/// The magnet of a display's extended model, if the file is one.
-fn diagnosed(asked: &str, most_a: f64) -> miette::Result<Option<FluxCurve>> {
-    let file = Path::new(asked);
-    let text = if file.is_file() { std::fs::read_to_string(file).unwrap_or_default() } else { String::new() };
-    if !DisplayModel::is_one(&text) {
-        return Ok(None);
+/// Magnet and fluid as a display's extended model has them; what it has nothing of stays.
+///
+/// # Errors
+/// A file that is no such model, or has neither.
+pub(in crate::cli) fn modelled(file: &Path, links: &Links) -> miette::Result<Links> {
+    let name = file.display().to_string();
+    let model = displayed(file)?.ok_or_else(|| {
+        miette!("{name} is no extended model of a display; expected the --model of a `palpate diagnose` of one")
+    })?;
+    let (flux, law) = (flux_of(&model, &name, links.most_a)?, fluid_of(&model, &name, &links.law)?);
+    if flux.is_none() && law.is_none() {
+        return Err(miette!(
+            "{name} has no [channel.flux] and no [channel.fluid]: nothing was found of magnet and fluid"
+        ));
     }
-    let flux = DisplayModel::parse(file, &text)?.flux_curve(most_a);
-    let flux = flux.ok_or_else(|| miette!("{asked} has no [channel.flux]: nothing was found of its magnet"))?;
-    flux.map(Some).into_diagnostic().wrap_err_with(|| format!("the flux of {asked}"))
+    let flux = flux.unwrap_or_else(|| links.flux.clone());
+    let most_a = links.most_a.min(flux.most_a());
+    Ok(Links { magnet: name, flux, law: law.unwrap_or_else(|| links.law.clone()), most_a, ..links.clone() })
+}
+
+/// The extended model of a display, if the file is one.
+fn displayed(file: &Path) -> miette::Result<Option<DisplayModel>> {
+    let text = if file.is_file() { std::fs::read_to_string(file).unwrap_or_default() } else { String::new() };
+    Ok(if DisplayModel::is_one(&text) { Some(DisplayModel::parse(file, &text)?) } else { None })
+}
+
+fn flux_of(model: &DisplayModel, name: &str, most_a: f64) -> miette::Result<Option<FluxCurve>> {
+    model.flux_curve(most_a).transpose().into_diagnostic().wrap_err_with(|| format!("the flux of {name}"))
+}
+
+fn fluid_of(model: &DisplayModel, name: &str, law: &Fluid) -> miette::Result<Option<Fluid>> {
+    model.fluid(law).transpose().into_diagnostic().wrap_err_with(|| format!("the fluid of {name}"))
 }
 
 fn drawn(asked: &str, most_a: f64) -> miette::Result<FluxCurve> {

@@ -51,8 +51,8 @@ pub struct Arguments {
     /// The magnet that curves and display are made for: a magnet.toml, readings, or a name; curves are made for it anew
     #[arg(long, value_name = "FILE", default_value = "ring")]
     magnet: String,
-    /// The extended model of a display (`palpate diagnose`, [channel.flux]): its magnet is what is pressed, with the
-    /// curves for --magnet, and with curves that are made for it anew
+    /// The extended model of a display (`palpate diagnose`, [channel.flux], [channel.fluid]): its magnet and fluid are what is
+    /// pressed, with the curves for --magnet, and with curves that are made for them anew
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// The fluid: a fluid.toml, or the name of one that the program knows
@@ -70,6 +70,10 @@ pub struct Arguments {
     /// Copy the constants of --plant (frozen or voice-coil) to this new file, to change them, and press nothing
     #[arg(long, value_name = "FILE")]
     copy: Option<PathBuf>,
+    /// Press each material three times slowly and three times fast on one --display, write what instruments beside it would have
+    /// read to this folder, an experiment for `palpate diagnose`, and score nothing
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["copy", "model"])]
+    record: Option<PathBuf>,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -95,36 +99,53 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(copy) = &arguments.copy {
         return super::file::copy(copy, copied(&arguments.plant)?);
     }
+    if let (Some(record), true) = (&arguments.record, arguments.board != Address::Simulated) {
+        return Err(miette!(
+            "--record is {}: a real board's presses are known by their own readings only; expected --board sim",
+            record.display()
+        ));
+    }
     if arguments.board != Address::Simulated {
         let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
         return tell(&mut folder, arguments, (&board::felt(arguments)?, &[]));
     }
     if let Some(model) = arguments.model.as_ref().filter(|_| arguments.display == DisplayWord::Actuator) {
         return Err(miette!(
-            "--model is {}: the magnet of a model changes nothing of the actuator; expected another --display",
+            "--model is {}: magnet and fluid of a model change nothing of the actuator; expected another --display",
             model.display()
+        ));
+    }
+    if let (Some(_), &[_, _, ..]) = (&arguments.record, displays(arguments)) {
+        return Err(miette!(
+            "--record is of one display; expected --display actuator, fluid or fluid-at-place beside it"
         ));
     }
     let constants = constants(&arguments.plant)?;
     let (gains, actuator) = setting(arguments)?;
     let wanted = materials(&arguments.materials)?;
     let fluid = super::magnet::fluid::found(&arguments.fluid)?;
-    let mut folder = OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)).into_diagnostic()?;
+    let mut folder = match &arguments.record {
+        Some(record) => OwnFolder::open(record, "--record", None),
+        None => OwnFolder::open(&arguments.out, "--out", Some(DEFAULT_FOLDER)),
+    }
+    .into_diagnostic()?;
     let progress = Progress::new();
     progress.set("the magnet", 0, 0);
     let most_a = f64::from(protocol::lut::CURRENT_MAX_A);
     let links = magnets::links(&arguments.magnet, &fluid, most_a)?;
-    let model = arguments.model.as_ref().map(|model| magnets::links(&model.display().to_string(), &fluid, most_a));
-    let model = model.transpose()?;
+    let model = arguments.model.as_ref().map(|model| magnets::modelled(model, &links)).transpose()?;
     let asked = Asked {
         curves: made_for(&wanted, &links)?,
         flux: model.as_ref().unwrap_or(&links).flux.clone(),
-        law: links.law.clone(),
+        law: model.as_ref().unwrap_or(&links).law.clone(),
         constants,
         gains,
         actuator,
         seed: arguments.seed,
     };
+    if arguments.record.is_some() {
+        return recorded(&mut folder, arguments, &asked, &progress);
+    }
     let all = pressed(&asked, displays(arguments), &progress)?;
     let Some(model) = model else {
         progress.end();
@@ -154,6 +175,23 @@ fn pressed(asked: &Asked, displays: &[Display], progress: &Progress) -> miette::
     Ok(all)
 }
 
+/// Writes presses as an experiment.
+fn recorded(folder: &mut OwnFolder, arguments: &Arguments, asked: &Asked, progress: &Progress) -> miette::Result<()> {
+    let &[display] = displays(arguments) else { return Ok(()) };
+    let (what, total) = (told::name(display), feel::record::PRESSES * asked.curves.len());
+    let files = feel::record::presses(asked, display, &mut |done| progress.set(what, done, total)).into_diagnostic()?;
+    progress.end();
+    files.iter().try_for_each(|(name, _)| folder.check(name)).into_diagnostic()?;
+    let written = files.iter().map(|(name, text)| folder.write(name, text.as_bytes()));
+    let written: Vec<PathBuf> = written.collect::<std::io::Result<_>>().into_diagnostic()?;
+    if arguments.json {
+        outln!("{}", serde_json::json!({ "files": written }));
+        return Ok(());
+    }
+    crate::cli::file::told(&written);
+    Ok(())
+}
+
 /// Writes and prints what was felt, and what of it was felt with the curves before, if there are any.
 fn tell(folder: &mut OwnFolder, arguments: &Arguments, (all, before): (&[Felt], &[Felt])) -> miette::Result<()> {
     let files = write(folder, arguments, (all, before))?;
@@ -167,7 +205,7 @@ fn tell(folder: &mut OwnFolder, arguments: &Arguments, (all, before): (&[Felt], 
     Ok(())
 }
 
-/// A model of a magnet changes nothing of the actuator.
+/// A model of magnet and fluid changes nothing of the actuator.
 fn displays(arguments: &Arguments) -> &'static [Display] {
     match arguments.display {
         DisplayWord::All if arguments.model.is_some() => &[Display::Fluid, Display::FluidAtPlace],
@@ -319,8 +357,12 @@ mod tests {
             ),
             ("EVA --actuator x.toml", "x.toml"),
             ("--copy x.toml --plant drawn:1", "--copy with --plant drawn:1; expected frozen or voice-coil"),
-            ("EVA --display actuator --model m.toml", "--model is m.toml: the magnet of a model changes nothing of"),
+            (
+                "EVA --display actuator --model m.toml",
+                "--model is m.toml: magnet and fluid of a model change nothing of",
+            ),
             ("EVA --plant drawn:x", "--plant is drawn:x; expected drawn: with a whole number"),
+            ("EVA --record r", "--record is of one display; expected --display actuator, fluid or fluid-at-place"),
         ] {
             let text = run(&arguments(words)).unwrap_err().to_string();
             assert!(text.contains(expected), "{words}: {text}");

@@ -1,6 +1,7 @@
-//! What a display measures: four channels, each with what it was told, what was measured, and the base law between them.
+//! What a display measures: six channels, each with what it was told, what was measured, and the base law between them.
 
 use super::design::Series;
+use super::finger;
 
 /// One measured quantity of the display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -13,6 +14,10 @@ pub enum Channel {
     Current,
     /// Flux density in the magnet's gap.
     Flux,
+    /// Pulp of the finger on the cap.
+    Pulp,
+    /// Fluid under the finger.
+    Fluid,
 }
 
 /// A parameter of a base law: always fitted.
@@ -53,9 +58,24 @@ pub const KNEE_A: f64 = 0.4;
 const FLUX: [BaseParameter; 3] =
     [even("slope_T_per_A", 0.0256, (-1.0, 1.0)), even("step_T", 0.0206, (-1.0, 1.0)), even("zero_T", 0.0, (-0.5, 0.5))];
 
+/// The round finger of the control curves, its stiffness free: nobody's finger is that one.
+const PULP: [BaseParameter; 3] = [
+    logarithmic("stiffness_ratio", 1.0, (0.1, 10.0)),
+    even("touch_mm", 0.0, (-3.0, 3.0)),
+    even("zero_N", 0.0, (-5.0, 5.0)),
+];
+/// A finger of any size on a fluid whose yield stress is that of Carlson's law (MRF-122), times a number.
+const FLUID: [BaseParameter; 5] = [
+    logarithmic("yield_ratio", 1.0, (0.1, 10.0)),
+    logarithmic("stiffness_ratio", 1.0, (0.1, 10.0)),
+    logarithmic("size_ratio", 1.0, (0.4, 2.5)),
+    even("touch_mm", 0.0, (-3.0, 3.0)),
+    even("zero_N", 0.0, (-5.0, 5.0)),
+];
+
 impl Channel {
     /// All of them, in physical order.
-    pub const ALL: [Self; 4] = [Self::Position, Self::Force, Self::Current, Self::Flux];
+    pub const ALL: [Self; 6] = [Self::Position, Self::Force, Self::Current, Self::Flux, Self::Pulp, Self::Fluid];
 
     /// The word in answers.
     #[must_use]
@@ -65,6 +85,8 @@ impl Channel {
             Self::Force => "force",
             Self::Current => "current",
             Self::Flux => "flux",
+            Self::Pulp => "pulp",
+            Self::Fluid => "fluid",
         }
     }
 
@@ -73,7 +95,7 @@ impl Channel {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Position => "mm",
-            Self::Force => "N",
+            Self::Force | Self::Pulp | Self::Fluid => "N",
             Self::Current => "A",
             Self::Flux => "T",
         }
@@ -82,7 +104,14 @@ impl Channel {
     /// Columns of a recording: what was told, what was measured.
     #[must_use]
     pub fn columns(self) -> (&'static str, &'static str) {
-        crate::experiment::DISPLAY_PAIRS[self as usize]
+        let [position, force, current, flux, finger] = crate::experiment::DISPLAY_PAIRS;
+        match self {
+            Self::Position => position,
+            Self::Force => force,
+            Self::Current => current,
+            Self::Flux => flux,
+            Self::Pulp | Self::Fluid => finger,
+        }
     }
 
     /// Parameters of the base law.
@@ -93,13 +122,25 @@ impl Channel {
             Self::Force => &FORCE,
             Self::Current => &CURRENT,
             Self::Flux => &FLUX,
+            Self::Pulp => &PULP,
+            Self::Fluid => &FLUID,
         }
     }
 
     /// True where the input is itself a reading, with noise.
     #[must_use]
     pub fn input_is_measured(self) -> bool {
-        matches!(self, Self::Force | Self::Flux)
+        matches!(self, Self::Force | Self::Flux | Self::Pulp | Self::Fluid)
+    }
+
+    /// Unit of what is told.
+    #[must_use]
+    pub fn input_unit(self) -> &'static str {
+        match self {
+            Self::Position | Self::Pulp | Self::Fluid => "mm",
+            Self::Force => "N",
+            Self::Current | Self::Flux => "A",
+        }
     }
 
     /// Least input at which the sensor is compared: an FSR says nothing below 0.2 to 0.3 N (data sheet; Eq. 45 reads 0.2 N unloaded).
@@ -113,18 +154,20 @@ impl Channel {
     pub fn expected_gain(self) -> f64 {
         match self {
             // data sheet: 2 % from touch to touch, and fingers press no two times alike
-            Self::Force => 0.01,
+            Self::Force | Self::Pulp | Self::Fluid => 0.01,
             Self::Position | Self::Current | Self::Flux => 0.002,
         }
     }
 
     /// What the output changes by for a unit of what slides from run to run: a second of time for the position, an ampere of the current
-    /// reading for the flux (at the nominal line); nothing elsewhere.
+    /// reading for the flux (at the nominal line), a millimetre of the place where a finger touches; nothing elsewhere.
     #[must_use]
     pub fn slide(self, series: &Series, output: &[f64], k: usize) -> f64 {
         match self {
             Self::Position => slope(&series.time_s, output, k),
             Self::Flux => flux_slope(series.input[k]),
+            Self::Pulp => finger::pulp_slope(series.input[k]),
+            Self::Fluid => finger::fluid_slope(series.input[k], series.yield_kpa[k]),
             Self::Force | Self::Current => 0.0,
         }
     }
@@ -141,7 +184,7 @@ impl Channel {
     pub fn timing_s(self) -> f64 {
         match self {
             Self::Position | Self::Flux => 2e-3,
-            Self::Force => 1e-3,
+            Self::Force | Self::Pulp | Self::Fluid => 1e-3,
             Self::Current => 0.0,
         }
     }

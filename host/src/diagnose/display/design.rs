@@ -1,10 +1,10 @@
 //! The runs of one channel as a diagnosis sees them: what was told, what was measured, which runs repeat each other.
 
 use crate::experiment::signal::range;
-use crate::experiment::{Experiment, GAP_MM, Run, Test};
+use crate::experiment::{Experiment, GAP_MM, Run, Test, UNDER_FINGER};
 
 use super::channel::Channel;
-use super::smooth;
+use super::{finger, smooth};
 
 /// One run of a channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,8 +13,10 @@ pub struct Series {
     pub file: String,
     /// Time, s; never falling.
     pub time_s: Vec<f64>,
-    /// What was told.
+    /// What was told; of a pulp its compression.
     pub input: Vec<f64>,
+    /// Yield stress that the fluid under a finger has by its law, kPa; empty elsewhere.
+    pub yield_kpa: Vec<f64>,
     /// The input is what the fluid has answered of it so far: the law adds no response time.
     pub is_answered: bool,
     /// What was measured.
@@ -93,6 +95,13 @@ pub type Explained = std::collections::BTreeMap<String, Vec<f64>>;
 const LEAST_SAMPLES: usize = 40;
 /// Inputs that differ by less than this share of the range, root mean square, are the same command.
 const SAME_INPUT: f64 = 0.02;
+/// The same of the yield stress under a finger, for a winding warms from press to press, and what some gauss make of it, kPa.
+const SAME_YIELD: f64 = 0.05;
+const GAUSS_KPA: f64 = 0.02;
+/// Deeper than the sample before by this, mm: less than a slow press makes in a tick, more than its noise.
+const DEEPER_MM: f64 = 0.005;
+/// Part of a way through a pulp by which it is longer for another finger.
+const OTHER: f64 = 0.5;
 /// Output below this share of what the nominal law gives is a dead sensor.
 const DEAD: f64 = 0.02;
 /// Largest step of time over the usual one before a run counts as interrupted.
@@ -128,7 +137,7 @@ impl Design {
         let input_range = range(series.iter().flat_map(|s| s.input.iter().copied()));
         // what a converter's single code or a display's rounding would make of rest
         if input_range < 1e-6 {
-            return Err(Unusable::Still { column: told, range: input_range, unit: input_unit(channel) });
+            return Err(Unusable::Still { column: told, range: input_range, unit: channel.input_unit() });
         }
         let count = series.iter().flat_map(|s| &s.compared).filter(|c| **c).count();
         if count < LEAST_SAMPLES {
@@ -188,14 +197,31 @@ impl Series {
 
 fn one(run: &Run, channel: Channel) -> Option<Series> {
     let (told, measured) = channel.columns();
-    let input = run.recording.column(told)?.to_vec();
+    let mut input = run.recording.column(told)?.to_vec();
     let output = run.recording.column(measured)?.to_vec();
+    let mut yield_kpa = Vec::new();
+    let [shaft_mm, flux_t] = UNDER_FINGER.map(|name| run.recording.column(name));
+    match (channel, flux_t, shaft_mm) {
+        (Channel::Fluid, Some(flux_t), _) => {
+            let flux_t = smooth::smoothed(&run.recording.time_s, flux_t);
+            yield_kpa = flux_t.into_iter().map(finger::yield_kpa).collect();
+        }
+        (Channel::Pulp, None, Some(shaft_mm)) => input.iter_mut().zip(shaft_mm).for_each(|(x, shaft)| *x -= shaft),
+        (Channel::Pulp | Channel::Fluid, ..) => return None,
+        _ => {}
+    }
     let gap_mm = run.recording.column(GAP_MM).and_then(|gap| gap.first().copied()).unwrap_or(0.0);
+    let mut compared: Vec<bool> = input.iter().map(|x| *x >= channel.least_input()).collect();
+    if channel == Channel::Fluid {
+        let place_mm = smooth::smoothed(&run.recording.time_s, &input);
+        compared.iter_mut().zip(borne(&place_mm, &yield_kpa)).for_each(|(compared, borne)| *compared &= borne);
+    }
     Some(Series {
         file: run.file.clone(),
         time_s: run.recording.time_s.clone(),
-        compared: input.iter().map(|x| *x >= channel.least_input()).collect(),
+        compared,
         input,
+        yield_kpa,
         output,
         is_answered: false,
         gap_ratio: 1.0,
@@ -205,13 +231,29 @@ fn one(run: &Run, channel: Channel) -> Option<Series> {
     })
 }
 
-/// Unit of what is told.
-fn input_unit(channel: Channel) -> &'static str {
-    match channel {
-        Channel::Position => "mm",
-        Channel::Force => "N",
-        Channel::Current | Channel::Flux => "A",
-    }
+/// Where a fluid bears all that its yield stress lets it: a finger is deeper than it has been, and, where the stress has risen,
+/// has gone down until its pulp bears that as well. Else the pulp alone tells.
+fn borne(place_mm: &[f64], yield_kpa: &[f64]) -> Vec<bool> {
+    let (mut deepest_mm, mut dent_mm) = (place_mm.first().copied().unwrap_or(0.0), 0.0_f64);
+    // where the pulp began to bear less than the fluid, and from where it surely bears as much
+    let (mut left_mm, mut from_mm) = (None, f64::NEG_INFINITY);
+    // where it stops as well, a smoothed place is that of the way down
+    let after_mm = place_mm.iter().skip(1).chain([&f64::NEG_INFINITY]);
+    let each = place_mm.iter().zip(after_mm).zip(yield_kpa).map(|((mm, after_mm), kpa)| {
+        let goes_down = *mm > deepest_mm + DEEPER_MM && *after_mm > mm + DEEPER_MM;
+        deepest_mm = deepest_mm.max(*mm);
+        let most_n = finger::fluid_n(*mm, *kpa);
+        if finger::pulp_n(mm - dent_mm) < most_n {
+            left_mm.get_or_insert(*mm);
+            return false;
+        }
+        dent_mm = dent_mm.max(mm - finger::pulp_mm(most_n));
+        if let Some(left) = left_mm.take() {
+            from_mm = mm + OTHER * (mm - left);
+        }
+        goes_down && *mm >= from_mm
+    });
+    each.collect()
 }
 
 /// Where time jumps, if it does.
@@ -228,7 +270,13 @@ fn alike(a: &Series, b: &Series, input_range: f64) -> bool {
     if a.input.len().abs_diff(b.input.len()) * 50 > count || (a.gap_mm - b.gap_mm).abs() > 1e-6 {
         return false;
     }
-    let square: f64 = a.input.iter().zip(&b.input).map(|(x, y)| (x - y).powi(2)).sum();
+    let apart = |a: &[f64], b: &[f64]| {
+        let square: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
+        (square / count.max(1) as f64).sqrt()
+    };
+    let most_kpa = a.yield_kpa.iter().fold(0.0_f64, |most, kpa| most.max(*kpa));
     let clock = a.time_s.iter().zip(&b.time_s).all(|(x, y)| ((x - a.time_s[0]) - (y - b.time_s[0])).abs() < 5e-3);
-    clock && (square / count.max(1) as f64).sqrt() < SAME_INPUT * input_range
+    clock
+        && apart(&a.input, &b.input) < SAME_INPUT * input_range
+        && (a.yield_kpa.is_empty() || apart(&a.yield_kpa, &b.yield_kpa) < SAME_YIELD * most_kpa + GAUSS_KPA)
 }

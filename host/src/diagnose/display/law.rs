@@ -41,16 +41,16 @@ impl Law {
         Self { channel, base: channel.base().iter().map(|p| p.nominal).collect(), settings: Vec::new() }
     }
 
-    fn of(&self, effect: &Effect) -> Option<&[f64]> {
+    pub(super) fn of(&self, effect: &Effect) -> Option<&[f64]> {
         let found = self.settings.iter().find(|s| s.effect.code == effect.code && s.effect.form == effect.form);
         found.map(|s| s.values.as_slice())
     }
 
-    fn one(&self, effect: &Effect) -> Option<f64> {
+    pub(super) fn one(&self, effect: &Effect) -> Option<f64> {
         self.of(effect).and_then(|values| values.first().copied())
     }
 
-    fn two(&self, effect: &Effect) -> Option<(f64, f64)> {
+    pub(super) fn two(&self, effect: &Effect) -> Option<(f64, f64)> {
         match self.of(effect) {
             Some(&[a, b]) => Some((a, b)),
             _ => None,
@@ -65,6 +65,8 @@ impl Law {
             Channel::Force => self.force_n(series),
             Channel::Current => self.current_a(series),
             Channel::Flux => self.flux_t(series),
+            Channel::Pulp => self.pulp_n(series),
+            Channel::Fluid => self.fluid_n(series),
         }
     }
 
@@ -262,6 +264,7 @@ mod tests {
             output: Vec::new(),
             time_s,
             input,
+            yield_kpa: Vec::new(),
             compared,
             is_answered: false,
             gap_ratio: 1.0,

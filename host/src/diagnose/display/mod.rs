@@ -1,13 +1,16 @@
-//! Diagnosis of the display: what its simulation gets wrong, from commanded and measured position, force, current and flux.
+//! Diagnosis of the display: what its simulation gets wrong, from commanded and measured position, force,
+//! current and flux, and from what a finger on it bears.
 //!
 //! The same questions in the same order as for an indentation ([`crate::diagnose`]), asked of every channel by itself: what a channel is told is
 //! recorded, so that an effect in one leaves the others as they are.
 
 pub mod answer;
+mod borne;
 pub mod channel;
 pub mod design;
 mod discrepancy;
 pub mod effect;
+mod finger;
 pub mod fit;
 mod forward;
 pub mod gain;

@@ -35,7 +35,7 @@ pub struct Jitter {
     pub gain: f64,
     /// Of the zero, in the channel's unit.
     pub zero: f64,
-    /// Of what slides: time of the position (s), the current's reading for the flux (A).
+    /// Of what slides: time of the position (s), the current's reading for the flux (A), where a finger touches (mm).
     pub slide: f64,
 }
 
@@ -216,7 +216,7 @@ fn jitter(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation], sen
         let raw = if weight > 0.0 { (sum / weight).max(0.0) } else { 0.0 };
         ((raw * freedom + expected * expected * EXPECTED_FREEDOM) / (freedom + EXPECTED_FREEDOM)).sqrt()
     };
-    let slides = matches!(design.channel, Channel::Position | Channel::Flux);
+    let slides = !matches!(design.channel, Channel::Force | Channel::Current);
     let slide = if slides { spread(2, 0.0) } else { 0.0 };
     (
         Jitter { gain: spread(0, design.channel.expected_gain()), zero: spread(1, 0.0), slide },

@@ -112,11 +112,7 @@ fn planned(design: &Design) -> Vec<Planned> {
     let inputs = || design.series.iter().flat_map(|s| s.input.iter().copied());
     let (low, high) = inputs().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let range = high - low;
-    let unit = match design.channel {
-        Channel::Position => "mm",
-        Channel::Force => "N",
-        Channel::Current | Channel::Flux => "A",
-    };
+    let unit = design.channel.input_unit();
     let told = |x: f64| format!("{x:.2} {unit}");
     let square = |height: f64, half_s: f64| move |t: f64| if (t / half_s) as i64 % 2 == 1 { height } else { 0.0 };
     let triangle = |height: f64, half_s: f64| {
@@ -171,11 +167,14 @@ fn run(design: &Design, what: String, (low, gap_mm): (f64, f64), span_s: f64, of
     let input: Vec<f64> = time_s.iter().map(|t| low + of(*t)).collect();
     let compared = input.iter().map(|x| *x >= design.channel.least_input()).collect();
     let output = vec![0.0; input.len()];
+    let most_kpa = design.series.iter().flat_map(|s| s.yield_kpa.iter().copied()).reduce(f64::max);
+    let yield_kpa = most_kpa.map_or_else(Vec::new, |most_kpa| vec![most_kpa; input.len()]);
     let gap_mm = if gap_mm.is_finite() { gap_mm } else { 0.0 };
     let series = Series {
         file: what.clone(),
         time_s,
         input,
+        yield_kpa,
         output,
         compared,
         is_answered: false,

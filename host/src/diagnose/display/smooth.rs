@@ -8,6 +8,9 @@ use crate::experiment::motion::noise_of;
 /// Samples of a piece, and how many times the noise it may scatter by to be straight: the longer a piece, the better is its scatter known.
 const PIECES: [(usize, f64); 3] = [(81, 1.3), (27, 1.4), (9, 1.6)];
 
+/// How far from a line a sample of it may lie, in times the noise: one in ten thousand lies farther.
+const NEAR: f64 = 4.0;
+
 /// The smoothed input.
 #[must_use]
 pub fn smoothed(time_s: &[f64], input: &[f64]) -> Vec<f64> {
@@ -21,7 +24,9 @@ pub fn smoothed(time_s: &[f64], input: &[f64]) -> Vec<f64> {
             (0..=last).map(|at| line(&time_s[at..at + samples], &input[at..at + samples])).collect();
         for k in (0..input.len()).filter(|k| is_open[*k]).collect::<Vec<_>>() {
             let own = (k.saturating_sub(samples - 1)..=k.min(last)).map(|at| lines[at]);
-            let best = own.min_by(|a, b| a.2.total_cmp(&b.2));
+            // of a long line the last sample may lie behind a corner
+            let near = own.filter(|(mean, slope, _)| (input[k] - mean - slope * time_s[k]).abs() <= NEAR * noise);
+            let best = near.min_by(|a, b| a.2.total_cmp(&b.2));
             if let Some((mean, slope, _)) = best.filter(|(.., scatter)| *scatter <= straight * noise) {
                 (out[k], is_open[k]) = (mean + slope * time_s[k], false);
             }

@@ -4,6 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::channel::{Channel, slope};
 use super::design::{Design, Series};
+use super::effect::fluid_response;
+use super::finger;
+use super::law::{Law, RESPONSE_S, Setting};
 use super::noise::{Noise, SensorNoise};
 use super::sample::samples;
 use crate::infer::lowrank::Fold;
@@ -220,7 +223,14 @@ fn errors(design: &Design, predicted: &[Vec<f64>]) -> DMatrix<f64> {
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
     let span = (high - low).max(1e-12);
     let timing_s = design.channel.timing_s();
-    let mut columns = DMatrix::zeros(design.samples(), 7);
+    let mut columns = DMatrix::zeros(design.samples(), 9);
+    for (s, series) in design.series.iter().enumerate().filter(|_| design.channel == Channel::Fluid) {
+        let late = late_by(series).into_iter().enumerate();
+        late.for_each(|(k, change_n)| {
+            columns[(design.first(s) + k, 7)] = change_n;
+            columns[(design.first(s) + k, 8)] = finger::fluid_open_n(series.input[k], series.yield_kpa[k]);
+        });
+    }
     let told = samples(design);
     for (s, (series, output)) in design.series.iter().zip(predicted).enumerate() {
         for (k, y) in output.iter().enumerate() {
@@ -242,4 +252,12 @@ fn errors(design: &Design, predicted: &[Vec<f64>]) -> DMatrix<f64> {
         }
     }
     columns
+}
+
+/// What a fluid's response of some milliseconds, which no flux density tells, changes of its force.
+fn late_by(series: &Series) -> Vec<f64> {
+    let mut law = Law::nominal(Channel::Fluid);
+    let at_once = law.predict(series);
+    law.settings.push(Setting { effect: &fluid_response::EFFECT, values: vec![RESPONSE_S] });
+    law.predict(series).into_iter().zip(at_once).map(|(late, at_once)| late - at_once).collect()
 }

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 pub(crate) use need::Need;
-pub use need::{DISPLAY_PAIRS, GAP_MM};
+pub use need::{DISPLAY_PAIRS, FINGER, GAP_MM, UNDER_FINGER};
 pub(crate) use rows::Window;
 
 use super::error::{ExperimentError, Problem};

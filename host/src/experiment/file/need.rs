@@ -4,8 +4,18 @@ use super::super::Test;
 use super::super::format::Pace;
 
 /// Columns of a display run: what it was told and what was measured, in pairs of which a run has at least one.
-pub const DISPLAY_PAIRS: [(&str, &str); 4] =
-    [("command_mm", "position_mm"), ("reference_N", "force_N"), ("command_A", "current_A"), ("current_A", "flux_T")];
+pub const DISPLAY_PAIRS: [(&str, &str); 5] = [
+    ("command_mm", "position_mm"),
+    ("reference_N", "force_N"),
+    ("command_A", "current_A"),
+    ("current_A", "flux_T"),
+    (FINGER, "reference_N"),
+];
+
+/// Place of a finger's bone.
+pub const FINGER: &str = "finger_mm";
+/// What tells on what it presses: the cap's place, or the flux density in the fluid.
+pub const UNDER_FINGER: [&str; 2] = ["position_mm", "flux_T"];
 
 /// Gap of a display's magnet: a column of its own, the same in all rows.
 pub const GAP_MM: &str = "gap_mm";
@@ -39,9 +49,17 @@ impl Need {
             columns.retain(|column| *column != TIME);
         }
         let numbers: &[_] = match test {
-            Test::Display => {
-                &["command_mm", "position_mm", "reference_N", "force_N", "command_A", "current_A", "flux_T", GAP_MM]
-            }
+            Test::Display => &[
+                "command_mm",
+                "position_mm",
+                "reference_N",
+                "force_N",
+                "command_A",
+                "current_A",
+                "flux_T",
+                FINGER,
+                GAP_MM,
+            ],
             Test::Print => &["area_mm2", "a_mm", "b_mm"],
             _ => &[],
         };

@@ -10,8 +10,16 @@ use super::{DisplayEffect, DisplayNoise, DisplayRun, DisplaySpec, Subject};
 /// A specification with a comment at every key (`palpate simulate --example-display`).
 pub const EXAMPLE: &str = include_str!("example.toml");
 
-const SUBJECTS: [(&str, Subject); 3] =
-    [("position", Subject::Position), ("force", Subject::Force), ("coil", Subject::Coil)];
+const SUBJECTS: [(&str, Subject); 5] = [
+    ("position", Subject::Position),
+    ("force", Subject::Force),
+    ("coil", Subject::Coil),
+    ("pulp", Subject::Pulp),
+    ("fluid", Subject::Fluid),
+];
+/// What a finger is pressed to at most, and a coil takes.
+const MOST_MM: f64 = 4.0;
+const MOST_A: f64 = 2.7;
 
 /// True for a specification of a display: it says `test = "display"` before its first table.
 #[must_use]
@@ -46,13 +54,15 @@ pub fn parse(file: &Path, text: &str) -> Result<DisplaySpec, ExperimentError> {
 }
 
 fn run(section: &Section<'_>) -> Result<DisplayRun, ExperimentError> {
-    section.only(&["subject", "values", "hold_s", "ramp_s", "replicates", "gap_mm", "hold_out"])?;
+    section.only(&["subject", "values", "hold_s", "ramp_s", "replicates", "current_A", "gap_mm", "hold_out"])?;
     let subject = section.word("subject", &SUBJECTS)?;
-    let subject = subject.ok_or_else(|| section.missing("subject", "\"position\", \"force\" or \"coil\""))?;
+    let subject = subject
+        .ok_or_else(|| section.missing("subject", "\"position\", \"force\", \"coil\", \"pulp\" or \"fluid\""))?;
     let (most, expected) = match subject {
         Subject::Position => (20.0, "a list of positions of 0 to 20 mm"),
         Subject::Force => (30.0, "a list of loads of 0 to 30 N"),
-        Subject::Coil => (2.7, "a list of currents of 0 to 2.7 A"),
+        Subject::Coil => (MOST_A, CURRENTS),
+        Subject::Pulp | Subject::Fluid => (MOST_MM, "a list of places of 0 to 4 mm"),
     };
     let values = section.numbers("values", expected)?.ok_or_else(|| section.missing("values", expected))?;
     if let Some(value) = section.value("values")
@@ -60,6 +70,7 @@ fn run(section: &Section<'_>) -> Result<DisplayRun, ExperimentError> {
     {
         return Err(section.bad("values", value, expected));
     }
+    let current_a = currents(section, subject, values.len())?;
     let hold_s = section.number("hold_s", 0.0..=600.0, "a time of 0 to 600 s")?.unwrap_or(1.0);
     let ramp_s = section.number("ramp_s", 0.0..=600.0, "a time of 0 to 600 s")?.unwrap_or(0.0);
     let replicates = section.integer("replicates", 1..=100, "a whole number from 1 to 100")?.unwrap_or(3);
@@ -69,6 +80,7 @@ fn run(section: &Section<'_>) -> Result<DisplayRun, ExperimentError> {
         hold_s,
         ramp_s,
         replicates: usize::try_from(replicates).unwrap_or(1),
+        current_a,
         gap_mm: section.number("gap_mm", 0.2..=10.0, "a gap of 0.2 to 10 mm")?.unwrap_or(1.0),
         hold_out: section.flag("hold_out")?.unwrap_or(false),
     };
@@ -80,12 +92,32 @@ fn run(section: &Section<'_>) -> Result<DisplayRun, ExperimentError> {
     }
 }
 
+const CURRENTS: &str = "a list of currents of 0 to 2.7 A";
+
+/// One current a value; of a fluid only.
+fn currents(section: &Section<'_>, subject: Subject, values: usize) -> Result<Vec<f64>, ExperimentError> {
+    const KEY: &str = "current_A";
+    let expected = format!("{CURRENTS}, one a value of a fluid's run");
+    let found = section.numbers(KEY, &expected)?;
+    let is_fluid = subject == Subject::Fluid;
+    match (found, section.value(KEY)) {
+        (Some(found), _) if is_fluid && found.len() == values && found.iter().all(|a| (0.0..=MOST_A).contains(a)) => {
+            Ok(found)
+        }
+        (_, Some(value)) => Err(section.bad(KEY, value, &expected)),
+        _ if is_fluid => Err(section.missing(KEY, &expected)),
+        _ => Ok(Vec::new()),
+    }
+}
+
 fn noise(section: &Section<'_>) -> Result<DisplayNoise, ExperimentError> {
     section.only(&[
         "position_mm",
         "force_share",
         "current_A",
         "flux_T",
+        "finger_N",
+        "finger_mm",
         "correlation_s",
         "gain_jitter",
         "heavy_tails",
@@ -99,6 +131,8 @@ fn noise(section: &Section<'_>) -> Result<DisplayNoise, ExperimentError> {
         force_share: of("force_share", 0.5, usual.force_share)?,
         current_a: of("current_A", 1.0, usual.current_a)?,
         flux_t: of("flux_T", 0.1, usual.flux_t)?,
+        finger_n: of("finger_N", 1.0, usual.finger_n)?,
+        finger_mm: of("finger_mm", 1.0, usual.finger_mm)?,
         correlation_s: of("correlation_s", 100.0, usual.correlation_s)?,
         gain_jitter: of("gain_jitter", 0.2, usual.gain_jitter)?,
         heavy_tails: section.flag("heavy_tails")?.unwrap_or(false),
@@ -108,7 +142,7 @@ fn noise(section: &Section<'_>) -> Result<DisplayNoise, ExperimentError> {
 /// Codes, with the keys of each: name, least, largest value, the value where it may be left out.
 type Keys = &'static [(&'static str, f64, f64, Option<f64>)];
 
-const EFFECTS: [(&str, Keys); 14] = [
+const EFFECTS: [(&str, Keys); 22] = [
     ("delay", &[("delay_s", 0.0, 1.0, None)]),
     ("rate-limit", &[("mm_per_s", 0.1, 1000.0, None)]),
     ("stiction", &[("friction_mm", 0.0, 10.0, Some(0.0)), ("play_mm", 0.0, 10.0, Some(0.0))]),
@@ -126,6 +160,14 @@ const EFFECTS: [(&str, Keys); 14] = [
     ("saturation", &[("limit_T", 0.01, 10.0, None)]),
     ("remanence", &[("remanence_T", 0.0, 0.5, None), ("coercive_A", 0.01, 5.0, Some(0.5))]),
     ("gap", &[("offset_mm", -0.15, 10.0, None)]),
+    ("pulp-size", &[("ratio", 0.3, 3.0, None)]),
+    ("pulp-relaxation", &[("part", 0.0, 0.9, None), ("tau_s", 0.01, 100.0, Some(0.5))]),
+    ("yield-law", &[("most_kPa", 0.1, 100.0, None)]),
+    ("fluid-rest", &[("kPa", 0.0, 5.0, None)]),
+    ("fluid-viscosity", &[("kPa_s_per_mm", 0.0, 2.0, None)]),
+    ("fluid-response", &[("seconds", 0.0, 10.0, None)]),
+    ("outside-ridges", &[("part", 0.0, 1.0, None), ("pitch_mm", 0.1, 5.0, Some(0.5))]),
+    ("outside-cup", &[("part", 0.0, 10.0, None)]),
     ("outside-ripple", &[("amplitude_mm", 0.0, 5.0, None), ("pitch_mm", 0.1, 50.0, Some(2.0))]),
     ("outside-wobble", &[("share", 0.0, 1.0, None), ("frequency_hz", 0.2, 20.0, Some(4.0))]),
     ("outside-viscous", &[("seconds", 0.0, 1.0, None)]),
@@ -160,6 +202,14 @@ fn effect(section: &Section<'_>) -> Result<DisplayEffect, ExperimentError> {
         "saturation" => DisplayEffect::Saturation { tesla: a },
         "remanence" => DisplayEffect::Remanence { tesla: a, ampere: b },
         "gap" => DisplayEffect::Gap { mm: a },
+        "pulp-size" => DisplayEffect::PulpSize { ratio: a },
+        "pulp-relaxation" => DisplayEffect::PulpRelaxation { part: a, tau_s: b },
+        "yield-law" => DisplayEffect::YieldLaw { most_kpa: a },
+        "fluid-rest" => DisplayEffect::FluidRest { kpa: a },
+        "fluid-viscosity" => DisplayEffect::FluidViscosity { kpa_s_per_mm: a },
+        "fluid-response" => DisplayEffect::FluidResponse { seconds: a },
+        "outside-ridges" => DisplayEffect::OutsideRidges { part: a, pitch_mm: b },
+        "outside-cup" => DisplayEffect::OutsideCup { part: a },
         "outside-ripple" => DisplayEffect::OutsideRipple { mm: a, pitch_mm: b },
         "outside-wobble" => DisplayEffect::OutsideWobble { share: a, hz: b },
         "outside-viscous" => DisplayEffect::OutsideViscous { seconds: a },

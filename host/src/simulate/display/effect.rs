@@ -67,6 +67,38 @@ pub enum DisplayEffect {
         /// Offset, mm.
         mm: f64,
     },
+    /// The pulp's force lies at other compressions.
+    PulpSize {
+        /// Compression over that of the round finger.
+        ratio: f64,
+    },
+    /// A part of the pulp's force relaxes.
+    PulpRelaxation {
+        /// Part of the force at once.
+        part: f64,
+        /// Time constant, s.
+        tau_s: f64,
+    },
+    /// The yield stress bends towards a largest one.
+    YieldLaw {
+        /// That stress, kPa.
+        most_kpa: f64,
+    },
+    /// The fluid bears something without a field.
+    FluidRest {
+        /// Shear yield stress, kPa.
+        kpa: f64,
+    },
+    /// The fluid bears more the faster it is pressed.
+    FluidViscosity {
+        /// Stress over the finger's speed, kPa s/mm.
+        kpa_s_per_mm: f64,
+    },
+    /// The yield stress follows the flux late.
+    FluidResponse {
+        /// Time constant, s.
+        seconds: f64,
+    },
     /// The spindle's pitch shows in the position: an error that repeats along the stroke.
     OutsideRipple {
         /// Amplitude, mm.
@@ -91,6 +123,18 @@ pub enum DisplayEffect {
         /// Current, A.
         ampere: f64,
     },
+    /// The skin's ridges give way one after the other.
+    OutsideRidges {
+        /// Part of the force.
+        part: f64,
+        /// From ridge to ridge, mm of compression.
+        pitch_mm: f64,
+    },
+    /// The cup of the fluid ends: it bears more near its ground.
+    OutsideCup {
+        /// Part of the stress that is added at 3 mm; it grows with the cube of the travel.
+        part: f64,
+    },
     /// Eddy currents: the flux follows late.
     OutsideEddy {
         /// Time constant, s.
@@ -112,6 +156,14 @@ impl DisplayEffect {
             Self::Saturation { .. } => "saturation",
             Self::Remanence { .. } => "remanence",
             Self::Gap { .. } => "gap",
+            Self::PulpSize { .. } => "pulp-size",
+            Self::PulpRelaxation { .. } => "pulp-relaxation",
+            Self::YieldLaw { .. } => "yield-law",
+            Self::FluidRest { .. } => "fluid-rest",
+            Self::FluidViscosity { .. } => "fluid-viscosity",
+            Self::FluidResponse { .. } => "fluid-response",
+            Self::OutsideRidges { .. } => "outside-ridges",
+            Self::OutsideCup { .. } => "outside-cup",
             Self::OutsideRipple { .. } => "outside-ripple",
             Self::OutsideWobble { .. } => "outside-wobble",
             Self::OutsideViscous { .. } => "outside-viscous",

@@ -1,7 +1,7 @@
 //! Experiments with a display that never happened: commands to the simulated surroundings of a board ([`crate::plant`]), whose flaws the
 //! experiment does not declare.
 //!
-//! Shaft, sensor, winding and core are those of the plant; nothing here uses the laws that a diagnosis works with.
+//! Shaft, sensor, winding, core, pulp and fluid are those of the plant; nothing here uses the laws that a diagnosis works with.
 //!
 //! ```
 //! use palpate::simulate::display::{DisplayEffect, DisplayRun, DisplaySpec, Subject};
@@ -16,6 +16,7 @@
 mod command;
 mod description;
 mod effect;
+mod finger;
 mod run;
 mod spec;
 
@@ -45,12 +46,7 @@ impl DisplaySpec {
         for (command, one) in self.runs.iter().enumerate() {
             for replicate in 0..one.replicates {
                 let number = runs.len() as u64;
-                let subject = match one.subject {
-                    Subject::Position => "position",
-                    Subject::Force => "force",
-                    Subject::Coil => "coil",
-                };
-                let file = format!("{subject}-{}-{}.csv", command + 1, replicate + 1);
+                let file = format!("{}-{}-{}.csv", one.subject.word(), command + 1, replicate + 1);
                 runs.push(Run {
                     path: folder.join(&file),
                     file,

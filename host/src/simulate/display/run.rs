@@ -13,10 +13,10 @@ use crate::plant::{Actuator, ActuatorFlaws, ActuatorLaw, Coil, Converter, Core, 
 use crate::simulate::chance::{Purpose, stream};
 use crate::simulate::noise::Correlated;
 
-use super::{DisplayEffect, DisplayRun, DisplaySpec, Subject, TICK_S};
+use super::{DisplayEffect, DisplayRun, DisplaySpec, Subject, TICK_S, finger};
 
 /// Steps of the surroundings a tick; finer than the bench's.
-const STEPS: usize = 80;
+pub(super) const STEPS: usize = 80;
 /// Shunt amplifier of the coil: reading without current, and A for the full reference.
 const SHUNT: (f64, f64) = (0.05, 3.3);
 /// Rounding of the gauss meter, T: one gauss.
@@ -25,11 +25,11 @@ const GAUSS_T: f64 = 1e-4;
 const REFERENCE_N: f64 = 0.002;
 
 /// Chance of one run.
-struct Chance {
-    noise: Correlated,
+pub(super) struct Chance {
+    pub noise: Correlated,
     own: Pcg64,
-    gain: f64,
-    zero: f64,
+    pub gain: f64,
+    pub zero: f64,
 }
 
 impl Chance {
@@ -45,7 +45,7 @@ impl Chance {
         Self { noise: Correlated::new(&noise, stream(spec.seed, Purpose::Sensor, number), TICK_S), own, gain, zero }
     }
 
-    fn normal(&mut self) -> f64 {
+    pub(super) fn normal(&mut self) -> f64 {
         self.own.sample(StandardNormal)
     }
 }
@@ -63,6 +63,8 @@ pub(super) fn recorded(spec: &DisplaySpec, run: &DisplayRun, number: u64) -> Rec
         }
         Subject::Force => force(spec, run, &time_s, (converter, Chance::new(spec, number, spec.noise.gain_jitter))),
         Subject::Coil => coil(spec, run, &time_s, (converter, Chance::new(spec, number, 0.1 * spec.noise.gain_jitter))),
+        Subject::Pulp => finger::pulp(spec, run, &time_s, Chance::new(spec, number, spec.noise.gain_jitter)),
+        Subject::Fluid => finger::fluid(spec, run, &time_s, Chance::new(spec, number, spec.noise.gain_jitter)),
     };
     for (name, values) in columns {
         if name == "force_N" {
@@ -75,7 +77,7 @@ pub(super) fn recorded(spec: &DisplaySpec, run: &DisplayRun, number: u64) -> Rec
     recording
 }
 
-type Columns = Vec<(&'static str, Vec<f64>)>;
+pub(super) type Columns = Vec<(&'static str, Vec<f64>)>;
 
 fn position(
     spec: &DisplaySpec,
@@ -220,7 +222,7 @@ fn coil(
     vec![("command_A", command), ("current_A", current), ("flux_T", flux), (GAP_MM, gap_mm)]
 }
 
-fn rounded(value: f64, unit: f64) -> f64 {
+pub(super) fn rounded(value: f64, unit: f64) -> f64 {
     // dividing by a whole number gives the shortest decimal
     let inverse = (1.0 / unit).round();
     (value * inverse).round() / inverse

@@ -13,6 +13,10 @@ pub struct DisplayNoise {
     pub current_a: f64,
     /// Of the flux density, T.
     pub flux_t: f64,
+    /// Of the finger's force, N.
+    pub finger_n: f64,
+    /// Of the place of its bone, mm; white.
+    pub finger_mm: f64,
     /// Correlation time, s.
     pub correlation_s: f64,
     /// Of the gain from run to run: force; position, current and flux scatter by a tenth of it.
@@ -28,6 +32,8 @@ impl Default for DisplayNoise {
             force_share: 0.005,
             current_a: 0.004,
             flux_t: 1e-4,
+            finger_n: 0.004,
+            finger_mm: 0.004,
             correlation_s: 0.1,
             gain_jitter: 0.015,
             heavy_tails: false,

@@ -14,6 +14,10 @@ pub enum Stage {
     Winding,
     /// Steel and gap.
     Core,
+    /// The finger's pulp.
+    Pulp,
+    /// The fluid under it.
+    Fluid,
     /// The sensor.
     Sensor,
 }
@@ -27,6 +31,8 @@ impl Stage {
             Stage::Mechanics => "mechanics",
             Stage::Winding => "winding",
             Stage::Core => "core",
+            Stage::Pulp => "pulp",
+            Stage::Fluid => "fluid",
             Stage::Sensor => "sensor",
         }
     }

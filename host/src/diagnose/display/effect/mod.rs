@@ -7,8 +7,14 @@ pub mod backlash;
 pub mod coil_heating;
 mod definition;
 pub mod delay;
+pub mod fluid_response;
+pub mod fluid_rest;
+pub mod fluid_viscosity;
 pub mod gap;
+pub mod late;
 mod play;
+pub mod pulp_relaxation;
+pub mod pulp_size;
 pub mod rate_limit;
 pub mod remanence;
 pub mod saturation;
@@ -16,6 +22,7 @@ pub mod sensor_creep;
 pub mod sensor_hysteresis;
 pub mod sensor_nonlinearity;
 pub mod stiction;
+pub mod yield_law;
 
 pub use definition::{Effect, Quantity, Stage};
 pub use play::play;
@@ -35,6 +42,12 @@ pub const CATALOGUE: &[&Effect] = &[
     &saturation::EFFECT,
     &remanence::EFFECT,
     &gap::EFFECT,
+    &pulp_size::EFFECT,
+    &pulp_relaxation::EFFECT,
+    &yield_law::EFFECT,
+    &fluid_rest::EFFECT,
+    &fluid_viscosity::EFFECT,
+    &fluid_response::EFFECT,
 ];
 
 /// An effect by code and form; any form where none is given.

@@ -1,6 +1,6 @@
 //! A force sensing resistor that reads more the longer it is loaded.
 
-use super::{Effect, Quantity, Stage};
+use super::{Effect, Quantity, Stage, late};
 use crate::diagnose::display::channel::Channel;
 
 const AMOUNT: Quantity = Quantity {
@@ -83,17 +83,6 @@ pub fn crept(time_s: &[f64], force_n: &[f64], per_decade: f64) -> Vec<f64> {
 /// Force (N) with a part `amplitude` of it that follows with `tau_s`, the force straight between samples.
 #[must_use]
 pub fn remembered(time_s: &[f64], force_n: &[f64], (amplitude, tau_s): (f64, f64)) -> Vec<f64> {
-    let mut late_n = force_n.first().copied().unwrap_or(0.0);
-    let mut out = Vec::with_capacity(force_n.len());
-    for (k, now_n) in force_n.iter().enumerate() {
-        if k > 0 {
-            let x = (time_s[k] - time_s[k - 1]) / tau_s;
-            // first-order lag of a ramp, exact
-            let kept = (-x).exp();
-            let mean = if x > 1e-9 { (1.0 - kept) / x } else { 1.0 };
-            late_n = late_n * kept + now_n * (1.0 - mean) + force_n[k - 1] * (mean - kept);
-        }
-        out.push(now_n + amplitude * late_n);
-    }
-    out
+    let late_n = late::followed(time_s, force_n, tau_s);
+    force_n.iter().zip(late_n).map(|(now_n, late_n)| now_n + amplitude * late_n).collect()
 }

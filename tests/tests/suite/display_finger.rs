@@ -1,0 +1,119 @@
+//! Pulp and fluid under a finger as links of the display's diagnosis: hidden flaws, a finger of others.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use palpate::diagnose::Verdict;
+use palpate::diagnose::display::channel::Channel;
+use palpate::diagnose::display::{self, ChannelDiagnosis};
+use palpate::experiment::{self, Experiment};
+use tests::display::{Case, Outcome, Plan, Scored};
+
+fn scored(seed: u64, hidden: &[&'static str], level: usize) -> Scored {
+    let scored = Scored::of(&Case::clean(Plan::Finger, seed).hiding(hidden, level)).unwrap();
+    println!("{}", scored.line());
+    scored
+}
+
+#[test]
+fn a_finger_as_simulated_raises_no_alarm() {
+    let alarms = [611, 612, 613].iter().filter(|seed| scored(**seed, &[], 0).outcome != Outcome::Clean).count();
+    // one in nine of fresh ones has an alarm, never a name
+    assert!(alarms <= 1, "{alarms} of 3");
+}
+
+/// At a size that these presses see well, and never another name.
+#[test]
+fn what_is_wrong_with_pulp_and_fluid_has_its_name() {
+    let cases = [
+        (621, "pulp-relaxation"),
+        (622, "pulp-size"),
+        (623, "fluid-response"),
+        (624, "yield-law"),
+        (625, "fluid-rest"),
+        (626, "fluid-viscosity"),
+        (627, "outside-ridges"),
+        (628, "outside-cup"),
+    ];
+    let all: Vec<Scored> = cases.iter().map(|(seed, name)| scored(*seed, &[name], 3)).collect();
+    let named = all[..6].iter().filter(|one| matches!(one.outcome, Outcome::Exact | Outcome::InSet)).count();
+    assert!(named >= 4 && all.iter().all(|one| one.outcome != Outcome::Wrong), "{named} of 6 named");
+    assert!(all[6..].iter().all(|one| one.outcome == Outcome::Unknown), "what is in no catalogue is unknown");
+}
+
+/// A fingerpad of others on a plate that stands: force exponential in the compression, three times of relaxation (form and times of
+/// Pawluk and Howe 1999, doi:10.1115/1.2835100; amounts assumed). `elastic` leaves the relaxation out.
+fn fingerpad(elastic: bool) -> Experiment {
+    const TICK_S: f64 = 0.02;
+    let parts: [(f64, f64); 3] = if elastic { [(0.0, 1.0); 3] } else { [(0.15, 0.004), (0.2, 0.07), (0.2, 1.4)] };
+    let rest = 1.0 - parts.iter().map(|(part, _)| part).sum::<f64>();
+    let instant = |mm: f64| if mm > 0.0 { 0.3 * (((1.3 * mm).exp() - 1.0) / 1.3) } else { 0.0 };
+    // down, hold, up: s, and how deep, mm
+    let ways = [(1.5, 1.0, 2.0), (0.3, 3.0, 2.0), (0.6, 1.0, 1.2)];
+    let folder = tempfile::tempdir().unwrap();
+    let mut toml = String::new();
+    // a fixed pattern in place of noise: neighbours differ, repeats too
+    let mut wiggle = 7_u32;
+    let mut noise = || {
+        wiggle = wiggle.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(wiggle >> 8) / f64::from(1 << 24) - 0.5
+    };
+    for (way, (way_s, hold_s, deep_mm)) in ways.into_iter().enumerate() {
+        for repeat in 0..3 {
+            let place =
+                |t: f64| deep_mm * ((t - 0.2) / way_s).min((0.2 + 2.0 * way_s + hold_s - t) / way_s).clamp(0.0, 1.0);
+            let gain = 1.0 + 0.02 * noise();
+            let mut late = [0.0; 3];
+            let mut csv = "time_s,finger_mm,position_mm,reference_N\n".to_owned();
+            for k in 0..((0.6 + 2.0 * way_s + hold_s) / TICK_S) as usize {
+                let t = k as f64 * TICK_S;
+                let force = rest * instant(place(t))
+                    + parts.iter().zip(&late).map(|((part, _), late)| part * (instant(place(t)) - late)).sum::<f64>();
+                let read = gain * force.max(0.0) + 0.01 * noise();
+                csv.push_str(&format!("{t:.2},{:.4},0,{read:.4}\n", place(t) + 0.01 * noise()));
+                for i in 0..200 {
+                    let dt_s = TICK_S / 200.0;
+                    let now = instant(place(t + (f64::from(i) + 0.5) * dt_s));
+                    for ((_, tau_s), late) in parts.iter().zip(&mut late) {
+                        *late += (now - *late) * (1.0 - (-dt_s / tau_s).exp());
+                    }
+                }
+            }
+            let file = format!("{way}-{repeat}.csv");
+            std::fs::write(folder.path().join(&file), csv).unwrap();
+            toml.push_str(&format!("[[run]]\nfile = \"{file}\"\ntest = \"display\"\n"));
+        }
+    }
+    std::fs::write(folder.path().join("experiment.toml"), toml).unwrap();
+    experiment::read(folder.path()).unwrap()
+}
+
+fn pulp(experiment: &Experiment) -> ChannelDiagnosis {
+    let found = display::diagnose(experiment, &|_, _, _| {}).unwrap();
+    found.channels.into_iter().find(|one| one.channel == Channel::Pulp).unwrap()
+}
+
+/// What relaxes with three times, and stiffens otherwise than the round finger, is seen to relax; what only stiffens otherwise is not.
+#[test]
+fn a_fingerpad_of_others_relaxes_where_it_does() {
+    let found = pulp(&fingerpad(false));
+    let evidence = found.evidence.as_deref().unwrap();
+    let believed = |of: &ChannelDiagnosis, code: &str| {
+        let beliefs = &of.evidence.as_deref().unwrap().judged.beliefs;
+        beliefs.iter().find(|belief| belief.name == code).map_or(0.0, |belief| belief.probability)
+    };
+    println!("{:?} {:?}", found.verdict, evidence.judged.beliefs);
+    assert!(believed(&found, "pulp-relaxation") > 0.99 && found.verdict != Verdict::Clean);
+    let elastic = pulp(&fingerpad(true));
+    println!("{:?} {:?}", elastic.verdict, elastic.findings);
+    assert!(elastic.findings.iter().all(|finding| finding.code != "pulp-relaxation"));
+    assert!(elastic.verdict != Verdict::Clean, "an exponential is no round finger");
+}
+
+/// A finger needs what lies under it, and repeats.
+#[test]
+fn a_finger_over_nothing_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.csv"), "time_s,finger_mm,reference_N\n0,0,0\n0.02,1,0.1\n").unwrap();
+    std::fs::write(folder.path().join("experiment.toml"), "[[run]]\nfile = \"a.csv\"\ntest = \"display\"\n").unwrap();
+    let told = experiment::read(folder.path()).unwrap_err().to_string();
+    assert!(told.contains("finger_mm and reference_N with position_mm or flux_T"), "{told}");
+}
