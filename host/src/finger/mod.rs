@@ -7,6 +7,7 @@
 //! | [`press`] | the press by finite elements ([`lut_gen::pad`]) |
 //! | [`prints`] | prints that were measured, and the finger that makes them |
 //! | [`reading`] | what is read of every state: force, area, pressures, Mises stress |
+//! | [`round`] | tables of the round finger, which control curves are made for |
 //! | [`vtu`] | a state for ParaView |
 
 mod builtin;
@@ -16,6 +17,7 @@ pub mod opposite;
 pub mod press;
 pub mod prints;
 pub mod reading;
+pub mod round;
 pub mod vtu;
 
 use lut_gen::pad::body::finger::Finger;

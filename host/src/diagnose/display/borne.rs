@@ -2,15 +2,15 @@
 
 use super::design::Series;
 use super::effect::{fluid_response, fluid_rest, fluid_viscosity, late, pulp_relaxation, pulp_size, yield_law};
-use super::finger;
 use super::law::Law;
+use crate::finger::round;
 
 impl Law {
     /// Force of the pulp on the cap.
     pub(super) fn pulp_n(&self, series: &Series) -> Vec<f64> {
         let [stiffness, touch_mm, zero_n] = [0, 1, 2].map(|i| self.base[i]);
         let ratio = self.one(&pulp_size::EFFECT).unwrap_or(1.0);
-        let force = |mm: &f64| stiffness * finger::pulp_n((mm - touch_mm) / ratio);
+        let force = |mm: &f64| stiffness * round::pulp_n((mm - touch_mm) / ratio);
         let mut force_n: Vec<f64> = series.input.iter().map(force).collect();
         if let Some(parts) = self.two(&pulp_relaxation::EFFECT) {
             force_n = pulp_relaxation::relaxing(&series.time_s, &force_n, parts);
@@ -40,7 +40,7 @@ impl Law {
             yield_kpa.iter_mut().zip(down).for_each(|(kpa, down)| *kpa += viscous * down);
         }
         // of stiffer tissue it bears as much as the round one on a fluid that is weaker
-        let borne = |mm: f64, kpa: f64| stiffness * finger::fluid_n(mm / size, kpa / modulus);
+        let borne = |mm: f64, kpa: f64| stiffness * round::fluid_n(mm / size, kpa / modulus);
         let force = |(mm, kpa): (&f64, f64)| borne(mm - touch_mm, kpa);
         series.input.iter().zip(yield_kpa).map(|place| force(place) + zero_n).collect()
     }

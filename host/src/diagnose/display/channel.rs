@@ -1,7 +1,7 @@
 //! What a display measures: six channels, each with what it was told, what was measured, and the base law between them.
 
 use super::design::Series;
-use super::finger;
+use crate::finger::round;
 
 /// One measured quantity of the display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -166,8 +166,8 @@ impl Channel {
         match self {
             Self::Position => slope(&series.time_s, output, k),
             Self::Flux => flux_slope(series.input[k]),
-            Self::Pulp => finger::pulp_slope(series.input[k]),
-            Self::Fluid => finger::fluid_slope(series.input[k], series.yield_kpa[k]),
+            Self::Pulp => round::pulp_slope(series.input[k]),
+            Self::Fluid => round::fluid_slope(series.input[k], series.yield_kpa[k]),
             Self::Force | Self::Current => 0.0,
         }
     }

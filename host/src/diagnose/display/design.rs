@@ -2,9 +2,10 @@
 
 use crate::experiment::signal::range;
 use crate::experiment::{Experiment, GAP_MM, Run, Test, UNDER_FINGER};
+use crate::finger::round;
 
 use super::channel::Channel;
-use super::{finger, smooth};
+use super::smooth;
 
 /// One run of a channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -204,7 +205,7 @@ fn one(run: &Run, channel: Channel) -> Option<Series> {
     match (channel, flux_t, shaft_mm) {
         (Channel::Fluid, Some(flux_t), _) => {
             let flux_t = smooth::smoothed(&run.recording.time_s, flux_t);
-            yield_kpa = flux_t.into_iter().map(finger::yield_kpa).collect();
+            yield_kpa = flux_t.into_iter().map(round::yield_kpa).collect();
         }
         (Channel::Pulp, None, Some(shaft_mm)) => input.iter_mut().zip(shaft_mm).for_each(|(x, shaft)| *x -= shaft),
         (Channel::Pulp | Channel::Fluid, ..) => return None,
@@ -242,12 +243,12 @@ fn borne(place_mm: &[f64], yield_kpa: &[f64]) -> Vec<bool> {
     let each = place_mm.iter().zip(after_mm).zip(yield_kpa).map(|((mm, after_mm), kpa)| {
         let goes_down = *mm > deepest_mm + DEEPER_MM && *after_mm > mm + DEEPER_MM;
         deepest_mm = deepest_mm.max(*mm);
-        let most_n = finger::fluid_n(*mm, *kpa);
-        if finger::pulp_n(mm - dent_mm) < most_n {
+        let most_n = round::fluid_n(*mm, *kpa);
+        if round::pulp_n(mm - dent_mm) < most_n {
             left_mm.get_or_insert(*mm);
             return false;
         }
-        dent_mm = dent_mm.max(mm - finger::pulp_mm(most_n));
+        dent_mm = dent_mm.max(mm - round::pulp_mm(most_n));
         if let Some(left) = left_mm.take() {
             from_mm = mm + OTHER * (mm - left);
         }

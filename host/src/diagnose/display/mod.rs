@@ -10,7 +10,6 @@ pub mod channel;
 pub mod design;
 mod discrepancy;
 pub mod effect;
-mod finger;
 pub mod fit;
 mod forward;
 pub mod gain;

@@ -1,11 +1,11 @@
 //! From differences in a channel's unit to numbers that are independent with unit variance when the law is right.
 
+use crate::finger::round;
 use nalgebra::{DMatrix, DVector};
 
 use super::channel::{Channel, slope};
 use super::design::{Design, Series};
 use super::effect::fluid_response;
-use super::finger;
 use super::law::{Law, RESPONSE_S, Setting};
 use super::noise::{Noise, SensorNoise};
 use super::sample::samples;
@@ -228,7 +228,7 @@ fn errors(design: &Design, predicted: &[Vec<f64>]) -> DMatrix<f64> {
         let late = late_by(series).into_iter().enumerate();
         late.for_each(|(k, change_n)| {
             columns[(design.first(s) + k, 7)] = change_n;
-            columns[(design.first(s) + k, 8)] = finger::fluid_open_n(series.input[k], series.yield_kpa[k]);
+            columns[(design.first(s) + k, 8)] = round::fluid_open_n(series.input[k], series.yield_kpa[k]);
         });
     }
     let told = samples(design);

@@ -1,4 +1,4 @@
-//! The round finger of the control curves on a plate and on a fluid that yields, by finite elements of this program.
+//! The round finger of the control curves on a plate and on a fluid that yields: tables by finite elements of this program.
 
 use std::sync::LazyLock;
 
@@ -6,9 +6,9 @@ use lut_gen::magnet::curve::Rising;
 use lut_gen::magnet::fluid::{Fluid, Oil};
 
 /// Force over compression on a rigid plate.
-const PULP: &str = include_str!("../../../plants/pulp.csv");
+const PULP: &str = include_str!("../../plants/pulp.csv");
 /// Largest force over travel on fluids of constant shear yield stress.
-const FLUID: &str = include_str!("../../../plants/fluid-force.csv");
+const FLUID: &str = include_str!("../../plants/fluid-force.csv");
 /// Volume fraction of iron of MRF-122.
 const IRON: f64 = 0.22;
 /// Half of the step of a difference quotient, mm.
@@ -83,18 +83,21 @@ impl Force {
 }
 
 /// Force on a plate at a compression (mm), N.
-pub(super) fn pulp_n(mm: f64) -> f64 {
+#[must_use]
+pub fn pulp_n(mm: f64) -> f64 {
     TABLES.as_ref().map_or(0.0, |tables| tables.pulp.at(mm))
 }
 
 /// Compression on a plate at a force (N), mm.
-pub(super) fn pulp_mm(n: f64) -> f64 {
+#[must_use]
+pub fn pulp_mm(n: f64) -> f64 {
     TABLES.as_ref().map_or(0.0, |tables| tables.pulp.inverse(n))
 }
 
 /// Largest force at a travel (mm) on a fluid of a shear yield stress (kPa), N: a power of the stress between two of the table's, in
 /// proportion to it below them, and the plate's above them.
-pub(super) fn fluid_n(mm: f64, kpa: f64) -> f64 {
+#[must_use]
+pub fn fluid_n(mm: f64, kpa: f64) -> f64 {
     let Some(tables) = TABLES.as_ref() else { return 0.0 };
     if mm <= 0.0 || kpa <= 0.0 {
         return 0.0;
@@ -112,7 +115,8 @@ pub(super) fn fluid_n(mm: f64, kpa: f64) -> f64 {
 }
 
 /// What the table leaves open between its travels, of the force of the nearest stress above, N.
-pub(super) fn fluid_open_n(mm: f64, kpa: f64) -> f64 {
+#[must_use]
+pub fn fluid_open_n(mm: f64, kpa: f64) -> f64 {
     let above = |tables: &Tables| {
         tables.fluid.iter().find(|(own, _)| *own >= kpa).map(|(own, force)| force.open(mm) * kpa / own)
     };
@@ -120,17 +124,20 @@ pub(super) fn fluid_open_n(mm: f64, kpa: f64) -> f64 {
 }
 
 /// Shear yield stress of the fluid at a flux density (T), kPa.
-pub(super) fn yield_kpa(flux_t: f64) -> f64 {
+#[must_use]
+pub fn yield_kpa(flux_t: f64) -> f64 {
     TABLES.as_ref().map_or(0.0, |tables| tables.yields.yield_at_flux(flux_t.abs()))
 }
 
 /// Derivative of the force on a plate over its compression, N/mm.
-pub(super) fn pulp_slope(mm: f64) -> f64 {
+#[must_use]
+pub fn pulp_slope(mm: f64) -> f64 {
     (pulp_n(mm + HALF_MM) - pulp_n(mm - HALF_MM)) / (2.0 * HALF_MM)
 }
 
 /// Derivative of the force on a fluid of a shear yield stress (kPa) over the travel, N/mm.
-pub(super) fn fluid_slope(mm: f64, kpa: f64) -> f64 {
+#[must_use]
+pub fn fluid_slope(mm: f64, kpa: f64) -> f64 {
     (fluid_n(mm + HALF_MM, kpa) - fluid_n(mm - HALF_MM, kpa)) / (2.0 * HALF_MM)
 }
 
