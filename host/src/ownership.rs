@@ -12,6 +12,12 @@ use sha2::{Digest, Sha256};
 /// Name of the list.
 const LIST: &str = "written-by-palpate.sha256";
 
+/// Letters and digits of a name, small, with dashes for all else.
+pub(crate) fn file_name(name: &str) -> String {
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join("-").to_ascii_lowercase()
+}
+
 /// A folder that a command fills.
 #[derive(Debug)]
 pub(crate) struct OwnFolder {

@@ -6,11 +6,11 @@ use clap::{Args, ValueEnum};
 use miette::IntoDiagnostic;
 use serde_json::json;
 
-use super::control_curve::magnets::file_name;
 use super::range::within;
 use crate::displacement::table::Displacement;
 use crate::displacement::{Cap, Tables, tables};
 use crate::ownership::OwnFolder;
+use crate::ownership::file_name;
 use crate::report::Page;
 use crate::report::displacement as picture;
 

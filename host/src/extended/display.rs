@@ -20,6 +20,7 @@ use crate::diagnose::display::law::{Law, Setting};
 use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, answered};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{Experiment, ExperimentError, Problem as Mistake};
+use crate::finger::round;
 
 /// A number with its 95 % interval where that is known.
 type Known = (f64, Option<(f64, f64)>);
@@ -144,6 +145,7 @@ impl DisplayModel {
         let current_a: Vec<f64> = (0..=POINTS).map(|k| most_a * part(k)).collect();
         let ramp = Series {
             file: String::new(),
+            channel: Channel::Flux,
             time_s: (0..=POINTS).map(|k| RAMP_S * part(k)).collect(),
             output: vec![0.0; current_a.len()],
             compared: vec![true; current_a.len()],
@@ -159,7 +161,7 @@ impl DisplayModel {
         Some(FluxCurve::new(&points, 0.0, Built::default()))
     }
 
-    /// Yield stress over flux density of its fluid, in place of a law. `None` where nothing was found of the fluid.
+    /// Yield stress over flux density of its fluid, with the magnetic law of another. `None` where nothing was found of the fluid.
     ///
     /// # Errors
     /// A yield stress that does not rise with the flux density.
@@ -168,7 +170,8 @@ impl DisplayModel {
         const MOST_KA_M: f64 = 600.0;
         const POINTS: usize = 120;
         let own = self.channels.iter().find(|one| one.channel == Channel::Fluid)?.law();
-        let pascal = |ka_m: f64| 1e3 * own.yields_kpa(law.yield_at_strength(ka_m));
+        // it was found beside the law that the diagnosis takes for granted, whatever the fluid
+        let pascal = |ka_m: f64| 1e3 * own.yields_kpa(round::yield_kpa(law.flux_at_strength(ka_m)));
         let strength = (1..=POINTS).map(|k| MOST_KA_M * (k as f64 / POINTS as f64).powi(2));
         let points = strength.map(|ka_m| (1e3 * ka_m, pascal(ka_m)));
         // what is borne without a field begins within an ampere a metre

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::session::run_at;
 use super::{Asked, Display, Felt, Pace, Sample, Unfelt};
+use crate::ownership::file_name;
 use crate::plant::{Noise, Source};
 
 /// Presses of each material: a diagnosis asks for repeats.
@@ -33,9 +34,10 @@ pub fn presses(asked: &Asked, display: Display, told: &mut dyn FnMut(usize)) -> 
     let mut toml =
         "# Simulated presses of a display, as instruments beside it would have read them.\nname = \"presses\"\n"
             .to_owned();
-    for felt in &all {
+    for (index, felt) in all.iter().enumerate() {
         for (number, press) in felt.presses.iter().enumerate() {
-            let file = format!("{}-{}-{}.csv", felt.curve.material.to_lowercase(), press.pace.name(), number + 1);
+            let material = file_name(&felt.curve.material);
+            let file = format!("{}-{material}-{}-{}.csv", index + 1, press.pace.name(), number + 1);
             let _ = write!(toml, "\n[[run]]\nfile = \"{file}\"\ntest = \"display\"\norder = {}\n", files.len() + 1);
             files.push((file, csv(felt, &press.samples, &mut noise)));
         }

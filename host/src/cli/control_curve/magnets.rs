@@ -8,6 +8,7 @@ use lut_gen::magnet::fluid::Fluid;
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::control::compose::Links;
+use crate::experiment::text_of;
 use crate::extended::display::DisplayModel;
 use crate::magnet::fluid::NamedFluid;
 use crate::magnet::measured;
@@ -44,9 +45,13 @@ pub(in crate::cli) fn links(asked: &str, fluid: &NamedFluid, most_a: f64) -> mie
 /// A file that is no such model, or has neither.
 pub(in crate::cli) fn modelled(file: &Path, links: &Links) -> miette::Result<Links> {
     let name = file.display().to_string();
-    let model = displayed(file)?.ok_or_else(|| {
-        miette!("{name} is no extended model of a display; expected the --model of a `palpate diagnose` of one")
-    })?;
+    let text = text_of(file)?;
+    if text.parse::<toml::Table>().is_ok() && !DisplayModel::is_one(&text) {
+        return Err(miette!(
+            "{name} is no extended model of a display; expected the --model of a `palpate diagnose` of one"
+        ));
+    }
+    let model = DisplayModel::parse(file, &text)?;
     let (flux, law) = (flux_of(&model, &name, links.most_a)?, fluid_of(&model, &name, &links.law)?);
     if flux.is_none() && law.is_none() {
         return Err(miette!(
@@ -80,10 +85,4 @@ fn drawn(asked: &str, most_a: f64) -> miette::Result<FluxCurve> {
     magnet.flux_curve(&study.states).ok_or_else(|| {
         miette!("{asked} has no flux density over current; expected a coil, and `control` naming a point or probe")
     })
-}
-
-/// Letters and digits of a name, small, with dashes for all else.
-pub(in crate::cli) fn file_name(name: &str) -> String {
-    let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
-    words.collect::<Vec<_>>().join("-").to_ascii_lowercase()
 }

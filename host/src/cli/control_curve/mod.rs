@@ -17,8 +17,8 @@ use crate::control::compose::Links;
 use crate::control::study::Study;
 use crate::finger::opposite::{Block, Opposite};
 use crate::ownership::OwnFolder;
+use crate::ownership::file_name;
 use crate::report::control as picture;
-use magnets::file_name;
 use recipe::Recipe;
 
 /// Folder of files where none is asked for.

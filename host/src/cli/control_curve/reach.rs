@@ -6,12 +6,13 @@ use clap::Args;
 use miette::{IntoDiagnostic, miette};
 use serde_json::json;
 
-use super::magnets::{self, file_name};
+use super::magnets;
 use crate::cli::progress::Progress;
 use crate::cli::range::within;
 use crate::control::compose::Links;
 use crate::control::{ControlCurve, CurveError};
 use crate::ownership::OwnFolder;
+use crate::ownership::file_name;
 use crate::report::{control as picture, number};
 
 /// Folder of files where none is asked for.

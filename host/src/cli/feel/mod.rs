@@ -72,7 +72,7 @@ pub struct Arguments {
     copy: Option<PathBuf>,
     /// Press each material three times slowly and three times fast on one --display, write what instruments beside it would have
     /// read to this folder, an experiment for `palpate diagnose`, and score nothing
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["copy", "model"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["copy", "model", "table"])]
     record: Option<PathBuf>,
     /// Print one JSON object on standard output
     #[arg(long)]
@@ -144,6 +144,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         seed: arguments.seed,
     };
     if arguments.record.is_some() {
+        folder.check("experiment.toml").into_diagnostic()?;
         return recorded(&mut folder, arguments, &asked, &progress);
     }
     let all = pressed(&asked, displays(arguments), &progress)?;
@@ -315,7 +316,7 @@ fn write(
     }
     let mut files = Vec::new();
     for felt in all {
-        let name = format!("{}-{}", magnets::file_name(&felt.curve.material), told::word(felt.display));
+        let name = format!("{}-{}", crate::ownership::file_name(&felt.curve.material), told::word(felt.display));
         page.section(&format!("{}, {}", felt.curve.material, told::name(felt.display)));
         for (what, figure, caption) in picture::figures(felt) {
             let svg = figure.svg();

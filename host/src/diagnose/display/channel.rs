@@ -133,6 +133,31 @@ impl Channel {
         matches!(self, Self::Force | Self::Flux | Self::Pulp | Self::Fluid)
     }
 
+    /// True where a finger presses.
+    #[must_use]
+    pub fn is_finger(self) -> bool {
+        matches!(self, Self::Pulp | Self::Fluid)
+    }
+
+    /// Range of the output (by the nominal law) from which a sensor that says nothing is dead, for a range of all runs' inputs.
+    pub(super) fn least_output(self, input_range: f64) -> f64 {
+        match self {
+            // a fluid without a field bears hardly anything
+            Self::Pulp | Self::Fluid => 0.1,
+            Self::Flux => 0.1 * 0.0256 * input_range,
+            Self::Position | Self::Force | Self::Current => 0.1 * input_range,
+        }
+    }
+
+    /// Where samples are compared, to be told where they are few.
+    pub(super) fn where_compared(self) -> &'static str {
+        match self {
+            Self::Force => " above 0.3 N",
+            Self::Fluid => " where a finger goes down by 0.15 mm/s or more, deeper than before",
+            _ => "",
+        }
+    }
+
     /// Unit of what is told.
     #[must_use]
     pub fn input_unit(self) -> &'static str {

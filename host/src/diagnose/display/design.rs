@@ -12,6 +12,8 @@ use super::smooth;
 pub struct Series {
     /// Its file.
     pub file: String,
+    /// What is measured.
+    pub channel: Channel,
     /// Time, s; never falling.
     pub time_s: Vec<f64>,
     /// What was told; of a pulp its compression.
@@ -66,8 +68,10 @@ pub enum Unusable {
         unit: &'static str,
     },
     /// Too few samples.
-    #[error("{count} samples can be compared; expected at least {LEAST_SAMPLES}")]
+    #[error("{count} samples can be compared; expected at least {LEAST_SAMPLES}{}", .channel.where_compared())]
     Short {
+        /// What is measured.
+        channel: Channel,
         /// Samples.
         count: usize,
     },
@@ -99,8 +103,11 @@ const SAME_INPUT: f64 = 0.02;
 /// The same of the yield stress under a finger, for a winding warms from press to press, and what some gauss make of it, kPa.
 const SAME_YIELD: f64 = 0.05;
 const GAUSS_KPA: f64 = 0.02;
-/// Deeper than the sample before by this, mm: less than a slow press makes in a tick, more than its noise.
+/// A finger goes down that is deeper than a time before by more than a place's noise, and that goes on within a tick: 0.15 mm/s.
+const BEFORE_S: f64 = 0.0599;
+const AFTER_S: f64 = 0.0199;
 const DEEPER_MM: f64 = 0.005;
+const ON_MM: f64 = 0.003;
 /// Part of a way through a pulp by which it is longer for another finger.
 const OTHER: f64 = 0.5;
 /// Output below this share of what the nominal law gives is a dead sensor.
@@ -135,20 +142,19 @@ impl Design {
             return Err(Unusable::Absent);
         }
         let (told, measured) = channel.columns();
-        let input_range = range(series.iter().flat_map(|s| s.input.iter().copied()));
+        let input_range = range(series.iter().flat_map(Series::told));
         // what a converter's single code or a display's rounding would make of rest
         if input_range < 1e-6 {
             return Err(Unusable::Still { column: told, range: input_range, unit: channel.input_unit() });
         }
         let count = series.iter().flat_map(|s| &s.compared).filter(|c| **c).count();
         if count < LEAST_SAMPLES {
-            return Err(Unusable::Short { count });
+            return Err(Unusable::Short { channel, count });
         }
-        let nominal = if channel == Channel::Flux { 0.0256 } else { 1.0 };
         for one in &series {
-            let expected = nominal * range(one.compared_input());
+            let expected = one.expected(channel);
             let found = range(one.output.iter().copied());
-            if expected > 0.1 * nominal * input_range && found < DEAD * expected {
+            if expected > channel.least_output(input_range) && found < DEAD * expected {
                 let (file, unit) = (one.file.clone(), channel.unit());
                 return Err(Unusable::Dead { file, column: measured, range: found, expected, unit });
             }
@@ -191,8 +197,21 @@ impl Design {
 }
 
 impl Series {
-    fn compared_input(&self) -> impl Iterator<Item = f64> {
-        self.input.iter().zip(&self.compared).filter(|(_, c)| **c).map(|(x, _)| *x)
+    /// What was told; of a finger what it presses: a way through the air is none.
+    fn told(&self) -> impl Iterator<Item = f64> {
+        let is_finger = self.channel.is_finger();
+        self.input.iter().map(move |x| if is_finger { x.max(0.0) } else { *x })
+    }
+
+    /// Range of the output where it is compared, by the nominal law.
+    fn expected(&self, channel: Channel) -> f64 {
+        let nominal = |k: usize| match channel {
+            Channel::Flux => 0.0256 * self.input[k],
+            Channel::Pulp => round::pulp_n(self.input[k]),
+            Channel::Fluid => round::fluid_n(self.input[k], self.yield_kpa[k]),
+            Channel::Position | Channel::Force | Channel::Current => self.input[k],
+        };
+        range((0..self.input.len()).filter(|k| self.compared[*k]).map(nominal))
     }
 }
 
@@ -212,13 +231,11 @@ fn one(run: &Run, channel: Channel) -> Option<Series> {
         _ => {}
     }
     let gap_mm = run.recording.column(GAP_MM).and_then(|gap| gap.first().copied()).unwrap_or(0.0);
-    let mut compared: Vec<bool> = input.iter().map(|x| *x >= channel.least_input()).collect();
-    if channel == Channel::Fluid {
-        let place_mm = smooth::smoothed(&run.recording.time_s, &input);
-        compared.iter_mut().zip(borne(&place_mm, &yield_kpa)).for_each(|(compared, borne)| *compared &= borne);
-    }
+    let place_mm = if channel == Channel::Fluid { smooth::smoothed(&run.recording.time_s, &input) } else { Vec::new() };
+    let compared = compared(channel, &run.recording.time_s, (&input, &place_mm), &yield_kpa);
     Some(Series {
         file: run.file.clone(),
+        channel,
         time_s: run.recording.time_s.clone(),
         compared,
         input,
@@ -232,16 +249,34 @@ fn one(run: &Run, channel: Channel) -> Option<Series> {
     })
 }
 
-/// Where a fluid bears all that its yield stress lets it: a finger is deeper than it has been, and, where the stress has risen,
-/// has gone down until its pulp bears that as well. Else the pulp alone tells.
-fn borne(place_mm: &[f64], yield_kpa: &[f64]) -> Vec<bool> {
-    let (mut deepest_mm, mut dent_mm) = (place_mm.first().copied().unwrap_or(0.0), 0.0_f64);
+/// Samples that are compared: where the sensor tells, and a fluid yields under a finger whose place is smoothed.
+pub(super) fn compared(
+    channel: Channel,
+    time_s: &[f64],
+    (input, place_mm): (&[f64], &[f64]),
+    yield_kpa: &[f64],
+) -> Vec<bool> {
+    let mut compared: Vec<bool> = input.iter().map(|x| *x >= channel.least_input()).collect();
+    if channel == Channel::Fluid {
+        compared.iter_mut().zip(borne(time_s, place_mm, yield_kpa)).for_each(|(compared, borne)| *compared &= borne);
+    }
+    compared
+}
+
+/// Where a fluid bears all that its yield stress lets it: a finger goes down, deeper than it has been, and, where the stress has
+/// risen, has gone down until its pulp bears that as well. Else the pulp alone tells.
+fn borne(time_s: &[f64], place_mm: &[f64], yield_kpa: &[f64]) -> Vec<bool> {
+    // one reading that is wrong is no depth
+    let place_mm: Vec<f64> = (0..place_mm.len()).map(|k| middle(place_mm, k)).collect();
+    let (mut deepest_mm, mut dent_mm) = (f64::NEG_INFINITY, 0.0_f64);
     // where the pulp began to bear less than the fluid, and from where it surely bears as much
     let (mut left_mm, mut from_mm) = (None, f64::NEG_INFINITY);
-    // where it stops as well, a smoothed place is that of the way down
-    let after_mm = place_mm.iter().skip(1).chain([&f64::NEG_INFINITY]);
-    let each = place_mm.iter().zip(after_mm).zip(yield_kpa).map(|((mm, after_mm), kpa)| {
-        let goes_down = *mm > deepest_mm + DEEPER_MM && *after_mm > mm + DEEPER_MM;
+    let each = place_mm.iter().zip(yield_kpa).enumerate().map(|(k, (mm, kpa))| {
+        let before = time_s.partition_point(|t| *t <= time_s[k] - BEFORE_S).checked_sub(1);
+        let after = time_s.partition_point(|t| *t < time_s[k] + AFTER_S);
+        let goes_down = before.is_some_and(|before| *mm > place_mm[before] + DEEPER_MM)
+            && place_mm.get(after).is_some_and(|after_mm| *after_mm > mm + ON_MM);
+        let is_deeper = *mm > deepest_mm - DEEPER_MM;
         deepest_mm = deepest_mm.max(*mm);
         let most_n = round::fluid_n(*mm, *kpa);
         if round::pulp_n(mm - dent_mm) < most_n {
@@ -252,9 +287,15 @@ fn borne(place_mm: &[f64], yield_kpa: &[f64]) -> Vec<bool> {
         if let Some(left) = left_mm.take() {
             from_mm = mm + OTHER * (mm - left);
         }
-        goes_down && *mm >= from_mm
+        goes_down && is_deeper && *mm >= from_mm
     });
     each.collect()
+}
+
+/// The middle one of a sample and its neighbours.
+fn middle(values: &[f64], k: usize) -> f64 {
+    let [a, b, c] = [k.saturating_sub(1), k, (k + 1).min(values.len() - 1)].map(|at| values[at]);
+    a.min(b).max(a.max(b).min(c))
 }
 
 /// Where time jumps, if it does.
@@ -271,13 +312,10 @@ fn alike(a: &Series, b: &Series, input_range: f64) -> bool {
     if a.input.len().abs_diff(b.input.len()) * 50 > count || (a.gap_mm - b.gap_mm).abs() > 1e-6 {
         return false;
     }
-    let apart = |a: &[f64], b: &[f64]| {
-        let square: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
-        (square / count.max(1) as f64).sqrt()
-    };
+    let rms = |square: f64| (square / count.max(1) as f64).sqrt();
+    let told: f64 = a.told().zip(b.told()).map(|(x, y)| (x - y).powi(2)).sum();
+    let yields: f64 = a.yield_kpa.iter().zip(&b.yield_kpa).map(|(x, y)| (x - y).powi(2)).sum();
     let most_kpa = a.yield_kpa.iter().fold(0.0_f64, |most, kpa| most.max(*kpa));
     let clock = a.time_s.iter().zip(&b.time_s).all(|(x, y)| ((x - a.time_s[0]) - (y - b.time_s[0])).abs() < 5e-3);
-    clock
-        && apart(&a.input, &b.input) < SAME_INPUT * input_range
-        && (a.yield_kpa.is_empty() || apart(&a.yield_kpa, &b.yield_kpa) < SAME_YIELD * most_kpa + GAUSS_KPA)
+    clock && rms(told) < SAME_INPUT * input_range && rms(yields) < SAME_YIELD * most_kpa + GAUSS_KPA
 }

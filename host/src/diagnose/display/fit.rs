@@ -193,6 +193,22 @@ impl<'a> Problem<'a> {
     }
 }
 
+impl Fit {
+    /// Sentences about parameters of the base that ended at what they may be.
+    pub(super) fn at_ends(&self) -> impl Iterator<Item = String> {
+        let base = self.coordinates.iter().zip(self.x.iter()).take(self.law.base.len());
+        let ended = base.filter(|(c, x)| (*x - c.ends.0).min(c.ends.1 - *x) < 1e-3 * (c.ends.1 - c.ends.0));
+        ended.map(|(c, x)| {
+            let (low, high) = (c.value(c.ends.0), c.value(c.ends.1));
+            format!(
+                "{} ended at {:.3}; expected between {low} and {high}: a zero or a unit may be wrong",
+                c.name,
+                c.value(*x)
+            )
+        })
+    }
+}
+
 impl Fitted for Fit {
     type Effect = &'static Effect;
 

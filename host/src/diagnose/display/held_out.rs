@@ -37,7 +37,7 @@ enum Group {
     Marked,
     /// A command.
     Command(usize),
-    /// A part of the only command: what a step up shows is then predicted from the step down.
+    /// A part of what is compared of the only command: what a step up shows is then predicted from the step down.
     Part(usize),
 }
 
@@ -47,7 +47,11 @@ impl Group {
         match self {
             Group::Marked => series.hold_out,
             Group::Command(command) => series.condition == command && !series.hold_out,
-            Group::Part(part) => !series.hold_out && k * PARTS / series.time_s.len().max(1) == part,
+            Group::Part(part) => {
+                let compared = |samples: &[bool]| samples.iter().filter(|compared| **compared).count();
+                let (before, all) = (compared(&series.compared[..k]), compared(&series.compared));
+                !series.hold_out && before * PARTS / all.max(1) == part
+            }
         }
     }
 }

@@ -261,6 +261,7 @@ mod tests {
         let file = "step.csv".to_owned();
         Series {
             file,
+            channel: Channel::Position,
             output: Vec::new(),
             time_s,
             input,

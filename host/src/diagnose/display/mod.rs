@@ -206,6 +206,7 @@ fn examined(design: Design) -> ChannelDiagnosis {
         out.refusal = Some(Refusal::NoNoise);
         return out;
     };
+    out.messages.extend(base.at_ends());
     let search = Search::new(problem, base, noise);
     let groups = discrepancy::groups(&search.problem);
     let Some(mut found) = Weighing::of(&search, &groups, search.base.law.base.len()) else {

@@ -79,8 +79,13 @@ pub fn estimate(design: &Design, predicted: &[Vec<f64>]) -> Option<Noise> {
     }
     let sensor = most_likely(design, predicted, &deviations)?;
     let (jitter, freedom) = jitter(design, predicted, &deviations, &sensor);
-    let samples: usize = deviations.iter().map(|d| d.values.len().saturating_sub(3)).sum();
+    let samples: usize = deviations.iter().map(|d| compared(design, d.run).saturating_sub(3)).sum();
     Some(Noise { sensor, jitter, freedom, sensor_freedom: 0.5 * samples as f64 })
+}
+
+/// Samples of a run that are compared.
+fn compared(design: &Design, run: usize) -> usize {
+    design.series[run].compared.iter().filter(|compared| **compared).count()
 }
 
 fn deviations(design: &Design, predicted: &[Vec<f64>]) -> Vec<Deviation> {
@@ -132,7 +137,8 @@ fn whitened(
 
 /// Sensor noise of the largest likelihood over a grid, its level in closed form, jitter removed as free parameters.
 fn most_likely(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation]) -> Option<SensorNoise> {
-    let few: Vec<&Deviation> = deviations.iter().step_by(deviations.len().div_ceil(ENOUGH)).collect();
+    let told: Vec<&Deviation> = deviations.iter().filter(|d| compared(design, d.run) > 3).collect();
+    let few: Vec<&Deviation> = told.iter().copied().step_by(told.len().div_ceil(ENOUGH).max(1)).collect();
     let weights =
         design.series.iter().zip(predicted).flat_map(|(series, output)| {
             (0..output.len()).map(move |k| design.channel.weight(series, output, k).abs())
@@ -176,7 +182,7 @@ fn likelihood(design: &Design, predicted: &[Vec<f64>], runs: &[&Deviation], unit
         let (found, information) = amounts(&y, &x)?;
         square += (y - x * found).norm_squared();
         log += 2.0 * innovations.log_deviation + information.log_determinant();
-        count += design.series[run.run].compared.iter().filter(|c| **c).count() as f64 - 3.0;
+        count += compared(design, run.run) as f64 - 3.0;
     }
     let variance = square / count;
     (variance > 0.0).then(|| (variance.sqrt(), log + count * variance.ln()))

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::channel::Channel;
-use super::design::{Design, Series};
+use super::design::{self, Design, Series};
 use super::fit::{Fit, Problem};
 use super::forward::{Search, Weighed, with};
 use super::law;
@@ -25,6 +25,8 @@ pub struct Proposal {
 const TICK_S: f64 = 0.02;
 /// Proposals that are told.
 const MOST: usize = 3;
+/// What a slow run is called.
+const SLOW: &str = "a slow triangle";
 /// Distance below which a run decides nothing.
 const LEAST: f64 = 3.0;
 
@@ -111,9 +113,12 @@ impl Problem<'_> {
 fn planned(design: &Design) -> Vec<Planned> {
     let inputs = || design.series.iter().flat_map(|s| s.input.iter().copied());
     let (low, high) = inputs().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    // of a finger's way through the air nothing is planned
+    let low = if design.channel.is_finger() { low.max(0.0) } else { low };
     let range = high - low;
     let unit = design.channel.input_unit();
-    let told = |x: f64| format!("{x:.2} {unit}");
+    let of = if design.channel == Channel::Pulp { " of compression" } else { "" };
+    let told = |x: f64| format!("{x:.2} {unit}{of}");
     let square = |height: f64, half_s: f64| move |t: f64| if (t / half_s) as i64 % 2 == 1 { height } else { 0.0 };
     let triangle = |height: f64, half_s: f64| {
         move |t: f64| {
@@ -124,15 +129,20 @@ fn planned(design: &Design) -> Vec<Planned> {
     let mut list: Vec<Programme> = Vec::new();
     for share in [0.1, 0.3, 1.0] {
         let height = share * range;
-        list.push((format!("steps of {} and back, every 1.5 s", told(height)), 9.0, Box::new(square(height, 1.5))));
-        list.push((
-            format!("a slow triangle of {}, 4 s each way", told(height)),
-            16.0,
-            Box::new(triangle(height, 4.0)),
-        ));
+        // nobody presses a finger in no time
+        if !design.channel.is_finger() {
+            list.push((format!("steps of {} and back, every 1.5 s", told(height)), 9.0, Box::new(square(height, 1.5))));
+        }
+        list.push((format!("{SLOW} of {}, 4 s each way", told(height)), 16.0, Box::new(triangle(height, 4.0))));
     }
     list.push((format!("a fast triangle of {}, 0.4 s each way", told(range)), 6.0, Box::new(triangle(range, 0.4))));
-    if design.channel != Channel::Position {
+    if design.channel.is_finger() {
+        list.push((
+            format!("{} within 0.4 s, held for 30 s", told(range)),
+            31.0,
+            Box::new(move |t| range * (t / 0.4).min(1.0)),
+        ));
+    } else if design.channel != Channel::Position {
         list.push((
             format!("{} held for 60 s after a second at rest", told(range)),
             61.0,
@@ -147,6 +157,12 @@ fn planned(design: &Design) -> Vec<Planned> {
     let gap_mm = design.series.iter().map(|s| s.gap_mm).fold(f64::INFINITY, f64::min);
     let mut out: Vec<Planned> =
         list.into_iter().map(|(what, span_s, of)| run(design, what, (low, gap_mm), span_s, &*of)).collect();
+    if design.channel == Channel::Fluid {
+        let slow: Vec<Planned> =
+            out.iter().filter(|one| one.what.starts_with(SLOW)).flat_map(|one| at_currents(design, one)).collect();
+        out.iter_mut().for_each(|one| one.what.push_str(", at the largest current that was used"));
+        out.extend(slow);
+    }
     if design.channel == Channel::Flux {
         let second_mm = if gap_mm > 0.0 { 1.5 * gap_mm } else { 0.0 };
         if second_mm > 0.0 {
@@ -159,19 +175,42 @@ fn planned(design: &Design) -> Vec<Planned> {
     out
 }
 
+/// A current in words, and the yield stress over the largest one at a time, s.
+type Drive = (&'static str, Box<dyn Fn(f64) -> f64>);
+
+/// Slow presses into a fluid at other currents than the largest.
+fn at_currents(design: &Design, press: &Planned) -> Vec<Planned> {
+    // four steps on the first way down
+    let falling = |t: f64| 1.0 - 0.25 * t.floor().clamp(0.0, 3.0);
+    let kinds: [Drive; 3] = [
+        ("at a tenth of the largest yield stress", Box::new(|_| 0.1)),
+        ("without current", Box::new(|_| 0.0)),
+        ("at a current that falls in steps on the way down", Box::new(falling)),
+    ];
+    let made = |(words, part): Drive| {
+        let mut series = press.series.clone();
+        series.yield_kpa.iter_mut().zip(&series.time_s).for_each(|(kpa, t)| *kpa *= part(*t));
+        series.compared =
+            design::compared(design.channel, &series.time_s, (&series.input, &series.input), &series.yield_kpa);
+        Planned { what: format!("{}, {words}", press.what), series }
+    };
+    kinds.into_iter().map(made).collect()
+}
+
 /// What to do in words, its length (s), and the command above the lowest over time (s).
 type Programme = (String, f64, Box<dyn Fn(f64) -> f64>);
 
 fn run(design: &Design, what: String, (low, gap_mm): (f64, f64), span_s: f64, of: &dyn Fn(f64) -> f64) -> Planned {
     let time_s: Vec<f64> = (0..=(span_s / TICK_S) as usize).map(|k| k as f64 * TICK_S).collect();
     let input: Vec<f64> = time_s.iter().map(|t| low + of(*t)).collect();
-    let compared = input.iter().map(|x| *x >= design.channel.least_input()).collect();
     let output = vec![0.0; input.len()];
     let most_kpa = design.series.iter().flat_map(|s| s.yield_kpa.iter().copied()).reduce(f64::max);
     let yield_kpa = most_kpa.map_or_else(Vec::new, |most_kpa| vec![most_kpa; input.len()]);
+    let compared = design::compared(design.channel, &time_s, (&input, &input), &yield_kpa);
     let gap_mm = if gap_mm.is_finite() { gap_mm } else { 0.0 };
     let series = Series {
         file: what.clone(),
+        channel: design.channel,
         time_s,
         input,
         yield_kpa,

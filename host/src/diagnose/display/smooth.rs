@@ -24,9 +24,14 @@ pub fn smoothed(time_s: &[f64], input: &[f64]) -> Vec<f64> {
             (0..=last).map(|at| line(&time_s[at..at + samples], &input[at..at + samples])).collect();
         for k in (0..input.len()).filter(|k| is_open[*k]).collect::<Vec<_>>() {
             let own = (k.saturating_sub(samples - 1)..=k.min(last)).map(|at| lines[at]);
-            // of a long line the last sample may lie behind a corner
-            let near = own.filter(|(mean, slope, _)| (input[k] - mean - slope * time_s[k]).abs() <= NEAR * noise);
-            let best = near.min_by(|a, b| a.2.total_cmp(&b.2));
+            // of a long line the last sample may lie behind a corner; a wrong reading lies between two that are near
+            let near = |(mean, slope, _): &(f64, f64, f64), k: usize| {
+                (input[k] - mean - slope * time_s[k]).abs() <= NEAR * noise
+            };
+            let is_of = |line: &(f64, f64, f64)| {
+                near(line, k) || (k > 0 && k + 1 < input.len() && near(line, k - 1) && near(line, k + 1))
+            };
+            let best = own.filter(is_of).min_by(|a, b| a.2.total_cmp(&b.2));
             if let Some((mean, slope, _)) = best.filter(|(.., scatter)| *scatter <= straight * noise) {
                 (out[k], is_open[k]) = (mean + slope * time_s[k], false);
             }
@@ -49,6 +54,20 @@ fn line(time_s: &[f64], values: &[f64]) -> (f64, f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A long line takes the sample behind a corner for its own unless it lies too far from it; one wrong reading is still smoothed.
+    #[test]
+    fn a_corner_keeps_its_place_and_a_wrong_reading_goes() {
+        let time_s: Vec<f64> = (0..400).map(|k| 0.02 * f64::from(k)).collect();
+        let clean: Vec<f64> = time_s.iter().map(|t| (1.5 * t).min(6.0)).collect();
+        let wiggle = |k: usize| 0.004 * [1.0, -0.6, 0.3, -1.0, 0.8, -0.2, 0.5][k % 7];
+        let mut read: Vec<f64> = clean.iter().enumerate().map(|(k, x)| x + wiggle(k)).collect();
+        read[100] += 0.016;
+        let found = smoothed(&time_s, &read);
+        // the ramp ends at sample 200; its step is 0.03 a sample
+        assert!((198..204).all(|k| (found[k] - clean[k]).abs() < 0.012), "{:?}", &found[198..204]);
+        assert!((found[100] - clean[100]).abs() < 0.01, "{}", found[100]);
+    }
 
     #[test]
     fn noise_goes_and_a_jump_stays() {

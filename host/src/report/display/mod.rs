@@ -124,11 +124,12 @@ pub fn page(experiment: &Experiment, found: &Diagnosis) -> Page {
     page
 }
 
-const DOUBTS: [&str; 5] = [
+const DOUBTS: [&str; 6] = [
     "What is told is taken as told: the actuator's command holds from its time stamp to the next, loads and currents are what their columns say.",
     "Every run begins at rest where its first command holds it, with a cold winding and an untouched sensor.",
     "Channels are judged one by one: an error that two share (a clock, a supply) is seen in each by itself.",
     "The base laws are the thesis' (plant 86/(s² + 23.4 s + 86) with stiffness and damping free, the line of the FSR, Ohm's law, the line of Table 6); they may be wrong by 0.1 % of the span and 2 ms of time before that counts.",
+    "A finger is the round one of the control curves with a stiffness of its own, a fluid has Carlson's yield stress times a number; a fluid is compared where it yields, on the way down.",
     "An effect's own law may be wrong by 5 % of what it adds; what is smaller than that beside a large effect is not seen.",
 ];
 
