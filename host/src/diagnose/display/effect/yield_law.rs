@@ -23,7 +23,7 @@ pub const EFFECT: Effect = Effect {
     }],
 };
 
-/// Yield stress, kPa, that is kept at [`KEPT_KPA`].
+/// Yield stress, kPa; 1 kPa is kept.
 #[must_use]
 pub fn bent(kpa: f64, exponent: f64) -> f64 {
     KEPT_KPA * (kpa / KEPT_KPA).powf(exponent)
