@@ -9,8 +9,7 @@ use serde_json::json;
 use super::range::within;
 use crate::displacement::table::Displacement;
 use crate::displacement::{Cap, Tables, tables};
-use crate::ownership::OwnFolder;
-use crate::ownership::file_name;
+use crate::ownership::{OwnFolder, file_name};
 use crate::report::Page;
 use crate::report::displacement as picture;
 

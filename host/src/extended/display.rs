@@ -193,7 +193,7 @@ impl DisplayModel {
                 other => other?,
             };
             let plain = Problem::unweighted(&design);
-            let samples = design.series.iter().flat_map(|s| &s.compared).filter(|c| **c).count();
+            let samples: usize = design.series.iter().map(Series::count).sum();
             let rms = |square: f64| (square / samples.max(1) as f64).sqrt();
             let law = one.law();
             let base = plain.fit(&Law { settings: Vec::new(), ..law.clone() });

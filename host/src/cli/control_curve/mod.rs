@@ -16,8 +16,7 @@ use crate::control::ControlCurve;
 use crate::control::compose::Links;
 use crate::control::study::Study;
 use crate::finger::opposite::{Block, Opposite};
-use crate::ownership::OwnFolder;
-use crate::ownership::file_name;
+use crate::ownership::{OwnFolder, file_name};
 use crate::report::control as picture;
 use recipe::Recipe;
 

@@ -11,8 +11,7 @@ use crate::cli::progress::Progress;
 use crate::cli::range::within;
 use crate::control::compose::Links;
 use crate::control::{ControlCurve, CurveError};
-use crate::ownership::OwnFolder;
-use crate::ownership::file_name;
+use crate::ownership::{OwnFolder, file_name};
 use crate::report::{control as picture, number};
 
 /// Folder of files where none is asked for.

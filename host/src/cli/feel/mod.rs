@@ -17,7 +17,7 @@ use crate::control::compose::Links;
 use crate::experiment::ExperimentError;
 use crate::feel::{self, Asked, Display, Felt};
 use crate::link::Address;
-use crate::ownership::OwnFolder;
+use crate::ownership::{OwnFolder, file_name};
 use crate::plant::Constants;
 use crate::report::{Page, feel as picture};
 use crate::tune::setting::Setting;
@@ -186,7 +186,7 @@ fn recorded(folder: &mut OwnFolder, arguments: &Arguments, asked: &Asked, progre
     let written = files.iter().map(|(name, text)| folder.write(name, text.as_bytes()));
     let written: Vec<PathBuf> = written.collect::<std::io::Result<_>>().into_diagnostic()?;
     if arguments.json {
-        outln!("{}", serde_json::json!({ "files": written }));
+        outln!("{}", serde_json::json!({ "files": crate::cli::file::names(&written) }));
         return Ok(());
     }
     crate::cli::file::told(&written);
@@ -316,7 +316,7 @@ fn write(
     }
     let mut files = Vec::new();
     for felt in all {
-        let name = format!("{}-{}", crate::ownership::file_name(&felt.curve.material), told::word(felt.display));
+        let name = format!("{}-{}", file_name(&felt.curve.material), told::word(felt.display));
         page.section(&format!("{}, {}", felt.curve.material, told::name(felt.display)));
         for (what, figure, caption) in picture::figures(felt) {
             let svg = figure.svg();

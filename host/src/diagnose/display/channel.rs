@@ -54,9 +54,14 @@ const FORCE: [BaseParameter; 2] = [even("gain", 1.0, (0.1, 10.0)), even("zero_N"
 const CURRENT: [BaseParameter; 2] = [even("gain", 1.0, (0.1, 10.0)), even("zero_A", 0.0, (-5.0, 5.0))];
 /// Current below which the magnet's line bends to zero, A (assumed; Table 6 begins at 1.5 A).
 pub const KNEE_A: f64 = 0.4;
+/// Slope of the measured line of Table 6, T/A.
+pub(super) const FLUX_SLOPE: f64 = 0.0256;
 /// The measured line of Table 6, bent to zero below [`KNEE_A`].
-const FLUX: [BaseParameter; 3] =
-    [even("slope_T_per_A", 0.0256, (-1.0, 1.0)), even("step_T", 0.0206, (-1.0, 1.0)), even("zero_T", 0.0, (-0.5, 0.5))];
+const FLUX: [BaseParameter; 3] = [
+    even("slope_T_per_A", FLUX_SLOPE, (-1.0, 1.0)),
+    even("step_T", 0.0206, (-1.0, 1.0)),
+    even("zero_T", 0.0, (-0.5, 0.5)),
+];
 
 /// The round finger of the control curves, its stiffness free: nobody's finger is that one.
 const PULP: [BaseParameter; 3] = [
@@ -130,7 +135,7 @@ impl Channel {
     /// True where the input is itself a reading, with noise.
     #[must_use]
     pub fn input_is_measured(self) -> bool {
-        matches!(self, Self::Force | Self::Flux | Self::Pulp | Self::Fluid)
+        matches!(self, Self::Force | Self::Flux) || self.is_finger()
     }
 
     /// True where a finger presses.
@@ -144,7 +149,7 @@ impl Channel {
         match self {
             // a fluid without a field bears hardly anything
             Self::Pulp | Self::Fluid => 0.1,
-            Self::Flux => 0.1 * 0.0256 * input_range,
+            Self::Flux => 0.1 * FLUX_SLOPE * input_range,
             Self::Position | Self::Force | Self::Current => 0.1 * input_range,
         }
     }

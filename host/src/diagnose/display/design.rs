@@ -4,7 +4,7 @@ use crate::experiment::signal::range;
 use crate::experiment::{Experiment, GAP_MM, Run, Test, UNDER_FINGER};
 use crate::finger::round;
 
-use super::channel::Channel;
+use super::channel::{Channel, FLUX_SLOPE};
 use super::smooth;
 
 /// One run of a channel.
@@ -147,12 +147,12 @@ impl Design {
         if input_range < 1e-6 {
             return Err(Unusable::Still { column: told, range: input_range, unit: channel.input_unit() });
         }
-        let count = series.iter().flat_map(|s| &s.compared).filter(|c| **c).count();
+        let count = series.iter().map(Series::count).sum();
         if count < LEAST_SAMPLES {
             return Err(Unusable::Short { channel, count });
         }
         for one in &series {
-            let expected = one.expected(channel);
+            let expected = one.expected();
             let found = range(one.output.iter().copied());
             if expected > channel.least_output(input_range) && found < DEAD * expected {
                 let (file, unit) = (one.file.clone(), channel.unit());
@@ -197,6 +197,12 @@ impl Design {
 }
 
 impl Series {
+    /// Samples that are compared.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.compared.iter().filter(|compared| **compared).count()
+    }
+
     /// What was told; of a finger what it presses: a way through the air is none.
     fn told(&self) -> impl Iterator<Item = f64> {
         let is_finger = self.channel.is_finger();
@@ -204,9 +210,9 @@ impl Series {
     }
 
     /// Range of the output where it is compared, by the nominal law.
-    fn expected(&self, channel: Channel) -> f64 {
-        let nominal = |k: usize| match channel {
-            Channel::Flux => 0.0256 * self.input[k],
+    fn expected(&self) -> f64 {
+        let nominal = |k: usize| match self.channel {
+            Channel::Flux => FLUX_SLOPE * self.input[k],
             Channel::Pulp => round::pulp_n(self.input[k]),
             Channel::Fluid => round::fluid_n(self.input[k], self.yield_kpa[k]),
             Channel::Position | Channel::Force | Channel::Current => self.input[k],

@@ -168,7 +168,7 @@ fn plainly(problem: &Problem<'_>, shown: &Law, beside: &DVector<f64>, from: &Law
     let plain = Problem { used: problem.used.clone(), ..Problem::unweighted(&design) };
     let fit = plain.fit_base(from);
     let compared = design.series.iter().zip(&plain.used).filter(|(_, used)| **used);
-    let count: usize = compared.map(|(s, _)| s.compared.iter().filter(|c| **c).count()).sum();
+    let count: usize = compared.map(|(s, _)| s.count()).sum();
     (fit.square / count.max(1) as f64).sqrt()
 }
 

@@ -42,18 +42,25 @@ enum Group {
 }
 
 impl Group {
-    /// Whether a sample of a run is left out.
-    fn holds(self, series: &Series, k: usize) -> bool {
+    /// Whether a sample of a run is left out, that is in some part of what is compared of it.
+    fn holds(self, series: &Series, own_part: usize) -> bool {
         match self {
             Group::Marked => series.hold_out,
             Group::Command(command) => series.condition == command && !series.hold_out,
-            Group::Part(part) => {
-                let compared = |samples: &[bool]| samples.iter().filter(|compared| **compared).count();
-                let (before, all) = (compared(&series.compared[..k]), compared(&series.compared));
-                !series.hold_out && before * PARTS / all.max(1) == part
-            }
+            Group::Part(part) => !series.hold_out && own_part == part,
         }
     }
+}
+
+/// The part of what is compared of a run that each of its samples is in.
+fn parts(series: &Series) -> Vec<usize> {
+    let all = series.count().max(1);
+    let before = series.compared.iter().scan(0, |before, compared| {
+        let own = *before;
+        *before += usize::from(*compared);
+        Some(own)
+    });
+    before.map(|before| before * PARTS / all).collect()
 }
 
 /// Leaves every command out in turn, refits base and rivals on the others, takes the likeliest rival there and predicts the command with it;
@@ -68,7 +75,8 @@ pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
         1 => (0..PARTS).map(Group::Part).collect(),
         commands => (0..commands).map(Group::Command).collect(),
     };
-    let missed = |group: &Group| left_out(search, held, &|s, k| group.holds(&design.series[s], k));
+    let parts: Vec<Vec<usize>> = design.series.iter().map(parts).collect();
+    let missed = |group: &Group| left_out(search, held, &|s, k| group.holds(&design.series[s], parts[s][k]));
     let each: Vec<(Miss, Miss)> = groups.par_iter().map(missed).collect();
     let sum = |of: &dyn Fn(&(Miss, Miss)) -> f64| each.iter().map(of).sum::<f64>();
     let (rmse_before, rmse_after) = errors(&each);
@@ -106,8 +114,8 @@ fn repeated(search: &Search<'_>, held: &[Weighed]) -> Option<Gain> {
         let run = |s: usize| {
             let series = &design.series[s];
             let square = |left: &DVector<f64>| left.rows(design.first(s), series.time_s.len()).norm_squared();
-            let count = series.compared.iter().filter(|compared| **compared).count();
-            Missed { command: series.condition, before: square(&before), after: square(&after), count: count as f64 }
+            let count = series.count() as f64;
+            Missed { command: series.condition, before: square(&before), after: square(&after), count }
         };
         (0..design.series.len()).filter(|s| is_one(*s, 0)).map(run).collect::<Vec<_>>()
     };
@@ -168,7 +176,7 @@ struct Miss {
 fn miss(problem: &Problem<'_>, fit: &Fit) -> Miss {
     let plain = problem.plain(&fit.law);
     let used = problem.design.series.iter().zip(&problem.used).filter(|(_, used)| **used);
-    let count: usize = used.map(|(s, _)| s.compared.iter().filter(|c| **c).count()).sum();
+    let count: usize = used.map(|(s, _)| s.count()).sum();
     let mut whitened = plain.clone();
     problem.whitening.apply(&mut whitened);
     Miss { square: plain.norm_squared(), whitened: whitened.norm_squared(), count: count as f64 }

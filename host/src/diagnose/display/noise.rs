@@ -79,13 +79,8 @@ pub fn estimate(design: &Design, predicted: &[Vec<f64>]) -> Option<Noise> {
     }
     let sensor = most_likely(design, predicted, &deviations)?;
     let (jitter, freedom) = jitter(design, predicted, &deviations, &sensor);
-    let samples: usize = deviations.iter().map(|d| compared(design, d.run).saturating_sub(3)).sum();
+    let samples: usize = deviations.iter().map(|d| design.series[d.run].count().saturating_sub(3)).sum();
     Some(Noise { sensor, jitter, freedom, sensor_freedom: 0.5 * samples as f64 })
-}
-
-/// Samples of a run that are compared.
-fn compared(design: &Design, run: usize) -> usize {
-    design.series[run].compared.iter().filter(|compared| **compared).count()
 }
 
 fn deviations(design: &Design, predicted: &[Vec<f64>]) -> Vec<Deviation> {
@@ -137,7 +132,7 @@ fn whitened(
 
 /// Sensor noise of the largest likelihood over a grid, its level in closed form, jitter removed as free parameters.
 fn most_likely(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation]) -> Option<SensorNoise> {
-    let told: Vec<&Deviation> = deviations.iter().filter(|d| compared(design, d.run) > 3).collect();
+    let told: Vec<&Deviation> = deviations.iter().filter(|d| design.series[d.run].count() > 3).collect();
     let few: Vec<&Deviation> = told.iter().copied().step_by(told.len().div_ceil(ENOUGH).max(1)).collect();
     let weights =
         design.series.iter().zip(predicted).flat_map(|(series, output)| {
@@ -182,7 +177,7 @@ fn likelihood(design: &Design, predicted: &[Vec<f64>], runs: &[&Deviation], unit
         let (found, information) = amounts(&y, &x)?;
         square += (y - x * found).norm_squared();
         log += 2.0 * innovations.log_deviation + information.log_determinant();
-        count += compared(design, run.run) as f64 - 3.0;
+        count += design.series[run.run].count() as f64 - 3.0;
     }
     let variance = square / count;
     (variance > 0.0).then(|| (variance.sqrt(), log + count * variance.ln()))

@@ -24,7 +24,7 @@ pub(super) fn is_irregular(search: &Search<'_>, groups: &Groups, best: &Weighed)
     let left = Fold::of(groups.discrepancy.at(&best.evidence.sizes, &best.known)).taken_off(&residual);
     let design = search.problem.design;
     let used = design.series.iter().zip(&search.problem.used).filter(|(_, used)| **used);
-    let count: usize = used.map(|(s, _)| s.compared.iter().filter(|c| **c).count()).sum();
+    let count: usize = used.map(|(s, _)| s.count()).sum();
     let expected = count.saturating_sub(fit.x.len()).max(1) as f64;
     let scatter = expected * (2.0 / expected + 2.0 / search.noise.sensor_freedom.max(1.0)).sqrt();
     left.norm_squared() - expected > IRREGULAR * scatter

@@ -10,8 +10,8 @@ use super::{DisplayEffect, DisplayRun, DisplaySpec, TICK_S};
 
 /// What of a finger and of a fluid is otherwise than it is taken for.
 struct Flaws {
-    pulp: PulpLaw,
     softness: f64,
+    relaxing: (f64, f64),
     ridges: (f64, f64),
     most_kpa: f64,
     rest_kpa: f64,
@@ -22,10 +22,9 @@ struct Flaws {
 
 impl Flaws {
     fn of(spec: &DisplaySpec) -> Self {
-        let (mut softness, mut relaxing) = (1.0, (0.0, 1.0));
         let mut out = Self {
-            pulp: PulpLaw::round(softness, relaxing),
-            softness,
+            softness: 1.0,
+            relaxing: (0.0, 1.0),
             ridges: (0.0, 1.0),
             most_kpa: f64::INFINITY,
             rest_kpa: 0.0,
@@ -35,8 +34,8 @@ impl Flaws {
         };
         for effect in &spec.effects {
             match *effect {
-                DisplayEffect::PulpSize { ratio } => softness = ratio,
-                DisplayEffect::PulpRelaxation { part, tau_s } => relaxing = (part, tau_s),
+                DisplayEffect::PulpSize { ratio } => out.softness = ratio,
+                DisplayEffect::PulpRelaxation { part, tau_s } => out.relaxing = (part, tau_s),
                 DisplayEffect::YieldLaw { most_kpa } => out.most_kpa = most_kpa,
                 DisplayEffect::FluidRest { kpa } => out.rest_kpa = kpa,
                 DisplayEffect::FluidViscosity { kpa_s_per_mm } => out.kpa_s_per_mm = kpa_s_per_mm,
@@ -46,8 +45,11 @@ impl Flaws {
                 _ => {}
             }
         }
-        (out.pulp, out.softness) = (PulpLaw::round(softness, relaxing), softness);
         out
+    }
+
+    fn pulp(&self) -> Pulp {
+        Pulp::new(PulpLaw::round(self.softness, self.relaxing))
     }
 }
 
@@ -81,7 +83,7 @@ impl Read {
 /// A finger on a cap that stands.
 pub(super) fn pulp(spec: &DisplaySpec, run: &DisplayRun, time_s: &[f64], chance: Chance) -> Columns {
     let flaws = Flaws::of(spec);
-    let (mut pulp, mut read) = (Pulp::new(flaws.pulp.clone()), Read::new(spec, chance));
+    let (mut pulp, mut read) = (flaws.pulp(), Read::new(spec, chance));
     let (mut finger_mm, mut force_n) = (Vec::new(), Vec::new());
     let dt_s = TICK_S / STEPS as f64;
     for t in time_s {
@@ -99,7 +101,7 @@ pub(super) fn pulp(spec: &DisplaySpec, run: &DisplayRun, time_s: &[f64], chance:
 /// A finger in the fluid, under the current of its program.
 pub(super) fn fluid(spec: &DisplaySpec, run: &DisplayRun, time_s: &[f64], chance: Chance) -> Columns {
     let flaws = Flaws::of(spec);
-    let (mut pulp, mut read) = (Pulp::new(flaws.pulp.clone()), Read::new(spec, chance));
+    let (mut pulp, mut read) = (flaws.pulp(), Read::new(spec, chance));
     let Ok(force) = crate::feel::fluid_force() else { return Vec::new() };
     let mut dented = Dented::new(force.of_a_finger(flaws.softness));
     let circuit = Circuit::ring();
