@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn many_threads_may_ask_at_once() {
         let models = Models::default();
-        let geometry = Geometry { specimen: Specimen::of_height(12.7), ball_mm: 4.0, depth_mm: 0.5, nu: 0.0 };
+        let geometry = Geometry { specimen: Specimen::of_height(12.7), ball_mm: 4.0, depth_mm: 0.2, nu: 0.0 };
         let ask = || models.of(&[geometry], &|_, _| {}).unwrap().geometries();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         std::thread::scope(|scope| {
@@ -191,7 +191,7 @@ mod tests {
     fn kept_models_are_read_damaged_ones_are_made_again_and_a_folder_that_is_none_does_no_harm() {
         let folder = tempfile::tempdir().unwrap();
         let within = folder.path().join("force models");
-        let geometry = Geometry { specimen: Specimen::of_height(12.7), ball_mm: 4.0, depth_mm: 0.5, nu: 0.0 };
+        let geometry = Geometry { specimen: Specimen::of_height(12.7), ball_mm: 4.0, depth_mm: 0.2, nu: 0.0 };
         assert!(made(&Models::kept_in(within.clone()), geometry) > 0);
         let again = Models::kept_in(within.clone());
         assert_eq!(made(&again, geometry), 0);

@@ -152,6 +152,7 @@ impl DisplayModel {
             input: current_a.clone(),
             yield_kpa: Vec::new(),
             is_answered: false,
+            left: [Vec::new(), Vec::new()],
             gap_ratio: 1.0,
             gap_mm: 0.0,
             condition: 0,
@@ -341,7 +342,7 @@ mod tests {
         assert!(model().fluid(&law).is_none());
         let base = [0.8, 1.1, 1.0, 0.0, 0.0].map(|value| (value, None)).to_vec();
         let added = |effect, value: f64| Added { effect, values: vec![(value, None)], ambiguous_with: Vec::new() };
-        let effects = vec![added(&yield_law::EFFECT, 1.1), added(&fluid_rest::EFFECT, 0.2)];
+        let effects = vec![added(&yield_law::POWER, 1.1), added(&fluid_rest::EFFECT, 0.2)];
         let own = DisplayModel { channels: vec![ChannelModel { channel: Channel::Fluid, base, effects }] };
         let found = own.fluid(&law).unwrap().unwrap();
         for flux_t in [0.05, 0.1, 0.2, 0.4] {

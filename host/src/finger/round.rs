@@ -129,6 +129,13 @@ pub fn yield_kpa(flux_t: f64) -> f64 {
     TABLES.as_ref().map_or(0.0, |tables| tables.yields.yield_at_flux(flux_t.abs()))
 }
 
+/// Derivative of the force on a fluid over its shear yield stress (kPa), N/kPa.
+#[must_use]
+pub fn fluid_over_yield(mm: f64, kpa: f64) -> f64 {
+    let half = 0.01 * kpa;
+    if half > 0.0 { (fluid_n(mm, kpa + half) - fluid_n(mm, kpa - half)) / (2.0 * half) } else { 0.0 }
+}
+
 /// Derivative of the force on a plate over its compression, N/mm.
 #[must_use]
 pub fn pulp_slope(mm: f64) -> f64 {

@@ -140,6 +140,12 @@ impl Sizes {
         Self(vec![(0.0, NONE), (0.5, 0.5 * (1.0 - NONE)), (1.0, 0.5 * (1.0 - NONE))])
     }
 
+    /// Of noise that was estimated from repeats, in units of that: with eight degrees of freedom it is all of it with even
+    /// chances, else a quarter or nearly twice as much in all.
+    fn of_noise() -> Self {
+        Self(vec![(0.0, NONE), (0.75, 0.5 * (1.0 - NONE)), (1.5, 0.5 * (1.0 - NONE))])
+    }
+
     /// Logarithm of the prior probability of one of them.
     fn log(&self, size: f64) -> f64 {
         self.0.iter().find(|(known, _)| *known == size).map_or(f64::NEG_INFINITY, |(_, weight)| weight.ln())
@@ -155,6 +161,8 @@ pub struct Discrepancy {
     /// Group of every column.
     group: Vec<usize>,
     groups: usize,
+    /// Groups, by number, that are noise which was estimated too small: they are no discrepancy.
+    noise: Vec<usize>,
     sizes: Sizes,
 }
 
@@ -166,7 +174,20 @@ impl Discrepancy {
         let columns = beside(rows, groups.iter().copied());
         let of = |(at, z): (usize, &&DMatrix<f64>)| std::iter::repeat_n(at, z.ncols());
         let group = groups.iter().enumerate().flat_map(of).collect();
-        Self { products: inner(&columns, &columns), columns, group, groups: groups.len(), sizes }
+        Self { products: inner(&columns, &columns), columns, group, groups: groups.len(), noise: Vec::new(), sizes }
+    }
+
+    /// The same of which some groups, by number, are noise that was estimated too small.
+    #[must_use]
+    pub fn with_noise(self, noise: Vec<usize>) -> Self {
+        Self { noise, ..self }
+    }
+
+    /// True where sizes have no discrepancy in them; errors of the model itself and noise are none.
+    #[must_use]
+    pub fn is_none_of(&self, sizes: &[f64]) -> bool {
+        let own = sizes.iter().take(self.groups).enumerate();
+        own.filter(|(group, _)| !self.noise.contains(group)).all(|(_, size)| *size == 0.0)
     }
 
     /// The same with sizes that are larger by a factor.
@@ -178,7 +199,8 @@ impl Discrepancy {
     /// Sizes of every group, and of the errors of a model behind them where it has any.
     fn sizes_beside(&self, model: &Linearised<'_>) -> Vec<Sizes> {
         let errors = (model.known.ncols() > 0).then(Sizes::of_errors);
-        std::iter::repeat_n(self.sizes.clone(), self.groups).chain(errors).collect()
+        let own = |group| if self.noise.contains(&group) { Sizes::of_noise() } else { self.sizes.clone() };
+        (0..self.groups).map(own).chain(errors).collect()
     }
 
     /// Columns of the groups that are there at some sizes, and the errors that a model is known for behind
@@ -206,7 +228,7 @@ impl Discrepancy {
 pub struct Evidence {
     /// Logarithm of the marginal likelihood, up to what all models of the same rows and base share.
     pub log: f64,
-    /// The same without any discrepancy.
+    /// The same without any discrepancy; noise may be larger than was estimated.
     pub alone: f64,
     /// Size of every group of discrepancies.
     pub sizes: Vec<f64>,
@@ -331,35 +353,72 @@ impl<'m> Scale<'m> {
 /// without any the search begins at none.
 #[must_use]
 pub fn evidence(model: &Linearised<'_>, discrepancy: &Discrepancy, from: &[f64]) -> Option<Evidence> {
-    let scale = Scale::of(model, discrepancy);
-    let none = vec![0; scale.grids.len()];
+    let (scale, has_noise) = (Scale::of(model, discrepancy), !discrepancy.noise.is_empty());
+    let all: Vec<usize> = (0..scale.grids.len()).collect();
     let given = |group: usize| scale.place(group, from.get(group).copied().unwrap_or(0.0));
-    let mut chosen: Vec<usize> = (0..none.len()).map(given).collect();
-    let alone = scale.value(&none)?.0;
-    let mut best = scale.value(&chosen)?;
-    for _ in 0..SWEEPS {
-        let before = chosen.clone();
-        for group in 0..none.len() {
-            // what is not there is looked for at few sizes; what is moves to a neighbour
-            let near = match chosen[group] {
-                0 if group < discrepancy.groups => FIRST.to_vec(),
-                at => vec![0, at.saturating_sub(1), at + 1],
-            };
-            for size in near.into_iter().filter(|size| *size < scale.sizes(group).len()) {
-                let mut there = chosen.clone();
-                there[group] = size;
-                if let Some(found) = scale.value(&there).filter(|found| found.0 > best.0) {
-                    (best, chosen) = (found, there);
+    let none = scale.searched(vec![0; all.len()], &discrepancy.noise, discrepancy.groups)?;
+    let begin = Chosen::at(&scale, all.iter().map(|group| given(*group)).collect())?;
+    let begin = if has_noise && none.log > begin.log { none.clone() } else { begin };
+    let best = scale.searched(begin.sizes, &all, discrepancy.groups)?;
+    let more = |chosen: &Chosen| discrepancy.noise.iter().map(|group| scale.of_all_sizes(chosen, *group)).sum::<f64>();
+    let (log, alone) = (best.log + more(&best), none.log + more(&none));
+    let (best, log) = if has_noise && alone > log { (none, alone) } else { (best, log) };
+    let (sizes, _) = scale.told_of(&best.sizes);
+    let Integral { x, hessian, .. } = best.integral;
+    Some(Evidence { log, alone, sizes, x, deviations: standard_errors(&hessian) })
+}
+
+/// A choice of sizes, by number, with what it comes to.
+#[derive(Clone)]
+struct Chosen {
+    sizes: Vec<usize>,
+    log: f64,
+    integral: Integral,
+}
+
+impl Chosen {
+    fn at(scale: &Scale<'_>, sizes: Vec<usize>) -> Option<Self> {
+        let (log, integral) = scale.value(&sizes)?;
+        Some(Self { sizes, log, integral })
+    }
+}
+
+impl Scale<'_> {
+    /// What all sizes of a group add to the logarithm of the evidence at the likeliest.
+    fn of_all_sizes(&self, chosen: &Chosen, group: usize) -> f64 {
+        let at = |size: usize| {
+            let mut there = chosen.sizes.clone();
+            there[group] = size;
+            self.value(&there).map_or(0.0, |(log, _)| (log - chosen.log).exp())
+        };
+        (0..self.sizes(group).len()).map(at).sum::<f64>().max(1.0).ln()
+    }
+
+    /// The likeliest sizes of some groups, from a choice; the first so many groups are discrepancies.
+    fn searched(&self, from: Vec<usize>, groups: &[usize], discrepancies: usize) -> Option<Chosen> {
+        let mut best = Chosen::at(self, from)?;
+        for _ in 0..SWEEPS {
+            let before = best.sizes.clone();
+            for &group in groups {
+                // what is not there is looked for at few sizes; what is moves to a neighbour
+                let near = match best.sizes[group] {
+                    0 if group < discrepancies => FIRST.to_vec(),
+                    at => vec![0, at.saturating_sub(1), at + 1],
+                };
+                for size in near.into_iter().filter(|size| *size < self.sizes(group).len()) {
+                    let mut there = best.sizes.clone();
+                    there[group] = size;
+                    if let Some(found) = Chosen::at(self, there).filter(|found| found.log > best.log) {
+                        best = found;
+                    }
                 }
             }
+            if best.sizes == before {
+                break;
+            }
         }
-        if chosen == before {
-            break;
-        }
+        Some(best)
     }
-    let (sizes, _) = scale.told_of(&chosen);
-    let (log, Integral { x, hessian, .. }) = best;
-    Some(Evidence { log, alone, sizes, x, deviations: standard_errors(&hessian) })
 }
 
 /// What sizes that are not known add to the variance of every parameter about where its evidence has it:
@@ -461,6 +520,7 @@ fn lessened(sizes: &[f64], grids: &[Sizes]) -> Vec<Vec<f64>> {
 }
 
 /// An integral over the parameters.
+#[derive(Clone)]
 struct Integral {
     log: f64,
     /// Where the parameters are.

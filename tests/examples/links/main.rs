@@ -4,6 +4,7 @@
 //! Eighteen kinds, each at three sizes (half, once and twice what a full plan should see), `--cases` times. The printed gain is
 //! the fall of the error over repeats that no fit has seen; the true one that over presses of a new session that no fit has seen.
 
+use palpate::diagnose::Verdict;
 use palpate::diagnose::display::{self, ChannelDiagnosis};
 use palpate::extended::display::DisplayModel;
 use tests::arguments::cases_and_seed;
@@ -33,12 +34,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let told: Vec<String> = own
                     .iter()
                     .map(|g| {
-                        let percent = [g.printed, g.interval.0, g.interval.1, g.truth].map(|part| 100.0 * part);
-                        let [printed, low, high, truth] = percent;
-                        format!("gain {printed:.1} % ({low:.1} to {high:.1}) printed, {truth:.1} % true")
+                        let all = [g.printed, g.interval.0, g.interval.1, g.truth, g.less_far];
+                        let [printed, low, high, truth, less] = all.map(|part| 100.0 * part);
+                        format!("gain {printed:.1} % ({low:.1} to {high:.1}) printed, {truth:.1} % true, {less:.1} % less far")
                     })
                     .collect();
-                println!("{} {}", one.line(), told.join("; "));
+                let not_clean = found.channels.iter().filter(|c| c.verdict != Verdict::Clean);
+                let verdicts: Vec<String> =
+                    not_clean.map(|c| format!("{} {}", c.channel.word(), c.verdict.word())).collect();
+                println!("{} {} {}", one.line(), verdicts.join(", "), told.join("; "));
                 gains.extend(own);
                 scored.push(one);
             }
@@ -50,19 +54,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("named or in a set, of all: {}", bounded(of(&[Outcome::Exact, Outcome::InSet]), scored.len()));
     println!("named or in a set, of visible: {}", bounded(named, visible.len()));
     println!("wrong: {}", bounded(of(&[Outcome::Wrong]), scored.len()));
+    let counted = |is: &dyn Fn(&Gains) -> bool| bounded(gains.iter().filter(|g| is(g)).count(), gains.len());
+    println!("gain within {:.0} % of the true one: {}", 100.0 * RIGHT, counted(&Gains::is_right));
+    println!("gain within {:.0} % of the error before: {}", 100.0 * RIGHT, counted(&Gains::is_near));
+    println!("gain in its 95 % interval: {}", counted(&|g| g.interval.0 <= g.truth && g.truth <= g.interval.1));
+    println!("printed larger than that: {}", counted(&|g| g.printed > g.truth + RIGHT));
     println!(
-        "gain within {:.0} % of the true one: {}",
+        "within {:.0} % of the error before, less far: {}",
         100.0 * RIGHT,
-        bounded(gains.iter().filter(|g| g.is_right()).count(), gains.len())
+        counted(&|g| (g.printed - g.less_far).abs() <= RIGHT)
     );
-    println!(
-        "gain within {:.0} % of the error before: {}",
-        100.0 * RIGHT,
-        bounded(gains.iter().filter(|g| g.is_near()).count(), gains.len())
-    );
-    let holds = |g: &&Gains| g.interval.0 <= g.truth && g.truth <= g.interval.1;
-    println!("gain in its 95 % interval: {}", bounded(gains.iter().filter(holds).count(), gains.len()));
-    let larger = gains.iter().filter(|g| g.printed > g.truth + RIGHT).count();
-    println!("printed larger than that: {}", bounded(larger, gains.len()));
     Ok(())
 }

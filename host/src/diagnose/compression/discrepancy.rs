@@ -15,7 +15,7 @@ use super::super::design::{Branch, Node};
 use super::super::fit::Problem;
 use crate::infer::evidence::Sizes;
 use crate::infer::process::Shapes;
-use crate::infer::sets::{Group, Groups};
+use crate::infer::sets::{Group, Groups, Kind};
 
 /// Size of a discrepancy, as a share of the force: as often above as below, and a factor of 2.7 to either
 /// side. Laws of two parameters miss foams that are shortened by half by several percent.
@@ -77,7 +77,7 @@ pub(super) fn groups(problem: &Problem<'_>, base: &Model) -> Groups {
         }
         let mut columns = readings.clone();
         problem.whitening.apply_to(&mut columns);
-        Group { over, is_scatter: false, readings, columns }
+        Group { over, kind: Kind::Misfit, readings, columns }
     };
     let each = all.into_iter().map(made).filter(|group| group.columns.amax() > 0.0).collect();
     Groups::new(problem.whitening.residuals(), each, Sizes::about(SIZE.0, SIZE.1))

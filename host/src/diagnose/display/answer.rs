@@ -91,6 +91,7 @@ fn channel(one: &ChannelDiagnosis) -> Value {
         "sets": evidence.map_or_else(Vec::new, sets),
         "partly": evidence.map(|e| &e.judged.partly),
         "explains": evidence.and_then(|e| e.judged.explains),
+        "nothing_wrong": evidence.map(|e| e.judged.nothing),
         "remainder": evidence.map(|e| remainder(&e.judged)),
         "wider_priors": evidence.map(|e| e.judged.sensitivity()),
         "held_out": evidence.and_then(|e| held_out(one, e)),

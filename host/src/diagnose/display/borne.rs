@@ -22,8 +22,9 @@ impl Law {
     #[must_use]
     pub fn yields_kpa(&self, nominal_kpa: f64) -> f64 {
         let rest_kpa = self.one(&fluid_rest::EFFECT).unwrap_or(0.0);
-        let exponent = self.one(&yield_law::EFFECT).unwrap_or(1.0);
-        self.base[0] * yield_law::bent(nominal_kpa, exponent) + rest_kpa
+        let powered_kpa = yield_law::powered(nominal_kpa, self.one(&yield_law::POWER).unwrap_or(1.0));
+        let bend_per_kpa = self.one(&yield_law::SATURATING).unwrap_or(0.0);
+        self.base[0] * yield_law::saturating(powered_kpa, bend_per_kpa) + rest_kpa
     }
 
     /// Force of the fluid on a finger that goes down: what it bears at its yield stress.

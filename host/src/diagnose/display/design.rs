@@ -5,7 +5,7 @@ use crate::experiment::{Experiment, GAP_MM, Run, Test, UNDER_FINGER};
 use crate::finger::round;
 
 use super::channel::{Channel, FLUX_SLOPE};
-use super::smooth;
+use super::smooth::{self, Left};
 
 /// One run of a channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Series {
     pub yield_kpa: Vec<f64>,
     /// The input is what the fluid has answered of it so far: the law adds no response time.
     pub is_answered: bool,
+    /// What is left of their readings' noise in the input and in the yield stress.
+    pub left: [Vec<Left>; 2],
     /// What was measured.
     pub output: Vec<f64>,
     /// Samples that are compared.
@@ -129,7 +131,9 @@ impl Design {
             let Some(mut one) = one(run, channel) else { continue };
             match explained.get(&run.file).filter(|input| input.len() == one.input.len()) {
                 Some(input) => (one.input, one.is_answered) = (input.clone(), true),
-                None if channel.input_is_measured() => one.input = smooth::smoothed(&one.time_s, &one.input),
+                None if channel.input_is_measured() => {
+                    (one.input, one.left[0]) = smooth::smoothed(&one.time_s, &one.input)
+                }
                 None => {}
             }
             if let Some(at_s) = interrupted(&one.time_s) {
@@ -225,19 +229,25 @@ fn one(run: &Run, channel: Channel) -> Option<Series> {
     let (told, measured) = channel.columns();
     let mut input = run.recording.column(told)?.to_vec();
     let output = run.recording.column(measured)?.to_vec();
-    let mut yield_kpa = Vec::new();
+    let (mut yield_kpa, mut yield_left) = (Vec::new(), Vec::new());
     let [shaft_mm, flux_t] = UNDER_FINGER.map(|name| run.recording.column(name));
     match (channel, flux_t, shaft_mm) {
         (Channel::Fluid, Some(flux_t), _) => {
-            let flux_t = smooth::smoothed(&run.recording.time_s, flux_t);
-            yield_kpa = flux_t.into_iter().map(round::yield_kpa).collect();
+            let (flux_t, left) = smooth::smoothed(&run.recording.time_s, flux_t);
+            yield_kpa = flux_t.iter().map(|t| round::yield_kpa(*t)).collect();
+            yield_left = left;
+            for Left { first, errors } in &mut yield_left {
+                let own = errors.iter_mut().zip(&flux_t[*first..]);
+                own.for_each(|(error, t)| *error = round::yield_kpa(t + *error) - round::yield_kpa(*t));
+            }
         }
         (Channel::Pulp, None, Some(shaft_mm)) => input.iter_mut().zip(shaft_mm).for_each(|(x, shaft)| *x -= shaft),
         (Channel::Pulp | Channel::Fluid, ..) => return None,
         _ => {}
     }
     let gap_mm = run.recording.column(GAP_MM).and_then(|gap| gap.first().copied()).unwrap_or(0.0);
-    let place_mm = if channel == Channel::Fluid { smooth::smoothed(&run.recording.time_s, &input) } else { Vec::new() };
+    let place_mm =
+        if channel == Channel::Fluid { smooth::smoothed(&run.recording.time_s, &input).0 } else { Vec::new() };
     let compared = compared(channel, &run.recording.time_s, (&input, &place_mm), &yield_kpa);
     Some(Series {
         file: run.file.clone(),
@@ -248,6 +258,7 @@ fn one(run: &Run, channel: Channel) -> Option<Series> {
         yield_kpa,
         output,
         is_answered: false,
+        left: [Vec::new(), yield_left],
         gap_ratio: 1.0,
         gap_mm: if channel == Channel::Flux { gap_mm } else { 0.0 },
         condition: 0,

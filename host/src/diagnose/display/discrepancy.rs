@@ -9,16 +9,22 @@
 //! | hold time | the logarithm of the time at rest, by the height of the step before | every run alike |
 //! | time in the run | that | every run alike |
 //! | command | the time in the run, anew for each command | repeats of it |
+//!
+//! Beside them gain, zero and time of every run, further than the repeats told: of few repeats that scatter
+//! is hardly known, and what it makes of a command's mean is no discrepancy.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::design::{Design, Series};
 use super::fit::Problem;
+use super::law::Law;
+use super::noise::Jitter;
 use super::sample::{Sample, samples};
+use super::whiten::shapes;
 use crate::infer::evidence::Sizes;
 use crate::infer::process::Shapes;
-use crate::infer::sets::{Group, Groups};
+use crate::infer::sets::{Group, Groups, Kind};
 
 /// Size of a discrepancy, as a share of the span: as often above as below, and a factor of 2.7 to either
 /// side. Sensors and drives of a display are sold as good to about a percent.
@@ -44,9 +50,9 @@ type Placed = Box<dyn Fn(&Series, &Sample) -> Option<Place> + Send + Sync>;
 /// A group: its name, the length of its shapes, its levels, and where a sample lies.
 type Varied = (&'static str, f64, usize, Placed);
 
-/// All groups of a channel.
+/// All groups of a channel, whose scatter from run to run is that of a fit of the base.
 #[must_use]
-pub fn groups(problem: &Problem<'_>) -> Groups {
+pub fn groups(problem: &Problem<'_>, base: &Law, jitter: &Jitter) -> Groups {
     let design = problem.design;
     let samples = samples(design);
     let made = |(over, length, levels, place): Varied| {
@@ -62,16 +68,41 @@ pub fn groups(problem: &Problem<'_>) -> Groups {
                 }
             }
         }
-        let mut columns = readings.clone();
-        for mut column in columns.column_iter_mut() {
-            let mut own: DVector<f64> = column.clone_owned();
-            problem.whitening.apply(&mut own);
-            column.copy_from(&own);
-        }
-        Group { over, is_scatter: false, readings, columns }
+        whitened(problem, over, Kind::Misfit, readings)
     };
-    let each = varied(design, &samples).into_par_iter().map(made).filter(|group| group.columns.amax() > 0.0);
+    let misfits = varied(design, &samples).into_par_iter().map(made);
+    let each: Vec<Group> = scatter(problem, base, jitter).into_par_iter().chain(misfits).collect();
+    let each = each.into_iter().filter(|group| group.columns.amax() > 0.0);
     Groups::new(design.samples(), each.collect(), Sizes::about(SIZE.0, SIZE.1))
+}
+
+fn whitened(problem: &Problem<'_>, over: &'static str, kind: Kind, readings: DMatrix<f64>) -> Group {
+    let mut columns = readings.clone();
+    for mut column in columns.column_iter_mut() {
+        let mut own: DVector<f64> = column.clone_owned();
+        problem.whitening.apply(&mut own);
+        column.copy_from(&own);
+    }
+    Group { over, kind, readings, columns }
+}
+
+/// Gain, zero and time of every run, a column each of the deviation that the repeats told.
+fn scatter(problem: &Problem<'_>, base: &Law, jitter: &Jitter) -> Vec<Group> {
+    let design = problem.design;
+    let runs = design.series.iter().enumerate().filter(|(s, _)| problem.used[*s]);
+    let told: Vec<(usize, DMatrix<f64>)> =
+        runs.map(|(s, series)| (s, shapes(design.channel, series, &base.predict(series)))).collect();
+    let group = |(at, (over, deviation)): (usize, (&'static str, f64))| {
+        let mut readings = DMatrix::zeros(design.samples(), told.len());
+        for (column, (s, own)) in told.iter().enumerate() {
+            for (k, _) in design.series[*s].compared.iter().enumerate().filter(|(_, compared)| **compared) {
+                readings[(design.first(*s) + k, column)] = deviation * own[(k, at)];
+            }
+        }
+        whitened(problem, over, Kind::Noise, readings)
+    };
+    let each = [("gain of a run", jitter.gain), ("zero of a run", jitter.zero), ("time of a run", jitter.slide)];
+    each.into_iter().enumerate().map(group).collect()
 }
 
 fn varied(design: &Design, samples: &[Vec<Sample>]) -> Vec<Varied> {

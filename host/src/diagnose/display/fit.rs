@@ -7,6 +7,7 @@ use super::design::Design;
 use super::effect::Effect;
 use super::law::{Law, Setting};
 use super::whiten::Whitening;
+use crate::diagnose::evidence;
 use crate::infer::descent::{Region, Residuals, Rule, minimise};
 use crate::infer::evidence::{Linearised, Prior};
 use crate::infer::quantity::Coordinate;
@@ -40,12 +41,31 @@ pub struct Fit {
     pub jacobian: DMatrix<f64>,
     /// Sum of squares.
     pub square: f64,
-    /// An effect's parameter ended at a bound that is not its null.
+    /// An effect's parameter ended at a bound that is not its null, and the data want it beyond.
     pub at_bound: bool,
 }
 
 /// A parameter with its 95 % interval.
 pub type Estimate = (&'static str, f64, (f64, f64));
+
+/// Standard deviations from which data want a parameter beyond its bound. Without such a pull the bound is what they say
+/// nothing against, as a time constant far beyond the longest run.
+const PULL: f64 = 2.0;
+
+/// A parameter's column less what the others take up of it.
+pub(super) fn alone(jacobian: &DMatrix<f64>, at: usize) -> DVector<f64> {
+    let others = evidence::basis(&jacobian.clone().remove_column(at));
+    let own = jacobian.column(at).into_owned();
+    &own - &others * others.tr_mul(&own)
+}
+
+/// True where the data want a parameter, `range` wide, beyond where it is: more than noise does, and by more than it could
+/// gain on a way as long as its range.
+fn pulls(jacobian: &DMatrix<f64>, residual: &DVector<f64>, at: usize, range: f64) -> bool {
+    let own = alone(jacobian, at);
+    let pull = own.dot(residual).abs();
+    pull > PULL * own.norm() && pull * range > PULL * PULL
+}
 
 /// When a fit has ended: its sum of squares is that of a chi-square.
 const RULE: Rule = Rule { most_steps: 25, settled: 1e-4, settled_share: 1e-7, rival: None };
@@ -161,7 +181,8 @@ impl<'a> Problem<'a> {
         let region = Region::of(list.iter().map(|c| c.ends));
         let end = minimise(&objective, &region, point(from, &list).as_slice(), &RULE);
         let (x, (residual, jacobian)) = (DVector::from_vec(end.x), end.kept.into_parts());
-        let at_bound = list.iter().zip(x.iter()).skip(from.base.len()).any(|(c, x)| c.is_at_bound(*x));
+        let ended = (from.base.len()..list.len()).filter(|at| list[*at].is_at_bound(x[*at]));
+        let at_bound = ended.into_iter().any(|at| pulls(&jacobian, &residual, at, list[at].ends.1 - list[at].ends.0));
         Fit {
             law: at(from, &list, &x),
             effects: from.settings.iter().map(|s: &Setting| s.effect).collect(),

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::design::{Design, Series};
-use super::fit::{Fit, Problem};
+use super::fit::{Fit, Problem, alone};
 use super::forward::{Search, Weighed};
 use super::gain::{Gain, Missed};
 use super::whiten::Whitening;
@@ -27,8 +27,13 @@ pub struct HeldOut {
     pub gain: Option<Gain>,
 }
 
-/// Parts that a command is cut into where there is one only.
+/// Parts that a command is cut into without which the others say nothing of an effect.
 const PARTS: usize = 3;
+/// Standard deviations of its amount from which the other commands tell of an effect: what is predicted with less is a
+/// guess, and no test of the name.
+const TOLD: f64 = 3.0;
+/// The same as a part of what all commands tell: an effect that one command alone was made for is not known from others.
+const LEAST_PART: f64 = 0.5;
 
 /// What is left out together.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,8 +42,8 @@ enum Group {
     Marked,
     /// A command.
     Command(usize),
-    /// A part of what is compared of the only command: what a step up shows is then predicted from the step down.
-    Part(usize),
+    /// A part of what is compared of a command: what a step up shows is then predicted from the step down.
+    Part(usize, usize),
 }
 
 impl Group {
@@ -47,7 +52,7 @@ impl Group {
         match self {
             Group::Marked => series.hold_out,
             Group::Command(command) => series.condition == command && !series.hold_out,
-            Group::Part(part) => !series.hold_out && own_part == part,
+            Group::Part(command, part) => Group::Command(command).holds(series, own_part) && own_part == part,
         }
     }
 }
@@ -64,16 +69,15 @@ fn parts(series: &Series) -> Vec<usize> {
 }
 
 /// Leaves every command out in turn, refits base and rivals on the others, takes the likeliest rival there and predicts the command with it;
-/// runs that were marked `hold_out` are predicted instead where there are any, and parts of the command where there is one only. `None` where
-/// no covariance can be made.
+/// runs that were marked `hold_out` are predicted instead where there are any, and parts of a command without which the others say nothing of
+/// what is named. `None` where no covariance can be made.
 #[must_use]
 pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
     let design = search.problem.design;
     let marked = design.series.iter().any(|s| s.hold_out);
     let groups: Vec<Group> = match design.conditions.len() {
         _ if marked => vec![Group::Marked],
-        1 => (0..PARTS).map(Group::Part).collect(),
-        commands => (0..commands).map(Group::Command).collect(),
+        commands => (0..commands).flat_map(|command| groups(search, held, command)).collect(),
     };
     let parts: Vec<Vec<usize>> = design.series.iter().map(parts).collect();
     let missed = |group: &Group| left_out(search, held, &|s, k| group.holds(&design.series[s], parts[s][k]));
@@ -83,7 +87,7 @@ pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
     let conditions = groups.iter().map(|group| match group {
         Group::Marked => "runs marked hold_out".to_owned(),
         Group::Command(command) => design.conditions[*command].clone(),
-        Group::Part(part) => format!("part {} of {PARTS} of {}", part + 1, design.conditions[0]),
+        Group::Part(command, part) => format!("part {} of {PARTS} of {}", part + 1, design.conditions[*command]),
     });
     Some(HeldOut {
         rmse_before,
@@ -93,6 +97,32 @@ pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
         conditions: conditions.collect(),
         gain: if marked { None } else { repeated(search, held) },
     })
+}
+
+/// A command, or its parts where the others say too little of what is named.
+fn groups(search: &Search<'_>, held: &[Weighed], command: usize) -> Vec<Group> {
+    match held.first().is_none_or(|best| is_told_without(search, &best.fit, command)) {
+        true => vec![Group::Command(command)],
+        false => (0..PARTS).map(|part| Group::Part(command, part)).collect(),
+    }
+}
+
+/// True where the other commands tell of every effect of a fit.
+fn is_told_without(search: &Search<'_>, fit: &Fit, command: usize) -> bool {
+    let design = search.problem.design;
+    let mut others = fit.jacobian.clone();
+    for (s, series) in design.series.iter().enumerate().filter(|(_, series)| series.condition == command) {
+        others.rows_mut(design.first(s), series.time_s.len()).fill(0.0);
+    }
+    let is_told = |at: usize| match fit.coordinates[at].null {
+        Some(null) => {
+            let amount = (fit.x[at] - null).abs();
+            let [by_others, by_all] = [&others, &fit.jacobian].map(|shown| amount * alone(shown, at).norm());
+            by_others > TOLD.max(LEAST_PART * by_all)
+        }
+        None => true,
+    };
+    (search.base.coordinates.len()..fit.x.len()).all(is_told)
 }
 
 /// Root mean square errors with base and effects.
@@ -113,9 +143,16 @@ fn repeated(search: &Search<'_>, held: &[Weighed]) -> Option<Gain> {
         let [before, after] = [&base, &best].map(|fit| search.problem.plain(&fit.law));
         let run = |s: usize| {
             let series = &design.series[s];
-            let square = |left: &DVector<f64>| left.rows(design.first(s), series.time_s.len()).norm_squared();
-            let count = series.count() as f64;
-            Missed { command: series.condition, before: square(&before), after: square(&after), count }
+            let rows = |left: &DVector<f64>| left.rows(design.first(s), series.time_s.len()).into_owned();
+            let (scatter, noise) = search.problem.whitening.expected(s);
+            Missed {
+                command: series.condition,
+                before: rows(&before),
+                after: rows(&after),
+                scatter: scatter.clone(),
+                noise,
+                count: series.count() as f64,
+            }
         };
         (0..design.series.len()).filter(|s| is_one(*s, 0)).map(run).collect::<Vec<_>>()
     };
@@ -173,8 +210,9 @@ struct Miss {
     count: f64,
 }
 
+/// Without what a run's own gain, zero and time make of it: they are no law's.
 fn miss(problem: &Problem<'_>, fit: &Fit) -> Miss {
-    let plain = problem.plain(&fit.law);
+    let plain = problem.whitening.without_scatter(&problem.plain(&fit.law));
     let used = problem.design.series.iter().zip(&problem.used).filter(|(_, used)| **used);
     let count: usize = used.map(|(s, _)| s.count()).sum();
     let mut whitened = plain.clone();

@@ -268,6 +268,7 @@ mod tests {
             yield_kpa: Vec::new(),
             compared,
             is_answered: false,
+            left: [Vec::new(), Vec::new()],
             gap_ratio: 1.0,
             gap_mm: 0.0,
             condition: 0,

@@ -208,7 +208,7 @@ fn examined(design: Design) -> ChannelDiagnosis {
     };
     out.messages.extend(base.at_ends());
     let search = Search::new(problem, base, noise);
-    let groups = discrepancy::groups(&search.problem);
+    let groups = discrepancy::groups(&search.problem, &search.base.law, &search.noise.jitter);
     let Some(mut found) = Weighing::of(&search, &groups, search.base.law.base.len()) else {
         out.refusal = Some(Refusal::NoNoise);
         return out;
@@ -218,6 +218,9 @@ fn examined(design: Design) -> ChannelDiagnosis {
     out.proposals = plan::proposals(&search, &found.held, &out.blind_to);
     let is_irregular = found.sets.first().is_some_and(|best| verdict::is_irregular(&search, &groups, best));
     found.keep_names(verdict::hold(&found.held, held_out.as_ref()));
+    if found.judged.outcome == Outcome::Unknown && found.judged.partly.is_empty() && found.judged.nothing > ALARM {
+        found.judged.outcome = Outcome::Clean;
+    }
     if is_irregular && found.judged.outcome == Outcome::Clean {
         found.judged.outcome = Outcome::Unknown;
     }
@@ -232,6 +235,10 @@ fn examined(design: Design) -> ChannelDiagnosis {
     out.evidence = Some(Box::new(Evidence { noise, base, sets, held, judged, held_out, design: design.clone() }));
     out
 }
+
+/// Probability that nothing is wrong, above which there is no alarm: a channel has few effects, each of them likely
+/// beforehand, and the likeliest is soon more likely than not.
+const ALARM: f64 = 0.05;
 
 /// Rounds in which noise and base are found, each from the other.
 const ROUNDS: usize = 2;

@@ -4,8 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::channel::Channel;
 use super::design::Design;
-use super::whiten::{Innovations, levels, shapes};
+use super::whiten::{Innovations, levels, of_input, shapes};
 use crate::infer::covariance::Factor;
+use crate::infer::lowrank::Fold;
 
 /// Noise of one sample: a part that is correlated in time and a white one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,10 +65,13 @@ const FINER: [f64; 5] = [0.7, 0.85, 1.0, 1.2, 1.45];
 const ENOUGH: usize = 10;
 
 /// How one run differs from the mean of its repeats.
+#[derive(Clone)]
 struct Deviation {
     run: usize,
     values: Vec<f64>,
     shapes: DMatrix<f64>,
+    /// What its input was read by: columns of unit deviation.
+    of_input: DMatrix<f64>,
 }
 
 /// Finds the noise from repeats; `None` without any. `predicted` is a fit of the base: what it misses is common to the repeats.
@@ -77,7 +81,15 @@ pub fn estimate(design: &Design, predicted: &[Vec<f64>]) -> Option<Noise> {
     if deviations.is_empty() {
         return None;
     }
-    let sensor = most_likely(design, predicted, &deviations)?;
+    let bare = |one: &Deviation| Deviation { of_input: one.of_input.columns(0, 0).into_owned(), ..one.clone() };
+    let bare: Vec<Deviation> = deviations.iter().map(bare).collect();
+    let mut sensor = most_likely(design, predicted, &bare, None)?;
+    if deviations.iter().any(|one| one.of_input.ncols() > 0) {
+        // what is left of the input's noise counts in units of the level that was found without it
+        let scaled = |one: &Deviation| Deviation { of_input: &one.of_input / sensor.sigma, ..one.clone() };
+        let scaled: Vec<Deviation> = deviations.iter().map(scaled).collect();
+        sensor = most_likely(design, predicted, &scaled, Some(&sensor))?;
+    }
     let (jitter, freedom) = jitter(design, predicted, &deviations, &sensor);
     let samples: usize = deviations.iter().map(|d| design.series[d.run].count().saturating_sub(3)).sum();
     Some(Noise { sensor, jitter, freedom, sensor_freedom: 0.5 * samples as f64 })
@@ -102,36 +114,41 @@ fn deviations(design: &Design, predicted: &[Vec<f64>]) -> Vec<Deviation> {
                 run: s,
                 values: values.collect(),
                 shapes: shapes(design.channel, &design.series[s], &predicted[s]),
+                of_input: of_input(design.channel, &design.series[s], &predicted[s]),
             });
         }
     }
     list
 }
 
-/// Deviation and shapes whitened, and the innovations.
+/// Deviation and shapes whitened, and the logarithm of the determinant of what whitens them.
 fn whitened(
     design: &Design,
     predicted: &[Vec<f64>],
     one: &Deviation,
     noise: &SensorNoise,
-) -> (DVector<f64>, DMatrix<f64>, Innovations) {
+) -> (DVector<f64>, DMatrix<f64>, f64) {
     let output = &predicted[one.run];
     let levels = levels(design.channel, &design.series[one.run], output, noise);
     let innovations = Innovations::new(&design.series[one.run], &levels, noise);
-    let level = |k: usize| levels[k];
     let mut values = one.values.clone();
-    innovations.apply(&mut values, level);
-    let mut shapes = one.shapes.clone();
-    for mut column in shapes.column_iter_mut() {
-        let mut own: Vec<f64> = column.iter().copied().collect();
-        innovations.apply(&mut own, level);
-        column.copy_from_slice(&own);
-    }
-    (DVector::from_vec(values), shapes, innovations)
+    innovations.apply(&mut values, |k| levels[k]);
+    let [mut shapes, mut of_input] = [&one.shapes, &one.of_input].map(Clone::clone);
+    innovations.apply_to(&mut shapes, &levels);
+    innovations.apply_to(&mut of_input, &levels);
+    let fold = Fold::of(of_input);
+    let values = fold.taken_off(&DVector::from_vec(values));
+    (values, fold.all_taken_off(shapes), 2.0 * innovations.log_deviation + fold.price())
 }
 
-/// Sensor noise of the largest likelihood over a grid, its level in closed form, jitter removed as free parameters.
-fn most_likely(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation]) -> Option<SensorNoise> {
+/// Sensor noise of the largest likelihood over a grid or `near` one that is known, its level in closed form, jitter removed as free
+/// parameters.
+fn most_likely(
+    design: &Design,
+    predicted: &[Vec<f64>],
+    deviations: &[Deviation],
+    near: Option<&SensorNoise>,
+) -> Option<SensorNoise> {
     let told: Vec<&Deviation> = deviations.iter().filter(|d| design.series[d.run].count() > 3).collect();
     let few: Vec<&Deviation> = told.iter().copied().step_by(told.len().div_ceil(ENOUGH).max(1)).collect();
     let weights =
@@ -148,10 +165,19 @@ fn most_likely(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation]
         }
         best
     };
-    for correlation_s in TIMES_S {
-        for white in WHITE {
+    match near {
+        Some(near) => {
             for part in RELATIVE {
-                ask(correlation_s, white, part / peak.max(1e-12));
+                ask(near.correlation_s, near.white, part / peak.max(1e-12));
+            }
+        }
+        None => {
+            for correlation_s in TIMES_S {
+                for white in WHITE {
+                    for part in RELATIVE {
+                        ask(correlation_s, white, part / peak.max(1e-12));
+                    }
+                }
             }
         }
     }
@@ -173,10 +199,10 @@ fn most_likely(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation]
 fn likelihood(design: &Design, predicted: &[Vec<f64>], runs: &[&Deviation], unit: &SensorNoise) -> Option<(f64, f64)> {
     let (mut square, mut log, mut count) = (0.0, 0.0, 0.0);
     for run in runs {
-        let (y, x, innovations) = whitened(design, predicted, run, unit);
+        let (y, x, determinant) = whitened(design, predicted, run, unit);
         let (found, information) = amounts(&y, &x)?;
         square += (y - x * found).norm_squared();
-        log += 2.0 * innovations.log_deviation + information.log_determinant();
+        log += determinant + information.log_determinant();
         count += design.series[run.run].count() as f64 - 3.0;
     }
     let variance = square / count;

@@ -217,6 +217,7 @@ fn run(design: &Design, what: String, (low, gap_mm): (f64, f64), span_s: f64, of
         output,
         compared,
         is_answered: false,
+        left: [Vec::new(), Vec::new()],
         gap_ratio: 1.0,
         gap_mm,
         condition: 0,

@@ -10,6 +10,7 @@ use super::law::{Law, RESPONSE_S, Setting};
 use super::noise::{Noise, SensorNoise};
 use super::sample::samples;
 use crate::infer::lowrank::Fold;
+use crate::infer::product::beside;
 
 /// Innovations of one run's noise: a first-order process plus white noise (Kalman filter with known variances), sample by sample.
 #[derive(Debug, Clone)]
@@ -48,6 +49,15 @@ impl Innovations {
         Self { steps, log_deviation }
     }
 
+    /// Whitens columns of values of this run in place.
+    pub fn apply_to(&self, columns: &mut DMatrix<f64>, level: &[f64]) {
+        for mut column in columns.column_iter_mut() {
+            let mut own: Vec<f64> = column.iter().copied().collect();
+            self.apply(&mut own, |k| level[k]);
+            column.copy_from_slice(&own);
+        }
+    }
+
     /// Whitens values of this run in place. `level` is the noise level at every sample.
     pub fn apply(&self, values: &mut [f64], level: impl Fn(usize) -> f64) {
         let mut state = 0.0;
@@ -65,11 +75,15 @@ impl Innovations {
     }
 }
 
-/// What a run may differ by from its repeats, whitened: gain, zero, and time where that matters.
+/// What a run may differ by from its repeats, whitened: gain, zero, time where that matters, and what its input was read by.
 #[derive(Debug, Clone)]
 struct Jitter {
     first: usize,
     of: Fold,
+    /// The same in the channel's unit, 0 where nothing is compared.
+    plain: DMatrix<f64>,
+    /// Expected sum of the squares of the sensor's noise.
+    noise: f64,
 }
 
 /// A linear map of all runs' residuals.
@@ -103,13 +117,17 @@ impl Whitening {
             let first = design.first(s);
             let level = levels(design.channel, series, output, &noise.sensor);
             let innovations = Innovations::new(series, &level, &noise.sensor);
-            let mut columns = shapes(design.channel, series, output);
-            for (j, scale) in [noise.jitter.gain, noise.jitter.zero, noise.jitter.slide].into_iter().enumerate() {
-                let mut column: Vec<f64> = columns.column(j).iter().map(|x| x * scale).collect();
-                innovations.apply(&mut column, |k| level[k]);
-                columns.set_column(j, &DVector::from_vec(column));
-            }
-            jitter.push(Jitter { first, of: Fold::of(columns) });
+            let of_run = shapes(design.channel, series, output);
+            let scales = [noise.jitter.gain, noise.jitter.zero, noise.jitter.slide].into_iter().enumerate();
+            let of_run = scales.map(|(j, scale)| of_run.column(j) * scale);
+            let of_input = of_input(design.channel, series, output);
+            let mut columns = beside(output.len(), [&DMatrix::from_columns(&of_run.collect::<Vec<_>>()), &of_input]);
+            let mut plain = columns.clone();
+            (0..output.len()).filter(|k| !series.compared[*k]).for_each(|k| plain.row_mut(k).fill(0.0));
+            let compared = level.iter().zip(&series.compared).filter(|(_, compared)| **compared);
+            let noise = compared.map(|(level, _)| level * level).sum();
+            innovations.apply_to(&mut columns, &level);
+            jitter.push(Jitter { first, of: Fold::of(columns), plain, noise });
             runs.push((first, innovations, level));
         }
         let len = design.samples();
@@ -180,6 +198,27 @@ impl Whitening {
         self.fold_shared(values);
     }
 
+    /// What a run is expected to differ by from its repeats, in the channel's unit: columns of unit deviation of its gain,
+    /// zero, time and input, and the sum of the squares of the sensor's noise.
+    #[must_use]
+    pub fn expected(&self, run: usize) -> (&DMatrix<f64>, f64) {
+        (&self.jitter[run].plain, self.jitter[run].noise)
+    }
+
+    /// Residuals in the channel's unit without what gain, zero and time of every run, and the noise of its input, make of them.
+    #[must_use]
+    pub fn without_scatter(&self, plain: &DVector<f64>) -> DVector<f64> {
+        let (mut told, mut out) = (plain.clone(), plain.clone());
+        self.innovate(&mut told);
+        for one in self.jitter.iter().filter(|one| !one.of.is_empty()) {
+            let rows = one.plain.nrows();
+            let amounts = one.of.amounts(&told.rows(one.first, rows).into_owned());
+            let mut own = out.rows_mut(one.first, rows);
+            own -= &one.plain * amounts;
+        }
+        out
+    }
+
     fn innovate(&self, values: &mut DVector<f64>) {
         let all = values.as_mut_slice();
         for (first, innovations, level) in &self.runs {
@@ -214,6 +253,27 @@ pub fn shapes(channel: Channel, series: &Series, output: &[f64]) -> DMatrix<f64>
         1 => 1.0,
         _ => channel.slide(series, output, k),
     })
+}
+
+/// What is left of the noise of an input's readings, as the output follows it: columns of unit deviation.
+#[must_use]
+pub fn of_input(channel: Channel, series: &Series, output: &[f64]) -> DMatrix<f64> {
+    let follows = |of: usize, k: usize| match of {
+        0 => channel.slide(series, output, k),
+        _ => round::fluid_over_yield(series.input[k], series.yield_kpa[k]),
+    };
+    let mut columns: Vec<DVector<f64>> = Vec::new();
+    for (of, left) in series.left.iter().enumerate().flat_map(|(of, all)| all.iter().map(move |left| (of, left))) {
+        let mut column = DVector::zeros(output.len());
+        let samples = left.first..left.first + left.errors.len();
+        for (k, error) in samples.zip(&left.errors).filter(|(k, _)| series.compared[*k]) {
+            column[k] = error * follows(of, k);
+        }
+        if column.amax() > 0.0 {
+            columns.push(column);
+        }
+    }
+    if columns.is_empty() { DMatrix::zeros(output.len(), 0) } else { DMatrix::from_columns(&columns) }
 }
 
 /// What the base law may itself be wrong by: smooth over the output, along time, between gaps, and between the way up

@@ -16,7 +16,7 @@ use crate::diagnose::fit::Problem;
 use crate::diagnose::noise::Curve;
 use crate::infer::evidence::Sizes;
 use crate::infer::process::Shapes;
-use crate::infer::sets::{Group, Groups};
+use crate::infer::sets::{Group, Groups, Kind};
 
 /// Size of a discrepancy, as a share of the force: as often above as below, and a factor of 2.7 to
 /// either side. Simulations of soft solids agree with tests to about a percent.
@@ -77,7 +77,8 @@ pub(super) fn groups(problem: &Problem<'_>, curves: &[Curve]) -> Groups {
         }
         let readings = columns.clone();
         problem.whitening.apply_to(&mut columns);
-        Group { over, is_scatter: over == SPOT, readings, columns }
+        let kind = if over == SPOT { Kind::Scatter } else { Kind::Misfit };
+        Group { over, kind, readings, columns }
     };
     let each = places(design).into_par_iter().map(made).filter(|group| group.columns.amax() > 0.0).collect();
     Groups::new(problem.whitening.residuals(), each, Sizes::about(SIZE.0, SIZE.1))

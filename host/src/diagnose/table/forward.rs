@@ -9,7 +9,7 @@ use crate::infer::evidence::{Parameter, Sizes};
 use crate::infer::presence;
 use crate::infer::process::Shapes;
 use crate::infer::quantity::Quantity;
-use crate::infer::sets::{Forward, Group, Groups, Misfits};
+use crate::infer::sets::{Forward, Group, Groups, Kind, Misfits};
 
 /// Size of a discrepancy, as a share of the span: as often above as below, and a factor of 2.7 to either
 /// side. Calibrations by hand are as straight as that.
@@ -58,7 +58,7 @@ impl<'a> Search<'a> {
                 let before = from.map_or(0.0, |from| shapes.at(shape, from));
                 used.map_or(0.0, |u| table.span * (shapes.at(shape, u) - before))
             });
-            Group { over, is_scatter: false, columns: &readings / self.problem.sigma, readings }
+            Group { over, kind: Kind::Misfit, columns: &readings / self.problem.sigma, readings }
         };
         let varied = varied.into_iter().filter(|(over, ..)| table.is_simulated || *over != "x");
         let each = varied.map(made).filter(|group| group.columns.amax() > 0.0).collect();

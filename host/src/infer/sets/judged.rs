@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::shares::{Misfits, Shares};
 use super::verdict::{Conclusion, Outcome, concluded};
 use super::weigh::Weighed;
-use super::{Fitted, Forward};
+use super::{Fitted, Forward, Kind};
 use crate::infer::evidence::{Discrepancy, evidence, of_unknown_sizes};
 use crate::infer::mixture::{Part, quantile};
 
@@ -64,8 +64,10 @@ pub struct Judged<N> {
     pub remainder: Option<f64>,
     /// What that varies with, the largest first; scatter among it.
     pub shows_in: Vec<&'static str>,
-    /// What each group of discrepancies varies with, in the order of the sizes of a set's evidence.
-    pub groups: Vec<&'static str>,
+    /// What each group of discrepancies varies with, in the order of the sizes of a set's evidence; none of noise.
+    pub groups: Vec<Option<&'static str>>,
+    /// Probability that nothing is wrong: no effect and no discrepancy.
+    pub nothing: f64,
     /// Probability of every set that was weighed, the likeliest first.
     pub sets: Vec<f64>,
     /// Names of every set.
@@ -125,8 +127,8 @@ impl<N: Copy + Eq + Send + Sync> Judged<N> {
         };
         let mut told: Vec<Belief<N>> = names(of).into_iter().map(told).collect();
         told.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        let Conclusion { outcome, findings, partly, explains } =
-            conclusion_of(&sets, &told, nothing_wrong(compared, &sets));
+        let nothing = nothing_wrong(compared, &sets);
+        let Conclusion { outcome, findings, partly, explains } = conclusion_of(&sets, &told, nothing);
         let wider = {
             let (sets, alone) = wider(compared, &shares.groups().discrepancy);
             let mut told: Vec<Belief<N>> = told.clone();
@@ -145,7 +147,13 @@ impl<N: Copy + Eq + Send + Sync> Judged<N> {
             intervals: intervals(shares, shared),
             remainder: shares.left_share(),
             shows_in: shares.left_over(),
-            groups: shares.groups().each.iter().map(|group| group.over).collect(),
+            groups: shares
+                .groups()
+                .each
+                .iter()
+                .map(|group| (group.kind != Kind::Noise).then_some(group.over))
+                .collect(),
+            nothing,
             sets,
             wider,
             members,
@@ -161,7 +169,7 @@ impl<N: Copy + Eq + Send + Sync> Judged<N> {
     /// The discrepancies beside a set: what each varies with, and its size as a share of the readings.
     pub fn beside<'s, T>(&'s self, set: &'s Weighed<T>) -> impl Iterator<Item = (&'static str, f64)> + 's {
         let sizes = self.groups.iter().copied().zip(set.evidence.sizes.iter().copied());
-        sizes.filter(|(_, size)| *size > 0.0)
+        sizes.filter_map(|(over, size)| over.filter(|_| size > 0.0).map(|over| (over, size)))
     }
 
     /// What is believed of a name.

@@ -88,14 +88,25 @@ pub trait Forward: Sync {
 /// An effect of a model.
 pub type Effect<F> = <<F as Forward>::Fit as Fitted>::Effect;
 
+/// What a group is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// The model.
+    Misfit,
+    /// What differs between repeats: no misfit of the model.
+    Scatter,
+    /// Noise that few repeats may have told too small: nothing is wrong.
+    Noise,
+}
+
 /// What a model may be wrong by without a name: one smooth function of what was varied, with a size of
 /// its own.
 #[derive(Debug, Clone)]
 pub struct Group {
     /// What it varies with, for reports.
     pub over: &'static str,
-    /// True for what differs between repeats: scatter, which is no misfit of the model.
-    pub is_scatter: bool,
+    /// What it is of.
+    pub kind: Kind,
     /// Columns for a size of one, in the unit of the readings.
     pub readings: DMatrix<f64>,
     /// The same whitened.
@@ -115,17 +126,18 @@ impl Groups {
     /// Of some rows, with the sizes that each group may have.
     #[must_use]
     pub fn new(rows: usize, each: Vec<Group>, sizes: Sizes) -> Self {
-        let discrepancy = Discrepancy::new(rows, each.iter().map(|group| &group.columns), sizes);
+        let noise = (0..each.len()).filter(|at| each[*at].kind == Kind::Noise).collect();
+        let discrepancy = Discrepancy::new(rows, each.iter().map(|group| &group.columns), sizes).with_noise(noise);
         Self { each, discrepancy }
     }
 
-    /// Columns of all groups in the unit of the readings; nothing of scatter.
+    /// Columns of all groups in the unit of the readings; nothing of what is no misfit.
     fn readings(&self, rows: usize) -> DMatrix<f64> {
         let mut all = beside(rows, self.each.iter().map(|group| &group.readings));
         let mut at = 0;
         for group in &self.each {
             let own = group.readings.ncols();
-            if group.is_scatter {
+            if group.kind != Kind::Misfit {
                 all.columns_mut(at, own).fill(0.0);
             }
             at += own;
@@ -141,7 +153,9 @@ impl Groups {
         for group in &self.each {
             let own = amounts.rows(at, group.readings.ncols());
             at += group.readings.ncols();
-            all.push((group.over, (&group.readings * own).norm()));
+            if group.kind != Kind::Noise {
+                all.push((group.over, (&group.readings * own).norm()));
+            }
         }
         all.retain(|(_, size)| *size > 0.0);
         all.sort_by(|a, b| b.1.total_cmp(&a.1));

@@ -48,7 +48,7 @@ impl<T: Fitted> Weighed<T> {
     /// True for a set with no discrepancy beside it.
     #[must_use]
     pub fn is_alone(&self, discrepancy: &Discrepancy) -> bool {
-        self.evidence.sizes.iter().take(discrepancy.groups()).all(|size| *size == 0.0)
+        discrepancy.is_none_of(&self.evidence.sizes)
     }
 
     /// True for the base.

@@ -18,7 +18,7 @@ pub const EFFECT: Effect = Effect {
         null: Some(1.0),
         bounds: (0.4, 2.5),
         plausible: 1.1,
-        starts: &[0.8, 1.25],
+        starts: &[0.8, 0.95, 1.05, 1.25],
         logarithmic: true,
     }],
 };

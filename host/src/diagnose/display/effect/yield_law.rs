@@ -4,7 +4,7 @@ use super::{Effect, Quantity, Stage};
 use crate::diagnose::display::channel::Channel;
 
 /// A power of what Carlson's law says: models that were fitted to the same data differ by 13 to 24 % (Xie, Liu and Cai 2020).
-pub const EFFECT: Effect = Effect {
+pub const POWER: Effect = Effect {
     code: "yield-law",
     form: "power",
     channel: Channel::Fluid,
@@ -18,15 +18,28 @@ pub const EFFECT: Effect = Effect {
         null: Some(1.0),
         bounds: (0.4, 2.5),
         plausible: 1.1,
-        starts: &[0.8, 1.25],
+        starts: &[0.8, 0.95, 1.05, 1.25],
         logarithmic: true,
     }],
 };
 
-/// Yield stress, kPa; 1 kPa is kept.
+/// Iron that saturates sooner: the stress bends towards a largest one, as Froehlich's and Kennelly's curve does.
+pub const SATURATING: Effect = Effect {
+    form: "saturating",
+    quantities: &[Quantity::amount("bend_per_kPa", (0.0, 1.0), 0.05, &[0.05, 0.3])],
+    ..POWER
+};
+
+/// Yield stress of the power, kPa; 1 kPa is kept.
 #[must_use]
-pub fn bent(kpa: f64, exponent: f64) -> f64 {
+pub fn powered(kpa: f64, exponent: f64) -> f64 {
     KEPT_KPA * (kpa / KEPT_KPA).powf(exponent)
+}
+
+/// Yield stress of iron that saturates sooner, kPa; 1 kPa is kept.
+#[must_use]
+pub fn saturating(kpa: f64, bend_per_kpa: f64) -> f64 {
+    kpa * (1.0 + bend_per_kpa * KEPT_KPA) / (1.0 + bend_per_kpa * kpa)
 }
 
 /// The number beside it makes any other: 1 kPa is in the middle of what displays use.
