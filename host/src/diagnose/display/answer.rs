@@ -62,6 +62,11 @@ fn held_out(channel: &ChannelDiagnosis, evidence: &Evidence) -> Option<Value> {
         "channel": channel.channel.word(),
         format!("rmse_{unit}_before"): held_out.rmse_before,
         format!("rmse_{unit}_after"): held_out.rmse_after,
+        // of the law alone: without what a run's own gain, zero and time make of it
+        "of_law": {
+            format!("rmse_{unit}_before"): held_out.of_law.0,
+            format!("rmse_{unit}_after"): held_out.of_law.1,
+        },
         "conditions": held_out.conditions,
         "repeated": held_out.gain.map(|gain| json!({
             format!("rmse_{unit}_before"): gain.before,

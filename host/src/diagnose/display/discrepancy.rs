@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use super::design::{Design, Series};
 use super::fit::Problem;
 use super::law::Law;
-use super::noise::Jitter;
+use super::noise::{Jitter, Noise};
 use super::sample::{Sample, samples};
 use super::whiten::shapes;
 use crate::infer::evidence::Sizes;
@@ -52,7 +52,7 @@ type Varied = (&'static str, f64, usize, Placed);
 
 /// All groups of a channel, whose scatter from run to run is that of a fit of the base.
 #[must_use]
-pub fn groups(problem: &Problem<'_>, base: &Law, jitter: &Jitter) -> Groups {
+pub fn groups(problem: &Problem<'_>, base: &Law, noise: &Noise) -> Groups {
     let design = problem.design;
     let samples = samples(design);
     let made = |(over, length, levels, place): Varied| {
@@ -71,7 +71,7 @@ pub fn groups(problem: &Problem<'_>, base: &Law, jitter: &Jitter) -> Groups {
         whitened(problem, over, Kind::Misfit, readings)
     };
     let misfits = varied(design, &samples).into_par_iter().map(made);
-    let each: Vec<Group> = scatter(problem, base, jitter).into_par_iter().chain(misfits).collect();
+    let each: Vec<Group> = scatter(problem, base, noise).into_par_iter().chain(misfits).collect();
     let each = each.into_iter().filter(|group| group.columns.amax() > 0.0);
     Groups::new(design.samples(), each.collect(), Sizes::about(SIZE.0, SIZE.1))
 }
@@ -86,22 +86,36 @@ fn whitened(problem: &Problem<'_>, over: &'static str, kind: Kind, readings: DMa
     Group { over, kind, readings, columns }
 }
 
-/// Gain, zero and time of every run, a column each of the deviation that the repeats told.
-fn scatter(problem: &Problem<'_>, base: &Law, jitter: &Jitter) -> Vec<Group> {
+/// Part of the sensor's noise below which few repeats do not tell what zero and time of a run scatter by.
+const UNTOLD: f64 = 0.25;
+
+/// Gain, zero and time of every run, a column each of the deviation that the repeats told; no less than is expected of a gain,
+/// or than they can tell.
+fn scatter(problem: &Problem<'_>, base: &Law, noise: &Noise) -> Vec<Group> {
     let design = problem.design;
-    let runs = design.series.iter().enumerate().filter(|(s, _)| problem.used[*s]);
-    let told: Vec<(usize, DMatrix<f64>)> =
-        runs.map(|(s, series)| (s, shapes(design.channel, series, &base.predict(series)))).collect();
-    let group = |(at, (over, deviation)): (usize, (&'static str, f64))| {
+    let mut told: Vec<(usize, DMatrix<f64>)> = Vec::new();
+    for (s, series) in design.series.iter().enumerate().filter(|(s, _)| problem.used[*s]) {
+        let mut own = shapes(design.channel, series, &base.predict(series));
+        (0..own.nrows()).filter(|k| !series.compared[*k]).for_each(|k| own.row_mut(k).fill(0.0));
+        told.push((s, own));
+    }
+    let count: usize = told.iter().map(|(s, _)| design.series[*s].count()).sum();
+    let group = |(at, (over, deviation, least)): (usize, (&'static str, f64, f64))| {
+        let square: f64 = told.iter().map(|(_, own)| own.column(at).norm_squared()).sum();
+        let untold = UNTOLD * noise.sensor.sigma / (square / count.max(1) as f64).sqrt();
+        let deviation = deviation.max(if least > 0.0 { least } else { untold });
         let mut readings = DMatrix::zeros(design.samples(), told.len());
-        for (column, (s, own)) in told.iter().enumerate() {
-            for (k, _) in design.series[*s].compared.iter().enumerate().filter(|(_, compared)| **compared) {
-                readings[(design.first(*s) + k, column)] = deviation * own[(k, at)];
-            }
+        for (column, (s, own)) in told.iter().enumerate().filter(|_| square > 0.0) {
+            readings.view_mut((design.first(*s), column), (own.nrows(), 1)).copy_from(&(deviation * own.column(at)));
         }
         whitened(problem, over, Kind::Noise, readings)
     };
-    let each = [("gain of a run", jitter.gain), ("zero of a run", jitter.zero), ("time of a run", jitter.slide)];
+    let Jitter { gain, zero, slide } = noise.jitter;
+    let each = [
+        ("gain of a run", gain, design.channel.expected_gain()),
+        ("zero of a run", zero, 0.0),
+        ("time of a run", slide, 0.0),
+    ];
     each.into_iter().enumerate().map(group).collect()
 }
 

@@ -14,7 +14,8 @@ pub struct Gain {
     pub before: f64,
     /// The same with the effects.
     pub after: f64,
-    /// The part of the error that is gone, with 95 % certainty, from what runs of a command differ by.
+    /// The part of the error that is gone, with 95 % certainty, from what runs of a command differ by. From minus infinity
+    /// where they do not differ at all.
     pub part95: (f64, f64),
 }
 
@@ -132,7 +133,10 @@ impl Gain {
         let jackknife = (times - 1) as f64 / times as f64;
         let of_amounts = jackknife * taken.iter().map(|own| ((own - usual) / before).powi(2)).sum::<f64>();
         let ratio = (after / before).sqrt();
-        let width = 0.5 * (of_scale + of_means + of_amounts).sqrt() * student_critical(MISSED, freedom);
+        let width = match apart > 0.0 {
+            true => 0.5 * (of_scale + of_means + of_amounts).sqrt() * student_critical(MISSED, freedom),
+            false => f64::INFINITY,
+        };
         Some(Gain {
             before: (before / count).sqrt(),
             after: (after / count).sqrt(),
@@ -207,6 +211,7 @@ mod tests {
         };
         let gain = Gain::of(&[one(0, 1.0), one(0, 1.0)]).unwrap();
         assert_eq!((gain.before, gain.after, gain.part()), (2.0, 1.0, 0.5));
+        assert_eq!(gain.part95, (f64::NEG_INFINITY, 1.0));
         assert_eq!(Gain::of(&[one(0, 1.0), one(1, 20.0), one(0, 1.0)]), Some(gain));
         assert_eq!(Gain::of(&[one(0, 1.0), one(1, 1.0)]), None);
         assert_eq!(Gain::of(&[]), None);

@@ -16,6 +16,8 @@ pub struct HeldOut {
     pub rmse_before: f64,
     /// With the effects.
     pub rmse_after: f64,
+    /// Both of the law alone: without what a run's own gain, zero and time make of its errors.
+    pub of_law: (f64, f64),
     /// Sum of the squares of whitened errors with the base.
     pub square_before: f64,
     /// The same with the effects.
@@ -83,7 +85,7 @@ pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
     let missed = |group: &Group| left_out(search, held, &|s, k| group.holds(&design.series[s], parts[s][k]));
     let each: Vec<(Miss, Miss)> = groups.par_iter().map(missed).collect();
     let sum = |of: &dyn Fn(&(Miss, Miss)) -> f64| each.iter().map(of).sum::<f64>();
-    let (rmse_before, rmse_after) = errors(&each);
+    let (rmse_before, rmse_after) = errors(&each, |miss| miss.square);
     let conditions = groups.iter().map(|group| match group {
         Group::Marked => "runs marked hold_out".to_owned(),
         Group::Command(command) => design.conditions[*command].clone(),
@@ -92,6 +94,7 @@ pub fn of(search: &Search<'_>, held: &[Weighed]) -> Option<HeldOut> {
     Some(HeldOut {
         rmse_before,
         rmse_after,
+        of_law: errors(&each, |miss| miss.of_law),
         square_before: sum(&|e| e.0.whitened),
         square_after: sum(&|e| e.1.whitened),
         conditions: conditions.collect(),
@@ -125,11 +128,11 @@ fn is_told_without(search: &Search<'_>, fit: &Fit, command: usize) -> bool {
     (search.base.coordinates.len()..fit.x.len()).all(is_told)
 }
 
-/// Root mean square errors with base and effects.
-fn errors(each: &[(Miss, Miss)]) -> (f64, f64) {
+/// Root mean square errors with base and effects, of some sum of squares.
+fn errors(each: &[(Miss, Miss)], square: fn(&Miss) -> f64) -> (f64, f64) {
     let sum = |of: &dyn Fn(&(Miss, Miss)) -> f64| each.iter().map(of).sum::<f64>();
     let count = sum(&|e| e.0.count).max(1.0);
-    ((sum(&|e| e.0.square) / count).sqrt(), (sum(&|e| e.1.square) / count).sqrt())
+    ((sum(&|e| square(&e.0)) / count).sqrt(), (sum(&|e| square(&e.1)) / count).sqrt())
 }
 
 /// What is gained on the first, second, ... time that each command was given, each predicted from the others.
@@ -206,16 +209,18 @@ fn only<'d>(search: &Search<'_>, design: &'d Design) -> Problem<'d> {
 #[derive(Clone, Copy)]
 struct Miss {
     square: f64,
+    /// Without what a run's own gain, zero and time make of it: they are no law's.
+    of_law: f64,
     whitened: f64,
     count: f64,
 }
 
-/// Without what a run's own gain, zero and time make of it: they are no law's.
 fn miss(problem: &Problem<'_>, fit: &Fit) -> Miss {
-    let plain = problem.whitening.without_scatter(&problem.plain(&fit.law));
+    let plain = problem.plain(&fit.law);
+    let of_law = problem.whitening.without_scatter(&plain).norm_squared();
     let used = problem.design.series.iter().zip(&problem.used).filter(|(_, used)| **used);
     let count: usize = used.map(|(s, _)| s.count()).sum();
     let mut whitened = plain.clone();
     problem.whitening.apply(&mut whitened);
-    Miss { square: plain.norm_squared(), whitened: whitened.norm_squared(), count: count as f64 }
+    Miss { square: plain.norm_squared(), of_law, whitened: whitened.norm_squared(), count: count as f64 }
 }

@@ -208,7 +208,7 @@ fn examined(design: Design) -> ChannelDiagnosis {
     };
     out.messages.extend(base.at_ends());
     let search = Search::new(problem, base, noise);
-    let groups = discrepancy::groups(&search.problem, &search.base.law, &search.noise.jitter);
+    let groups = discrepancy::groups(&search.problem, &search.base.law, &search.noise);
     let Some(mut found) = Weighing::of(&search, &groups, search.base.law.base.len()) else {
         out.refusal = Some(Refusal::NoNoise);
         return out;

@@ -13,7 +13,7 @@ use crate::infer::sets::{Groups, Told};
 
 /// Standard deviations beyond which what a set leaves is more than noise.
 const IRREGULAR: f64 = 4.0;
-/// Names may predict this much worse in the channel's unit: they are weighed in the noise.
+/// Names may predict this much worse in the channel's unit, a run's own scatter taken off: they are weighed in the noise.
 const WORSE: f64 = 1.1;
 
 /// True where the likeliest set leaves more than the noise of repeats in no order that a discrepancy has.
@@ -33,7 +33,7 @@ pub(super) fn is_irregular(search: &Search<'_>, groups: &Groups, best: &Weighed)
 /// True where names hold: they predict what was left out better, in the noise and about as well in the channel's
 /// unit, and no parameter ended at a bound.
 pub(super) fn hold(held: &[Weighed], held_out: Option<&HeldOut>) -> bool {
-    let predicts = held_out.is_none_or(|h| h.square_after < h.square_before && h.rmse_after < WORSE * h.rmse_before);
+    let predicts = held_out.is_none_or(|h| h.square_after < h.square_before && h.of_law.1 < WORSE * h.of_law.0);
     predicts && held.first().is_some_and(|best| !best.fit.at_bound)
 }
 

@@ -244,8 +244,10 @@ fn parameters(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) 
             ));
         }
         page.paragraph(&format!(
-            "On commands of other kinds than the fit has seen it goes from {}. Base and effects are both fitted without them.",
-            fall(held_out.rmse_before, held_out.rmse_after)
+            "On commands of other kinds than the fit has seen it goes from {}, and without what each run's own gain, zero and \
+             time make of it from {}. Base and effects are both fitted without them.",
+            fall(held_out.rmse_before, held_out.rmse_after),
+            fall(held_out.of_law.0, held_out.of_law.1)
         ));
     }
 }
