@@ -366,7 +366,7 @@ mod tests {
         for (stiffness, weber, repeats) in cases {
             let mut inside = 0;
             let mut found = Vec::new();
-            let subjects = if stiffness.len() == 2 { 150 } else { 50 };
+            let subjects = if stiffness.len() == 2 { 300 } else { 100 };
             for _ in 0..subjects {
                 let one =
                     estimate(&subject(&mut random, stiffness, weber, repeats), stiffness, References::Touched).unwrap();

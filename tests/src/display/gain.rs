@@ -39,17 +39,18 @@ impl Gains {
         let evidence = channel.evidence.as_deref()?;
         let printed = evidence.held_out.as_ref()?.gain?;
         let own = model.channels.iter().find(|own| own.channel == channel.channel)?;
-        let square = |law: &Law, height: f64| -> Option<f64> {
-            let each = (0..DAYS).map(|day| {
+        // both laws err on the same presses
+        let gain = |height: f64| -> Option<f64> {
+            let (mut before, mut after) = (0.0, 0.0);
+            for day in 0..DAYS {
                 let fresh = fresh(case, day, (channel.channel, height));
                 let explained = model.explained(&fresh, channel.channel);
                 let design = Design::of(&fresh, channel.channel, &explained).ok()?;
-                Some(Problem::unweighted(&design).plain(law).norm_squared())
-            });
-            each.sum()
-        };
-        let gain = |height: f64| -> Option<f64> {
-            Some(1.0 - (square(&own.law(), height)? / square(&evidence.base.fit.law, height)?).sqrt())
+                let square = |law: &Law| Problem::unweighted(&design).plain(law).norm_squared();
+                before += square(&evidence.base.fit.law);
+                after += square(&own.law());
+            }
+            Some(1.0 - (after / before).sqrt())
         };
         Some(Self { printed: printed.part(), interval: printed.part95, truth: gain(1.0)?, less_far: gain(LESS)? })
     }

@@ -128,14 +128,7 @@ impl Design {
         let mut series: Vec<Series> = Vec::new();
         let runs: Vec<&Run> = experiment.runs.iter().filter(|run| run.test == Test::Display).collect();
         for run in runs {
-            let Some(mut one) = one(run, channel) else { continue };
-            match explained.get(&run.file).filter(|input| input.len() == one.input.len()) {
-                Some(input) => (one.input, one.is_answered) = (input.clone(), true),
-                None if channel.input_is_measured() => {
-                    (one.input, one.left[0]) = smooth::smoothed(&one.time_s, &one.input)
-                }
-                None => {}
-            }
+            let Some(one) = one(run, channel, explained.get(&run.file)) else { continue };
             if let Some(at_s) = interrupted(&one.time_s) {
                 messages.push(format!("{}: recording interrupted at {at_s:.2} s; the run is left out", run.file));
             } else {
@@ -225,9 +218,9 @@ impl Series {
     }
 }
 
-fn one(run: &Run, channel: Channel) -> Option<Series> {
+fn one(run: &Run, channel: Channel, explained: Option<&Vec<f64>>) -> Option<Series> {
     let (told, measured) = channel.columns();
-    let mut input = run.recording.column(told)?.to_vec();
+    let mut read = run.recording.column(told)?.to_vec();
     let output = run.recording.column(measured)?.to_vec();
     let (mut yield_kpa, mut yield_left) = (Vec::new(), Vec::new());
     let [shaft_mm, flux_t] = UNDER_FINGER.map(|name| run.recording.column(name));
@@ -241,14 +234,18 @@ fn one(run: &Run, channel: Channel) -> Option<Series> {
                 own.for_each(|(error, t)| *error = round::yield_kpa(t + *error) - round::yield_kpa(*t));
             }
         }
-        (Channel::Pulp, None, Some(shaft_mm)) => input.iter_mut().zip(shaft_mm).for_each(|(x, shaft)| *x -= shaft),
+        (Channel::Pulp, None, Some(shaft_mm)) => read.iter_mut().zip(shaft_mm).for_each(|(x, shaft)| *x -= shaft),
         (Channel::Pulp | Channel::Fluid, ..) => return None,
         _ => {}
     }
     let gap_mm = run.recording.column(GAP_MM).and_then(|gap| gap.first().copied()).unwrap_or(0.0);
-    let place_mm =
-        if channel == Channel::Fluid { smooth::smoothed(&run.recording.time_s, &input).0 } else { Vec::new() };
-    let compared = compared(channel, &run.recording.time_s, (&input, &place_mm), &yield_kpa);
+    let explained = explained.filter(|input| input.len() == read.len());
+    let (input, input_left) = match explained {
+        Some(input) => (input.clone(), Vec::new()),
+        None if channel.input_is_measured() => smooth::smoothed(&run.recording.time_s, &read),
+        None => (read.clone(), Vec::new()),
+    };
+    let compared = compared(channel, &run.recording.time_s, (&read, &input), &yield_kpa);
     Some(Series {
         file: run.file.clone(),
         channel,
@@ -257,8 +254,8 @@ fn one(run: &Run, channel: Channel) -> Option<Series> {
         input,
         yield_kpa,
         output,
-        is_answered: false,
-        left: [Vec::new(), yield_left],
+        is_answered: explained.is_some(),
+        left: [input_left, yield_left],
         gap_ratio: 1.0,
         gap_mm: if channel == Channel::Flux { gap_mm } else { 0.0 },
         condition: 0,

@@ -95,9 +95,7 @@ fn scatter(problem: &Problem<'_>, base: &Law, noise: &Noise) -> Vec<Group> {
     let design = problem.design;
     let mut told: Vec<(usize, DMatrix<f64>)> = Vec::new();
     for (s, series) in design.series.iter().enumerate().filter(|(s, _)| problem.used[*s]) {
-        let mut own = shapes(design.channel, series, &base.predict(series));
-        (0..own.nrows()).filter(|k| !series.compared[*k]).for_each(|k| own.row_mut(k).fill(0.0));
-        told.push((s, own));
+        told.push((s, shapes(design.channel, series, &base.predict(series))));
     }
     let count: usize = told.iter().map(|(s, _)| design.series[*s].count()).sum();
     let group = |(at, (over, deviation, least)): (usize, (&'static str, f64, f64))| {

@@ -42,9 +42,8 @@ struct Repeats<'a> {
     /// Mean error with the base and with the effects.
     before: DVector<f64>,
     after: DVector<f64>,
-    /// Expected square of what one run differs by: its own scatter, and the sensor's noise.
-    scatter: f64,
-    noise: f64,
+    /// Expected square of what one run differs by, as it is stated: its own scatter, and the sensor's noise.
+    of_a_run: f64,
 }
 
 impl<'a> Repeats<'a> {
@@ -57,19 +56,13 @@ impl<'a> Repeats<'a> {
         Self {
             before: mean(&|run| run.before.clone()),
             after: mean(&|run| run.after.clone()),
-            scatter: runs.iter().map(|run| share * run.scatter.norm_squared()).sum(),
-            noise: runs.iter().map(|run| share * run.noise).sum(),
+            of_a_run: runs.iter().map(|run| share * (run.scatter.norm_squared() + run.noise)).sum(),
             runs,
         }
     }
 
     fn count(&self) -> f64 {
         self.runs.len() as f64
-    }
-
-    /// Expected square of what one run differs by, as it is stated.
-    fn of_a_run(&self) -> f64 {
-        self.scatter + self.noise
     }
 
     /// Sum of the squares of what its runs differ by from their mean.
@@ -109,11 +102,11 @@ impl Gain {
         let sum = |of: &dyn Fn(&Repeats<'_>) -> f64| all.iter().map(of).sum::<f64>();
         let freedom = sum(&|own| own.count() - 1.0);
         let count = sum(&|own| own.runs.iter().map(|run| run.count).sum());
-        let scale = sum(&|own| own.apart() / own.of_a_run().max(f64::MIN_POSITIVE)) / freedom;
-        let apart = sum(&|own| own.count() * scale * own.of_a_run());
+        let scale = sum(&|own| own.apart() / own.of_a_run.max(f64::MIN_POSITIVE)) / freedom;
+        let apart = sum(&|own| own.count() * scale * own.of_a_run);
         // the part of the mean error with the effects that their law leaves, and not the scatter of the runs
         let mean = sum(&|own| own.count() * own.after.norm_squared());
-        let left = (mean - sum(&|own| scale * own.of_a_run())).max(0.0);
+        let left = (mean - sum(&|own| scale * own.of_a_run)).max(0.0);
         let share = if mean > 0.0 { left / mean } else { 0.0 };
         let both = sum(&|own| own.count() * 2.0 * own.after.dot(&(&own.before - &own.after)));
         let times = all.iter().map(|own| own.runs.len()).max()?;

@@ -65,7 +65,6 @@ const FINER: [f64; 5] = [0.7, 0.85, 1.0, 1.2, 1.45];
 const ENOUGH: usize = 10;
 
 /// How one run differs from the mean of its repeats.
-#[derive(Clone)]
 struct Deviation {
     run: usize,
     values: Vec<f64>,
@@ -81,14 +80,9 @@ pub fn estimate(design: &Design, predicted: &[Vec<f64>]) -> Option<Noise> {
     if deviations.is_empty() {
         return None;
     }
-    let bare = |one: &Deviation| Deviation { of_input: one.of_input.columns(0, 0).into_owned(), ..one.clone() };
-    let bare: Vec<Deviation> = deviations.iter().map(bare).collect();
-    let mut sensor = most_likely(design, predicted, &bare, None)?;
+    let mut sensor = most_likely(design, predicted, &deviations, None)?;
     if deviations.iter().any(|one| one.of_input.ncols() > 0) {
-        // what is left of the input's noise counts in units of the level that was found without it
-        let scaled = |one: &Deviation| Deviation { of_input: &one.of_input / sensor.sigma, ..one.clone() };
-        let scaled: Vec<Deviation> = deviations.iter().map(scaled).collect();
-        sensor = most_likely(design, predicted, &scaled, Some(&sensor))?;
+        sensor = most_likely(design, predicted, &deviations, Some(&sensor))?;
     }
     let (jitter, freedom) = jitter(design, predicted, &deviations, &sensor);
     let samples: usize = deviations.iter().map(|d| design.series[d.run].count().saturating_sub(3)).sum();
@@ -121,28 +115,33 @@ fn deviations(design: &Design, predicted: &[Vec<f64>]) -> Vec<Deviation> {
     list
 }
 
-/// Deviation and shapes whitened, and the logarithm of the determinant of what whitens them.
+/// Deviation and shapes whitened, and the logarithm of the determinant of what whitens them. What is left of the input's
+/// noise counts in a unit; none: it does not count.
 fn whitened(
     design: &Design,
     predicted: &[Vec<f64>],
     one: &Deviation,
     noise: &SensorNoise,
+    unit: Option<f64>,
 ) -> (DVector<f64>, DMatrix<f64>, f64) {
     let output = &predicted[one.run];
     let levels = levels(design.channel, &design.series[one.run], output, noise);
     let innovations = Innovations::new(&design.series[one.run], &levels, noise);
     let mut values = one.values.clone();
     innovations.apply(&mut values, |k| levels[k]);
-    let [mut shapes, mut of_input] = [&one.shapes, &one.of_input].map(Clone::clone);
+    let mut shapes = one.shapes.clone();
     innovations.apply_to(&mut shapes, &levels);
-    innovations.apply_to(&mut of_input, &levels);
-    let fold = Fold::of(of_input);
+    let fold = unit.map_or_else(Fold::none, |unit| {
+        let mut of_input = &one.of_input / unit;
+        innovations.apply_to(&mut of_input, &levels);
+        Fold::of(of_input)
+    });
     let values = fold.taken_off(&DVector::from_vec(values));
     (values, fold.all_taken_off(shapes), 2.0 * innovations.log_deviation + fold.price())
 }
 
-/// Sensor noise of the largest likelihood over a grid or `near` one that is known, its level in closed form, jitter removed as free
-/// parameters.
+/// Sensor noise of the largest likelihood over a grid, its level in closed form, jitter removed as free parameters. `near` one
+/// that was found without what is left of the input's noise, that counts in units of its level.
 fn most_likely(
     design: &Design,
     predicted: &[Vec<f64>],
@@ -159,7 +158,9 @@ fn most_likely(
     let mut best: Option<(f64, SensorNoise)> = None;
     let mut ask = |correlation_s: f64, white: f64, relative: f64| {
         let unit = SensorNoise { sigma: 1.0, white, correlation_s, relative };
-        let Some((level, deviance)) = likelihood(design, predicted, &few, &unit) else { return best };
+        let Some((level, deviance)) = likelihood(design, predicted, &few, &unit, near.map(|near| near.sigma)) else {
+            return best;
+        };
         if best.is_none_or(|(least, _)| deviance < least) {
             best = Some((deviance, SensorNoise { sigma: level, relative: relative * level, ..unit }));
         }
@@ -196,10 +197,16 @@ fn most_likely(
 }
 
 /// Level of a noise of given shape, and twice its negative log-likelihood.
-fn likelihood(design: &Design, predicted: &[Vec<f64>], runs: &[&Deviation], unit: &SensorNoise) -> Option<(f64, f64)> {
+fn likelihood(
+    design: &Design,
+    predicted: &[Vec<f64>],
+    runs: &[&Deviation],
+    unit: &SensorNoise,
+    of_input: Option<f64>,
+) -> Option<(f64, f64)> {
     let (mut square, mut log, mut count) = (0.0, 0.0, 0.0);
     for run in runs {
-        let (y, x, determinant) = whitened(design, predicted, run, unit);
+        let (y, x, determinant) = whitened(design, predicted, run, unit, of_input);
         let (found, information) = amounts(&y, &x)?;
         square += (y - x * found).norm_squared();
         log += determinant + information.log_determinant();
@@ -224,7 +231,7 @@ fn amounts(y: &DVector<f64>, x: &DMatrix<f64>) -> Option<(DVector<f64>, Factor)>
 fn jitter(design: &Design, predicted: &[Vec<f64>], deviations: &[Deviation], sensor: &SensorNoise) -> (Jitter, f64) {
     let mut sums = [(0.0, 0.0); 3];
     for run in deviations {
-        let (y, x, _) = whitened(design, predicted, run, sensor);
+        let (y, x, _) = whitened(design, predicted, run, sensor, Some(1.0));
         let Some((found, information)) = amounts(&y, &x) else { continue };
         let variance = information.inverse();
         for k in 0..3 {

@@ -122,8 +122,7 @@ impl Whitening {
             let of_run = scales.map(|(j, scale)| of_run.column(j) * scale);
             let of_input = of_input(design.channel, series, output);
             let mut columns = beside(output.len(), [&DMatrix::from_columns(&of_run.collect::<Vec<_>>()), &of_input]);
-            let mut plain = columns.clone();
-            (0..output.len()).filter(|k| !series.compared[*k]).for_each(|k| plain.row_mut(k).fill(0.0));
+            let plain = columns.clone();
             let compared = level.iter().zip(&series.compared).filter(|(_, compared)| **compared);
             let noise = compared.map(|(level, _)| level * level).sum();
             innovations.apply_to(&mut columns, &level);
@@ -245,10 +244,11 @@ pub fn levels(channel: Channel, series: &Series, output: &[f64], noise: &SensorN
     (0..output.len()).map(|k| noise.level(channel.weight(series, output, k))).collect()
 }
 
-/// Output, 1, and what slides ([`Channel::slide`]): what the three kinds of jitter look like.
+/// Output, 1, and what slides ([`Channel::slide`]): what the three kinds of jitter look like; 0 where nothing is compared.
 #[must_use]
 pub fn shapes(channel: Channel, series: &Series, output: &[f64]) -> DMatrix<f64> {
     DMatrix::from_fn(output.len(), 3, |k, j| match j {
+        _ if !series.compared[k] => 0.0,
         0 => output[k],
         1 => 1.0,
         _ => channel.slide(series, output, k),
