@@ -22,17 +22,40 @@ fn slow(felt: &Value, display: &str, measure: &str) -> f64 {
     felt["presses"][0][display][measure].as_f64().unwrap()
 }
 
-/// Position 8 %, force 4 %, tracking 8 % (thesis 16, 8.7 and 16.6 %); ICF asks for less than its sensor tells, and
-/// misses the force by a tenth.
+/// Position 8 %, force 4 %, tracking 8 % (thesis 16, 8.7 and 16.6 %). ICF wants 0.3 mm more within three ticks of a hand's
+/// tremor: its tracking misses by half a hundredth.
 #[test]
 fn an_actuator_is_where_the_material_wants_it() {
     for plant in ["frozen", "drawn:20261129"] {
         for felt in felt("actuator", plant) {
             let [position, force, tracking] = ["position", "force", "tracking"].map(|m| slow(&felt, "actuator", m));
             let is_soft = felt["material"] == "ICF";
-            assert!(position <= 0.08 && tracking <= 0.08, "{plant} {}: {position} {tracking}", felt["material"]);
-            assert!(is_soft || force <= 0.04, "{plant} {}: {force}", felt["material"]);
+            let follows = if is_soft { 0.085 } else { 0.08 };
+            let told = format!("{plant} {}: {position} {force} {tracking}", felt["material"]);
+            assert!(position <= 0.08 && force <= 0.04 && tracking <= follows, "{told}");
         }
+    }
+}
+
+/// Gains are four numbers with commas, none that a board refuses.
+#[test]
+fn gains_are_taken_as_a_board_takes_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |gains: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
+        let output =
+            command.current_dir(folder.path()).args(["feel", "EVA", "--display", "actuator", "--gains", gains]);
+        output.output().unwrap()
+    };
+    assert!(run("2.48,9.93,0.083,64").status.success());
+    for (gains, told) in [
+        ("2.48,9.93,0.083", "expected four numbers with commas, KP,KI,KD,N"),
+        ("2.48,9.93,much,64", "expected four numbers with commas, KP,KI,KD,N"),
+        ("2.48,9.93,0.083,0", "no board takes these; expected 0 to 50, 500 and 5, and N more than 0 to 500"),
+    ] {
+        let output = run(gains);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && error.contains(told), "{gains}: {error}");
     }
 }
 
@@ -92,14 +115,13 @@ fn a_voice_coil_has_the_whole_stroke() {
     assert!((4.0..4.8).contains(&spindle_mm), "{spindle_mm} mm");
 }
 
-/// 92 % (thesis 84 %); the curve of A2 gives force away for area.
+/// 92 % (thesis 84 %).
 #[test]
 fn a_fluid_at_the_fingers_place_bears_what_the_material_does() {
     for plant in ["frozen", "drawn:20261129"] {
         for felt in felt("fluid-at-place", plant) {
             let agreement = slow(&felt, "fluid", "agreement");
-            let least = if felt["material"] == "A2" { 0.9 } else { 0.92 };
-            assert!(agreement >= least, "{plant} {}: {agreement}", felt["material"]);
+            assert!(agreement >= 0.92, "{plant} {}: {agreement}", felt["material"]);
         }
     }
 }

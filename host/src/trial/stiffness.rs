@@ -74,7 +74,7 @@ mod tests {
         assert!(value(0) < value(1) && value(1) < value(2) && value(2) < value(3), "{found:?}");
         assert!(found[4].is_none(), "the thesis prints nothing of A2-FR");
         // All at one force, that of the softest.
-        assert!(found[1].as_ref().unwrap().source.ends_with("0.32 N"), "{found:?}");
+        assert!(found[1].as_ref().unwrap().source.ends_with("0.42 N"), "{found:?}");
         let given = of(&names[..2], &[("a2".to_owned(), 3.0)], &[]);
         assert_eq!(given[1].as_ref().unwrap().value, 3.0);
     }

@@ -44,7 +44,7 @@ pub(in crate::cli) struct Recipe {
     #[arg(long, value_name = "GAIN", default_value_t = 0.8)]
     loop_gain: f64,
     /// What the contact's area counts beside the force's 1; 0: the curve whose force is nearest
-    #[arg(long, value_name = "WEIGHT", default_value_t = 1.0)]
+    #[arg(long, value_name = "WEIGHT", default_value_t = 0.5)]
     area_weight: f64,
     /// Do not search the best curve of twelve knots that the cubic is compared with: minutes less
     #[arg(long)]

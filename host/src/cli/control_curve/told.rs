@@ -59,6 +59,9 @@ pub(super) fn sentences(made: &Made, links: &Links) -> Vec<String> {
         percent(error.area),
         percent(error.combined())
     ));
+    if let Some(off) = study.cubic.felt.area_at_force(&study.wanted) {
+        lines.push(format!("At the same force the area is off by {}.", percent(off)));
+    }
     if let Some(best) = &study.best {
         let (own, least) = (error.combined(), best.error.combined());
         lines.push(format!(
@@ -162,6 +165,7 @@ pub(super) fn summary(made: &Made, links: &Links) -> Value {
         "deepest_mm": study.wanted.travel_mm.last(),
         "most_yield_kPa": links.most_kpa(),
         "cubic": error(study.cubic.error),
+        "area_at_force": study.cubic.felt.area_at_force(&study.wanted),
         "cubic_settled": study.cubic.settled,
         "best": study.best.as_ref().map(|best| error(best.error)),
         "averages": tried,

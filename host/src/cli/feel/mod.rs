@@ -6,6 +6,7 @@ mod told;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use firmware::pid::{GAIN_CEILING, gains_are_usable};
 use miette::{IntoDiagnostic, miette};
 use protocol::message::{Actuator, Gains};
 
@@ -58,9 +59,9 @@ pub struct Arguments {
     /// The fluid: a fluid.toml, or the name of one that the program knows
     #[arg(long, value_name = "FILE", default_value = "MRF-122EG")]
     fluid: String,
-    /// Gains of the position loop: KP,KI,KD,N [default: the board's]
-    #[arg(long, value_name = "NUMBER,..", value_delimiter = ',', num_args = 4)]
-    gains: Vec<f32>,
+    /// Gains of the position loop, as a board takes them [default: the board's]
+    #[arg(long, value_name = "KP,KI,KD,N", value_parser = gains)]
+    gains: Option<Gains>,
     /// Seed of tremor and noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -230,7 +231,7 @@ fn copied(plant: &str) -> miette::Result<&'static str> {
 
 /// What the board is set to: gains, and what it is told of its actuator.
 fn setting(arguments: &Arguments) -> miette::Result<(Option<Gains>, Option<Actuator>)> {
-    let gains = gains(&arguments.gains);
+    let gains = arguments.gains.clone();
     let has_coil = arguments.plant == "voice-coil" || arguments.plant.starts_with("drawn-voice-coil:");
     let word = arguments.actuator.clone().or_else(|| has_coil.then(|| PathBuf::from("voice-coil")));
     let Some(word) = word else { return Ok((gains, None)) };
@@ -244,9 +245,17 @@ fn setting(arguments: &Arguments) -> miette::Result<(Option<Gains>, Option<Actua
     Ok((Some(setting.gains), Some(setting.actuator)))
 }
 
-fn gains(numbers: &[f32]) -> Option<Gains> {
-    let &[kp, ki, kd, n] = numbers else { return None };
-    Some(Gains { kp, ki, kd, n })
+fn gains(text: &str) -> Result<Gains, String> {
+    let numbers: Vec<f32> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
+    let gains = match (numbers.as_slice(), text.split(',').count()) {
+        (&[kp, ki, kd, n], 4) => Gains { kp, ki, kd, n },
+        _ => return Err("expected four numbers with commas, KP,KI,KD,N".to_owned()),
+    };
+    if !gains_are_usable(&gains) {
+        let Gains { kp, ki, kd, n } = GAIN_CEILING;
+        return Err(format!("no board takes these; expected 0 to {kp}, {ki} and {kd}, and N more than 0 to {n}"));
+    }
+    Ok(gains)
 }
 
 fn constants(plant: &str) -> miette::Result<Constants> {

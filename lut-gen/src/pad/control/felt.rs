@@ -53,6 +53,25 @@ impl Felt {
         Error { force: part(&self.force_n, &wanted.force_n), area: part(&self.area_mm2, &wanted.area_mm2) }
     }
 
+    /// How far the area is from what is wanted *at the same force*: a finger feels force and area together, and no travel.
+    /// Over the wanted forces that it reaches while its force rises; `None` where that is none.
+    #[must_use]
+    pub fn area_at_force(&self, wanted: &Felt) -> Option<f64> {
+        let rising = 1 + self.force_n.windows(2).take_while(|pair| pair[0] < pair[1]).count();
+        let (force, area) = (self.force_n.get(..rising)?, self.area_mm2.get(..rising)?);
+        let at = |force_n: f64| {
+            let above = force.iter().position(|own| *own >= force_n)?;
+            // without force there is no contact
+            let (f, a) = above.checked_sub(1).map_or((0.0, 0.0), |below| (force[below], area[below]));
+            Some(a + (area[above] - a) * (force_n - f) / (force[above] - f).max(f64::MIN_POSITIVE))
+        };
+        let both =
+            wanted.force_n.iter().zip(&wanted.area_mm2).filter_map(|(force_n, area)| Some((at(*force_n)?, area)));
+        let (off, size) =
+            both.fold((0.0, 0.0), |(off, size), (own, area)| (off + (own - area).powi(2), size + area * area));
+        (size > 0.0).then(|| (off / size).sqrt())
+    }
+
     /// Differences to what is wanted, in parts of it; the area counts `area_weight` as much as the force.
     pub(super) fn left(&self, wanted: &Felt, area_weight: f64) -> Vec<f64> {
         let each = |own: &[f64], wanted: &[f64], weight: f64| -> Vec<f64> {
@@ -105,5 +124,23 @@ mod tests {
         assert!((error.force - 0.1).abs() < 1e-12 && error.area == 0.0);
         assert!((error.combined() - 0.1 / 2_f64.sqrt()).abs() < 1e-12);
         assert_eq!(error.weighed(0.0), error.force);
+    }
+
+    #[test]
+    fn an_area_at_the_same_force_does_not_ask_for_the_travel() {
+        let felt = |travel_mm: &[f64], scale: f64| Felt {
+            travel_mm: travel_mm.to_vec(),
+            force_n: travel_mm.to_vec(),
+            area_mm2: travel_mm.iter().map(|u| scale * u).collect(),
+        };
+        let wanted = felt(&[1.0, 2.0, 3.0], 5.0);
+        assert!(felt(&[0.7, 2.2, 4.0], 5.0).area_at_force(&wanted).is_some_and(|off| off < 1e-12));
+        assert!((felt(&[0.7, 2.2, 4.0], 6.0).area_at_force(&wanted).unwrap_or(0.0) - 0.2).abs() < 1e-12);
+        // of two of three forces
+        assert!((felt(&[1.0, 2.5], 4.0).area_at_force(&wanted).unwrap_or(0.0) - 0.2).abs() < 1e-12);
+        // a force that falls is not followed
+        let falls = Felt { force_n: vec![1.0, 0.5, 9.0], ..felt(&[1.0, 2.0, 3.0], 5.0) };
+        assert_eq!(falls.area_at_force(&wanted), Some(0.0));
+        assert_eq!(felt(&[0.5], 5.0).area_at_force(&wanted), None);
     }
 }
