@@ -243,13 +243,7 @@ fn best(display: &Display, cubic: &Found, wanted: &Felt, told: Told<'_>) -> Resu
 
 /// The yield stress over the display's own force, as far as that rises.
 fn followed(found: &Found) -> Result<Followed, PadError> {
-    let (mut force_n, mut mpa) = (Vec::new(), Vec::new());
-    for (force, u) in found.felt.force_n.iter().zip(&found.felt.travel_mm) {
-        if *force <= force_n.last().copied().unwrap_or(0.0) {
-            break;
-        }
-        force_n.push(*force);
-        mpa.push(found.curve.at(*u).max(LEAST_MPA));
-    }
-    Followed::new(&force_n, &mpa)
+    let (felt, rising) = (&found.felt, found.felt.rising());
+    let mpa: Vec<f64> = felt.travel_mm.iter().take(rising).map(|u| found.curve.at(*u).max(LEAST_MPA)).collect();
+    Followed::new(&felt.force_n[..rising], &mpa)
 }

@@ -101,7 +101,6 @@ fn hiding(design: Design, seed: u64, code: &'static str, level: usize, noise: No
 
 /// A ratio of 0.02 under loading alone, which four other names explain as well.
 #[test]
-#[ignore = "half a minute; its neighbours decide by a coupon too"]
 fn a_small_poisson_ratio_is_decided_by_a_coupon() {
     is_decided_by_a_coupon(&hiding(Design::D18, 60_045, "poisson", 0, NoiseKind::Matched));
 }

@@ -109,7 +109,6 @@ fn both_commands_agree_within_their_intervals() {
 }
 
 #[test]
-#[ignore = "half a minute; a second term is found by the same search"]
 fn poissons_ratio_and_friction_are_fitted_when_asked_for() {
     let experiment = pressed(&foam(0.1, 8.0, 0.15, 0.0), &[3.0, 6.0], 0.002, 5);
     let one = found(&experiment, &FitSpec { free: vec![Extra::Nu], ..FitSpec::default() });

@@ -101,7 +101,6 @@ fn platens_that_rub_are_named() {
 }
 
 #[test]
-#[ignore = "half a minute; platens that rub are the harder case"]
 fn lubricated_rubber_is_clean_and_relaxing_rubber_relaxes() {
     let clean = found(&pressed(&rubber(0.0, 3.0), 81_210));
     assert_eq!((clean.verdict, codes(&clean).len()), (Verdict::Clean, 0));

@@ -38,7 +38,6 @@ fn six_parameters_of_one_recording() {
 /// The thesis' own search of the six, in few solves on a coarse mesh: it goes down from its map, spends no more than it may, and says where it does not rest.
 /// (`cargo run --release -p tests --example liver_multistart` gives it all it wants.)
 #[test]
-#[ignore = "half a minute; the example thesis_numbers measures it with every table"]
 fn multistart_serves_six_parameters() {
     const MOST: usize = 48;
     const COARSE: f64 = 0.4;

@@ -72,7 +72,6 @@ fn nothing_wrong_is_clean_with_all_of_them() {
 
 /// The gain of a sensor is mu until a mass is put on it.
 #[test]
-#[ignore = "half a minute; a stiff block asks the same"]
 fn a_mass_tells_the_gain_from_the_modulus() {
     let mut spec = clean(41_002);
     spec.effects.push(Effect::SensorGain { gain: 1.06 });

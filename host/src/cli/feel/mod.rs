@@ -245,12 +245,13 @@ fn setting(arguments: &Arguments) -> miette::Result<(Option<Gains>, Option<Actua
     Ok((Some(setting.gains), Some(setting.actuator)))
 }
 
+/// Gains as text.
 fn gains(text: &str) -> Result<Gains, String> {
-    let numbers: Vec<f32> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
-    let gains = match (numbers.as_slice(), text.split(',').count()) {
-        (&[kp, ki, kd, n], 4) => Gains { kp, ki, kd, n },
-        _ => return Err("expected four numbers with commas, KP,KI,KD,N".to_owned()),
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let Ok(&[kp, ki, kd, n]) = numbers.as_deref() else {
+        return Err("expected four numbers with commas, KP,KI,KD,N".to_owned());
     };
+    let gains = Gains { kp, ki, kd, n };
     if !gains_are_usable(&gains) {
         let Gains { kp, ki, kd, n } = GAIN_CEILING;
         return Err(format!("no board takes these; expected 0 to {kp}, {ki} and {kd}, and N more than 0 to {n}"));

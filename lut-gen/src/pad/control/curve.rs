@@ -20,19 +20,7 @@ impl Curve {
     pub fn at(&self, u: f64) -> f64 {
         match self {
             Curve::Cubic([a, b, c]) => u * (a + u * (b + u * c)),
-            Curve::Knots(knots) => {
-                let (mut from, mut last) = ((0.0, 0.0), (0.0, 0.0));
-                for &to in knots {
-                    if u <= to.0 {
-                        let part = if to.0 > from.0 { (u - from.0) / (to.0 - from.0) } else { 1.0 };
-                        return from.1 + part * (to.1 - from.1);
-                    }
-                    (last, from) = (from, to);
-                }
-                // beyond the last knot the last line goes on
-                let slope = if from.0 > last.0 { (from.1 - last.1) / (from.0 - last.0) } else { 0.0 };
-                from.1 + slope * (u - from.0)
-            }
+            Curve::Knots(knots) => along(knots, u),
         }
     }
 
@@ -72,6 +60,20 @@ impl Curve {
         let solved = least_squares(&powers, &stress_mpa[..count], 0.0);
         Ok(Curve::Cubic(std::array::from_fn(|k| solved[k])))
     }
+}
+
+/// Straight lines between knots, from (0, 0) on; beyond the last knot the last line goes on.
+pub(super) fn along(knots: &[(f64, f64)], at: f64) -> f64 {
+    let (mut from, mut last) = ((0.0, 0.0), (0.0, 0.0));
+    for &to in knots {
+        if at <= to.0 {
+            let part = if to.0 > from.0 { (at - from.0) / (to.0 - from.0) } else { 1.0 };
+            return from.1 + part * (to.1 - from.1);
+        }
+        (last, from) = (from, to);
+    }
+    let slope = if from.0 > last.0 { (from.1 - last.1) / (from.0 - last.0) } else { 0.0 };
+    from.1 + slope * (at - from.0)
 }
 
 /// Least squares over columns, damped by a part of the longest of them.

@@ -1,5 +1,6 @@
 //! What a finger feels, how far that is from what is wanted, and averages of a foam's stress.
 
+use super::curve::along;
 use crate::pad::body::section::Section;
 use crate::pad::state::State;
 
@@ -46,30 +47,27 @@ impl Felt {
     /// How far it is from what is wanted at the same travels.
     #[must_use]
     pub fn error(&self, wanted: &Felt) -> Error {
-        let part = |own: &[f64], wanted: &[f64]| {
-            let square: f64 = own.iter().zip(wanted).map(|(a, b)| (a - b).powi(2)).sum();
-            (square / wanted.iter().map(|b| b * b).sum::<f64>()).sqrt()
-        };
         Error { force: part(&self.force_n, &wanted.force_n), area: part(&self.area_mm2, &wanted.area_mm2) }
+    }
+
+    /// Places at which the force is more than at the one before, from the first on.
+    #[must_use]
+    pub fn rising(&self) -> usize {
+        let before = std::iter::once(&0.0).chain(&self.force_n);
+        before.zip(&self.force_n).take_while(|(before, force)| before < force).count()
     }
 
     /// How far the area is from what is wanted *at the same force*: a finger feels force and area together, and no travel.
     /// Over the wanted forces that it reaches while its force rises; `None` where that is none.
     #[must_use]
     pub fn area_at_force(&self, wanted: &Felt) -> Option<f64> {
-        let rising = 1 + self.force_n.windows(2).take_while(|pair| pair[0] < pair[1]).count();
-        let (force, area) = (self.force_n.get(..rising)?, self.area_mm2.get(..rising)?);
-        let at = |force_n: f64| {
-            let above = force.iter().position(|own| *own >= force_n)?;
-            // without force there is no contact
-            let (f, a) = above.checked_sub(1).map_or((0.0, 0.0), |below| (force[below], area[below]));
-            Some(a + (area[above] - a) * (force_n - f) / (force[above] - f).max(f64::MIN_POSITIVE))
-        };
-        let both =
-            wanted.force_n.iter().zip(&wanted.area_mm2).filter_map(|(force_n, area)| Some((at(*force_n)?, area)));
-        let (off, size) =
-            both.fold((0.0, 0.0), |(off, size), (own, area)| (off + (own - area).powi(2), size + area * area));
-        (size > 0.0).then(|| (off / size).sqrt())
+        let both = self.force_n.iter().copied().zip(self.area_mm2.iter().copied());
+        let knots: Vec<(f64, f64)> = both.take(self.rising()).collect();
+        let (most_n, _) = *knots.last()?;
+        let reached = wanted.force_n.iter().zip(&wanted.area_mm2).filter(|(force_n, _)| **force_n <= most_n);
+        let (own, wanted): (Vec<f64>, Vec<f64>) =
+            reached.map(|(force_n, area)| (along(&knots, *force_n), *area)).unzip();
+        (!wanted.is_empty()).then(|| part(&own, &wanted))
     }
 
     /// Differences to what is wanted, in parts of it; the area counts `area_weight` as much as the force.
@@ -82,6 +80,12 @@ impl Felt {
         left.extend(each(&self.area_mm2, &wanted.area_mm2, area_weight));
         left
     }
+}
+
+/// Root mean square of what differs over that of what is wanted.
+fn part(own: &[f64], wanted: &[f64]) -> f64 {
+    let square: f64 = own.iter().zip(wanted).map(|(a, b)| (a - b).powi(2)).sum();
+    (square / wanted.iter().map(|b| b * b).sum::<f64>()).sqrt()
 }
 
 impl Error {
