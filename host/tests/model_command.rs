@@ -75,3 +75,45 @@ fn what_a_model_has_cannot_be_given_again() {
     let said = refusal(folder.path(), &["identify", ".", "--free-effects"]);
     assert_says(&said, "--model");
 }
+
+/// A display that answers later than its law, the model that says so, and its gain on runs of which each command comes three times.
+#[test]
+fn the_model_of_a_display_says_what_it_gains_and_how_sure_that_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let spec = "test = \"display\"\nname = \"late\"\nseed = 3\n\
+                [[run]]\nsubject = \"position\"\nvalues = [4.0, 10.0, 4.0]\nhold_s = 0.8\nreplicates = 3\n\
+                [[run]]\nsubject = \"position\"\nvalues = [6.0, 8.0, 6.0]\nhold_s = 0.8\nreplicates = 3\n\
+                [[effect]]\ncode = \"delay\"\ndelay_s = 0.06\n";
+    write("spec.toml", spec);
+    let base = "gain = 1\nzero_mm = 0\nspring_per_s2 = 86\ndamper_per_s = 23.4\n";
+    let effect = "[[channel.position.effect]]\ncode = \"delay\"\nform = \"dead-time\"\ndelay_s = 0.06\n";
+    write("model.toml", &format!("[channel.position]\n{base}[channel.position.alone]\n{base}{effect}"));
+    write("short.toml", &format!("[channel.position]\n{base}{effect}"));
+    assert!(run(folder.path(), &["simulate", "spec.toml", "--out", "made"]).status.success());
+    let told = |model: &str| -> serde_json::Value {
+        let done = run(folder.path(), &["gain", "made", "--model", model, "--json", "--report", "page"]);
+        assert!(done.status.success(), "{done:?}");
+        let whole: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+        let page = fs::read_to_string(folder.path().join(whole["report"].as_str().unwrap())).unwrap();
+        assert!(page.contains("of the error is gone"), "{page}");
+        whole["channels"][0].clone()
+    };
+    let own = told("model.toml");
+    let number = |own: &serde_json::Value, key: &str| own[key].as_f64().unwrap();
+    assert_eq!(
+        (&own["base"], &own["runs"], &own["more_runs"]),
+        (&"as diagnosed".into(), &6.into(), &serde_json::json!([]))
+    );
+    let fall = 1.0 - number(&own, "rmse_mm_model") / number(&own, "rmse_mm_base");
+    assert!((number(&own, "gain") - fall).abs() < 1e-12 && fall > 0.8, "{own}");
+    let [low, high] = [0, 1].map(|end| own["gain_interval95"][end].as_f64().unwrap());
+    assert!(low < fall && fall < high, "{own}");
+    // a base that may bend itself to these runs errs less than the one that others told of
+    let short = told("short.toml");
+    assert_eq!(short["base"], "fitted to these runs");
+    assert_eq!(short["rmse_mm_base"], short["rmse_mm_fitted_base"]);
+    assert!(number(&short, "gain") < fall && number(&short, "rmse_mm_base") < number(&own, "rmse_mm_base"));
+    let said = refusal(folder.path(), &["gain", "made", "--model", "model.toml", "--truth", "spec.toml"]);
+    assert_says(&said, "--truth spec.toml: model.toml is not the model of a material");
+}

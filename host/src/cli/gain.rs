@@ -42,6 +42,14 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let experiment = experiment::read(&arguments.experiment)?;
     let text = experiment::text_of(&arguments.model)?;
+    let is_material = !(DisplayModel::is_one(&text) || MagnetModel::is_one(&text));
+    if let Some(file) = arguments.truth.as_ref().filter(|_| !is_material) {
+        return Err(miette!(
+            "--truth {}: {} is not the model of a material, whose modulus and exponent a truth is of; leave it out",
+            file.display(),
+            arguments.model.display()
+        ));
+    }
     if DisplayModel::is_one(&text) {
         return of_display(arguments, &experiment, &DisplayModel::parse(&arguments.model, &text)?);
     }
@@ -59,13 +67,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     });
     progress.end();
     let found = found.map_err(|cause| miette!("{cause}"))?;
-    let mut written = None;
-    if let Some(folder) = &arguments.report {
-        let file = folder.join("report.html");
-        let cannot = || format!("cannot write the report to {}", file.display());
-        report::gain::page(&found).write(&file).into_diagnostic().wrap_err_with(cannot)?;
-        written = Some(file.display().to_string());
-    }
+    let written = written(arguments, || report::gain::page(&found))?;
     if arguments.json {
         let mut answer = found.json();
         answer["report"] = serde_json::json!(written);
@@ -81,35 +83,39 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-/// What a display's model gains: the error of its predictions beside that of the base law fitted to these
-/// very runs.
+/// What a display's model gains: the error of its predictions beside that of the base law.
 fn of_display(arguments: &Arguments, experiment: &Experiment, model: &DisplayModel) -> miette::Result<()> {
     let found = model.gain(experiment).map_err(|cause| miette!("{cause}"))?;
+    let written = written(arguments, || report::display::gain::page(&found))?;
     if arguments.json {
         let channels: Vec<_> = found.iter().map(Gain::json).collect();
-        outln!("{}", serde_json::json!({ "channels": channels, "report": null }));
+        outln!("{}", serde_json::json!({ "channels": channels, "report": written }));
         return Ok(());
     }
-    if found.is_empty() {
-        outln!("nothing to predict: the experiment records none of the model's channels");
+    for line in report::display::gain::lines(&found) {
+        outln!("{line}");
     }
-    for one in &found {
-        let (unit, samples) = (one.channel.unit(), one.samples);
-        outln!(
-            "{:24} {} {unit} rms by the base law fitted to these runs, {} {unit} by the model as it is ({samples} samples)",
-            one.channel.word(),
-            number(one.fitted_base),
-            number(one.model),
-        );
+    if let Some(file) = written {
+        outln!("{:16} {file}", "report");
     }
     Ok(())
+}
+
+/// Writes the page where one is wanted; its file.
+fn written(arguments: &Arguments, page: impl FnOnce() -> report::Page) -> miette::Result<Option<String>> {
+    let Some(folder) = &arguments.report else { return Ok(None) };
+    let file = folder.join("report.html");
+    let cannot = || format!("cannot write the report to {}", file.display());
+    page().write(&file).into_diagnostic().wrap_err_with(cannot)?;
+    Ok(Some(file.display().to_string()))
 }
 
 /// What a magnet's model gains: its predictions beside those of the magnet as drawn, whose zero is fitted to these readings.
 fn of_magnet(arguments: &Arguments, experiment: &Experiment, model: &MagnetModel) -> miette::Result<()> {
     let found = model.gain(experiment).map_err(|cause| miette!("{cause}"))?;
+    let written = written(arguments, || report::magnet::gain(&model.magnet, &found))?;
     if arguments.json {
-        outln!("{}", serde_json::json!({ "magnet": found.json(), "report": null }));
+        outln!("{}", serde_json::json!({ "magnet": found.json(), "report": written }));
         return Ok(());
     }
     outln!(
@@ -119,6 +125,9 @@ fn of_magnet(arguments: &Arguments, experiment: &Experiment, model: &MagnetModel
         number(found.model_t),
         found.readings
     );
+    if let Some(file) = written {
+        outln!("{:24} {file}", "report");
+    }
     Ok(())
 }
 

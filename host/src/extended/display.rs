@@ -2,13 +2,15 @@
 //!
 //! It is a file with a section a channel. [`DisplayModel::gain`] predicts other recordings with it.
 
+mod gain;
+
 use std::fmt::Write as _;
 use std::path::Path;
 
 use lut_gen::magnet::bh::LawError;
 use lut_gen::magnet::curve::{Built, FluxCurve};
 use lut_gen::magnet::fluid::Fluid;
-use serde_json::{Value, json};
+use nalgebra::DVector;
 
 use super::file::{intervals, needed};
 use super::writing;
@@ -21,6 +23,7 @@ use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, answered};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{Experiment, ExperimentError, Problem as Mistake};
 use crate::finger::round;
+pub use gain::{CLOSELY, Gain, Missed, Wanted};
 
 /// A number with its 95 % interval where that is known.
 type Known = (f64, Option<(f64, f64)>);
@@ -43,6 +46,8 @@ pub struct ChannelModel {
     pub channel: Channel,
     /// Parameters of its base law, in the order of [`Channel::base`].
     pub base: Vec<Known>,
+    /// The same of the base law alone, a plain fit without effects; empty where the file does not tell.
+    pub alone: Vec<Known>,
     /// What was added.
     pub effects: Vec<Added>,
 }
@@ -52,19 +57,6 @@ pub struct ChannelModel {
 pub struct DisplayModel {
     /// Each by itself, in physical order.
     pub channels: Vec<ChannelModel>,
-}
-
-/// What a model gains on the runs of one channel.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Gain {
-    /// The channel.
-    pub channel: Channel,
-    /// Root mean square error of the base law fitted to these very runs, in the channel's unit.
-    pub fitted_base: f64,
-    /// Of the model as it is.
-    pub model: f64,
-    /// Samples that were compared.
-    pub samples: usize,
 }
 
 impl DisplayModel {
@@ -90,7 +82,13 @@ impl DisplayModel {
         for one in &self.channels {
             let word = one.channel.word();
             let _ = writeln!(out, "\n[channel.{word}]");
-            numbers(&mut out, one.channel.base().iter().map(|p| p.name), &one.base);
+            let names = || one.channel.base().iter().map(|p| p.name);
+            numbers(&mut out, names(), &one.base);
+            if !one.alone.is_empty() {
+                let _ = writeln!(out, "\n# the base law alone, fitted to the same runs: gains are beside it");
+                let _ = writeln!(out, "[channel.{word}.alone]");
+                numbers(&mut out, names(), &one.alone);
+            }
             for added in &one.effects {
                 let _ = writeln!(out, "\n# instead of: {}", added.effect.assumption);
                 let _ = writeln!(out, "[[channel.{word}.effect]]");
@@ -193,13 +191,7 @@ impl DisplayModel {
                 Err(Unusable::Absent) => continue,
                 other => other?,
             };
-            let plain = Problem::unweighted(&design);
-            let samples: usize = design.series.iter().map(Series::count).sum();
-            let rms = |square: f64| (square / samples.max(1) as f64).sqrt();
-            let law = one.law();
-            let base = plain.fit(&Law { settings: Vec::new(), ..law.clone() });
-            let (fitted_base, model) = (rms(base.square), rms(plain.plain(&law).norm_squared()));
-            found.push(Gain { channel: one.channel, fitted_base, model, samples });
+            found.push(one.gain(&design));
         }
         Ok(found)
     }
@@ -219,28 +211,51 @@ impl ChannelModel {
     /// The law that predicts a run.
     #[must_use]
     pub fn law(&self) -> Law {
-        let values = |known: &[Known]| known.iter().map(|(value, _)| *value).collect();
         let setting = |added: &Added| Setting { effect: added.effect, values: values(&added.values) };
         Law { channel: self.channel, base: values(&self.base), settings: self.effects.iter().map(setting).collect() }
     }
+
+    /// The base law alone, as a plain fit to the diagnosed runs; `None` where the file does not tell.
+    #[must_use]
+    pub fn law_alone(&self) -> Option<Law> {
+        let base = values(&self.alone);
+        (!base.is_empty()).then_some(Law { channel: self.channel, base, settings: Vec::new() })
+    }
+
+    /// What it gains on the runs of its channel.
+    fn gain(&self, design: &Design) -> Gain {
+        let plain = Problem::unweighted(design);
+        let law = self.law();
+        let fitted = Problem::plain_base(design, plain.used.clone(), &[&law]);
+        let alone = self.law_alone();
+        let is_as_diagnosed = alone.is_some();
+        let base = alone.as_ref().unwrap_or(&fitted);
+        let [here, before, after] = [&fitted, base, &law].map(|law| plain.plain(law));
+        let run = |before: &DVector<f64>, s: usize| {
+            let series = &design.series[s];
+            let square = |missed: &DVector<f64>| missed.rows(design.first(s), series.time_s.len()).norm_squared();
+            let (file, command, samples) = (series.file.clone(), series.condition, series.count());
+            Missed { file, command, samples, before: square(before), after: square(&after) }
+        };
+        let runs = |before: &DVector<f64>| (0..design.series.len()).map(|s| run(before, s)).collect::<Vec<Missed>>();
+        let fitted_base = gain::rms(&runs(&here), |run| run.before);
+        let runs = runs(&before);
+        Gain::new(self.channel, fitted_base, is_as_diagnosed, runs)
+    }
 }
 
-impl Gain {
-    /// As JSON, its keys with the channel's unit.
-    #[must_use]
-    pub fn json(&self) -> Value {
-        let unit = self.channel.unit();
-        json!({
-            "channel": self.channel.word(), "samples": self.samples,
-            format!("rmse_{unit}_fitted_base"): self.fitted_base, format!("rmse_{unit}_model"): self.model,
-        })
-    }
+fn values(known: &[Known]) -> Vec<f64> {
+    known.iter().map(|(value, _)| *value).collect()
 }
 
 /// With the values of the fit, which is what predicts and what the printed gain is of. An evidence allows for discrepancies that
 /// a prediction has not; its intervals hold the fit's values here.
 fn of_channel(found: &ChannelDiagnosis) -> Option<ChannelModel> {
-    let best = found.evidence.as_deref()?.held.first()?;
+    let evidence = found.evidence.as_deref()?;
+    let best = evidence.held.first()?;
+    let used = evidence.design.series.iter().map(|series| !series.hold_out).collect();
+    let alone = Problem::plain_base(&evidence.design, used, &[&evidence.base.fit.law]).base;
+    let alone = alone.into_iter().map(|value| (value, None)).collect();
     let known = |effect: Option<usize>| -> Vec<Known> {
         let fitted = effect.map_or(&best.fit.law.base, |at| &best.fit.law.settings[at].values);
         let each = best.estimates(effect).into_iter().zip(fitted);
@@ -252,7 +267,7 @@ fn of_channel(found: &ChannelDiagnosis) -> Option<ChannelModel> {
         Added { effect, values: known(Some(at)), ambiguous_with: twins.iter().map(|code| (*code).to_owned()).collect() }
     });
     let effects: Vec<Added> = added.collect();
-    (!found.findings.is_empty()).then(|| ChannelModel { channel: found.channel, base: known(None), effects })
+    (!found.findings.is_empty()).then(|| ChannelModel { channel: found.channel, base: known(None), alone, effects })
 }
 
 fn numbers<'a>(out: &mut String, names: impl Iterator<Item = &'a str> + Clone, known: &[Known]) {
@@ -277,9 +292,17 @@ fn read_numbers(section: &Section<'_>, known: &[(&'static str, (f64, f64))]) -> 
 
 fn read_channel(channel: Channel, section: &Section<'_>) -> Result<ChannelModel, ExperimentError> {
     let known: Vec<(&'static str, (f64, f64))> = channel.base().iter().map(|p| (p.name, p.bounds)).collect();
-    let keys: Vec<&str> = known.iter().map(|(name, _)| *name).chain(["interval95", "effect"]).collect();
+    let keys: Vec<&str> = known.iter().map(|(name, _)| *name).chain(["interval95", "alone", "effect"]).collect();
     section.only(&keys)?;
     let base = read_numbers(section, &known)?;
+    let alone = match section.section("alone", format!("[channel.{}.alone]", channel.word()))? {
+        Some(own) => {
+            let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+            own.only(&names)?;
+            read_numbers(&own, &known)?
+        }
+        None => Vec::new(),
+    };
     let mut effects: Vec<Added> = Vec::new();
     for own in section.array("effect")? {
         let added = read_effect(channel, &own)?;
@@ -289,7 +312,7 @@ fn read_channel(channel: Channel, section: &Section<'_>) -> Result<ChannelModel,
         }
         effects.push(added);
     }
-    Ok(ChannelModel { channel, base, effects })
+    Ok(ChannelModel { channel, base, alone, effects })
 }
 
 fn read_effect(channel: Channel, section: &Section<'_>) -> Result<Added, ExperimentError> {
@@ -320,6 +343,7 @@ mod tests {
         let position = ChannelModel {
             channel: Channel::Position,
             base: vec![one(1.02), (0.03, None), one(85.0), one(23.0)],
+            alone: vec![(1.01, None), (0.02, None), (80.0, None), (25.0, None)],
             effects: vec![
                 added(&rate_limit::EFFECT, 12.5, vec!["stiction".to_owned()]),
                 added(&delay::EFFECT, 0.031, Vec::new()),
@@ -343,7 +367,8 @@ mod tests {
         let base = [0.8, 1.1, 1.0, 0.0, 0.0].map(|value| (value, None)).to_vec();
         let added = |effect, value: f64| Added { effect, values: vec![(value, None)], ambiguous_with: Vec::new() };
         let effects = vec![added(&yield_law::POWER, 1.1), added(&fluid_rest::EFFECT, 0.2)];
-        let own = DisplayModel { channels: vec![ChannelModel { channel: Channel::Fluid, base, effects }] };
+        let own =
+            DisplayModel { channels: vec![ChannelModel { channel: Channel::Fluid, base, alone: Vec::new(), effects }] };
         let found = own.fluid(&law).unwrap().unwrap();
         for flux_t in [0.05, 0.1, 0.2, 0.4] {
             let exact = 0.2 + 0.8 * law.yield_at_flux(flux_t).powf(1.1);

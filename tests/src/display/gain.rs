@@ -6,16 +6,20 @@ use palpate::diagnose::display::design::Design;
 use palpate::diagnose::display::fit::Problem;
 use palpate::diagnose::display::law::Law;
 use palpate::experiment::Experiment;
-use palpate::extended::display::DisplayModel;
+use palpate::extended::display::{DisplayModel, Gain, Wanted};
 use palpate::simulate::display::Subject;
+use rayon::prelude::*;
 
 use super::Case;
 
 /// A printed gain is right within this part.
 pub const RIGHT: f64 = 0.1;
-/// New sessions that the true gain is taken over: runs have gains of their own, and the mean square of a dozen of them is
-/// known to a third only.
-const DAYS: u64 = 16;
+/// Seeds between one session and the next, and between those of the truth and those of a validation.
+const NEXT_DAY: u64 = 1_000_000;
+const VALIDATION: u64 = 500 * NEXT_DAY;
+/// Sessions that a validation begins with, and runs that it may take.
+const FIRST: u64 = 4;
+const MOST: usize = 400;
 /// Heights of presses over those of the diagnosed ones: the same, and commands that nobody has given.
 const LESS: f64 = 0.93;
 
@@ -33,23 +37,25 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// Of a channel of which something is named; none otherwise.
+    /// Of a channel of which something is named, the true gain over some new sessions: runs have gains of their own, and the
+    /// mean square of a dozen of them is known to a third only. None otherwise.
     #[must_use]
-    pub fn of(channel: &ChannelDiagnosis, model: &DisplayModel, case: &Case) -> Option<Self> {
+    pub fn of(channel: &ChannelDiagnosis, model: &DisplayModel, case: &Case, days: u64) -> Option<Self> {
         let evidence = channel.evidence.as_deref()?;
         let printed = evidence.held_out.as_ref()?.gain?;
         let own = model.channels.iter().find(|own| own.channel == channel.channel)?;
+        let alone = own.law_alone()?;
         // both laws err on the same presses
+        let squares = |day: u64, height: f64| -> Option<(f64, f64)> {
+            let fresh = fresh(case, day, (channel.channel, height));
+            let explained = model.explained(&fresh, channel.channel);
+            let design = Design::of(&fresh, channel.channel, &explained).ok()?;
+            let square = |law: &Law| Problem::unweighted(&design).plain(law).norm_squared();
+            Some((square(&alone), square(&own.law())))
+        };
         let gain = |height: f64| -> Option<f64> {
-            let (mut before, mut after) = (0.0, 0.0);
-            for day in 0..DAYS {
-                let fresh = fresh(case, day, (channel.channel, height));
-                let explained = model.explained(&fresh, channel.channel);
-                let design = Design::of(&fresh, channel.channel, &explained).ok()?;
-                let square = |law: &Law| Problem::unweighted(&design).plain(law).norm_squared();
-                before += square(&evidence.base.fit.law);
-                after += square(&own.law());
-            }
+            let each: Option<Vec<_>> = (1..=days).into_par_iter().map(|day| squares(day, height)).collect();
+            let (before, after) = each?.into_iter().fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
             Some(1.0 - (after / before).sqrt())
         };
         Some(Self { printed: printed.part(), interval: printed.part95, truth: gain(1.0)?, less_far: gain(LESS)? })
@@ -64,19 +70,92 @@ impl Gains {
     /// Within a tenth of itself.
     #[must_use]
     pub fn is_right(&self) -> bool {
-        (self.printed - self.truth).abs() <= RIGHT * self.truth.abs()
+        is_right(self.printed, self.truth)
     }
+}
+
+/// True for a gain within a tenth of the true one.
+#[must_use]
+pub fn is_right(gain: f64, truth: f64) -> bool {
+    (gain - truth).abs() <= RIGHT * truth.abs()
+}
+
+/// A model's gain as a laboratory measures it: commands are repeated until the program says that the runs tell the gain closely.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validated {
+    /// As the program tells it.
+    pub gain: Gain,
+}
+
+impl Validated {
+    /// Of a channel of a model; none where its runs cannot be used.
+    #[must_use]
+    pub fn of(channel: Channel, model: &DisplayModel, case: &Case) -> Option<Self> {
+        let mut days = VALIDATION / NEXT_DAY..;
+        let mut day = || days.next().map(|day| fresh(case, day, (channel, 1.0)));
+        let mut all = day()?;
+        for _ in 1..FIRST {
+            all.runs.extend(day()?.runs);
+        }
+        loop {
+            let gain = model.gain(&all).ok()?.into_iter().find(|own| own.channel == channel)?;
+            let have = all.runs.len();
+            let room = MOST.saturating_sub(have).min(have);
+            // runs that do not tell the gain from none at all ask for as many again
+            let again = || vec![Wanted { like: String::new(), runs: have }];
+            let mut wanted = gain.more_runs().unwrap_or_else(again);
+            if wanted.is_empty() || room == 0 {
+                return Some(Self { gain });
+            }
+            // no more than twice as many at once, for few tell little of how many are wanted
+            let total: usize = wanted.iter().map(|own| own.runs).sum();
+            wanted.iter_mut().for_each(|own| own.runs = (own.runs * room.min(total)).div_ceil(total));
+            while wanted.iter().any(|own| own.runs > 0) {
+                for run in day()?.runs {
+                    let is_it = |own: &&mut Wanted| {
+                        own.runs > 0 && (own.like.is_empty() || command(&own.like) == command(&run.file))
+                    };
+                    if let Some(own) = wanted.iter_mut().find(is_it) {
+                        own.runs -= 1;
+                        all.runs.push(run);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Runs that were recorded.
+    #[must_use]
+    pub fn runs(&self) -> usize {
+        self.gain.runs.len()
+    }
+
+    /// True where the program says that the gain is known closely.
+    #[must_use]
+    pub fn is_close(&self) -> bool {
+        self.gain.more_runs().is_some_and(|more| more.is_empty())
+    }
+}
+
+/// The command of a file: its name without the day and the number of the repeat.
+fn command(file: &str) -> &str {
+    let name = file.rsplit_once('/').map_or(file, |(_, name)| name);
+    name.rsplit_once('-').map_or(name, |(command, _)| command)
 }
 
 /// The same display on another day: the same kinds of presses, to heights of their own, with new noise and new gains of every run.
 fn fresh(case: &Case, day: u64, (channel, height): (Channel, f64)) -> Experiment {
     let mut spec = case.spec(true);
-    spec.seed = case.seed + (day + 1) * 1_000_000;
+    spec.seed = case.seed + day * NEXT_DAY;
     spec.runs.retain(|run| shows(run.subject, channel));
     for run in &mut spec.runs {
         run.values.iter_mut().for_each(|value| *value *= height);
     }
-    spec.experiment()
+    let mut experiment = spec.experiment();
+    for run in &mut experiment.runs {
+        run.file = format!("{day}/{}", run.file);
+    }
+    experiment
 }
 
 /// True where runs of a subject record a channel.

@@ -3,7 +3,7 @@
 mod gain;
 mod score;
 
-pub use gain::{Gains, RIGHT};
+pub use gain::{Gains, RIGHT, Validated, is_right};
 pub use score::{Outcome, Scored, Tally};
 
 use palpate::simulate::display::{DisplayEffect, DisplayRun, DisplaySpec, Subject};

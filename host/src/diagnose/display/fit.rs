@@ -174,12 +174,16 @@ impl<'a> Problem<'a> {
 
     /// Fits some of a law's first parameters.
     fn fit_of(&self, from: &Law, list: Vec<Coordinate>) -> Fit {
+        self.fit_by(&RULE, from, list)
+    }
+
+    fn fit_by(&self, rule: &Rule, from: &Law, list: Vec<Coordinate>) -> Fit {
         let objective = Residuals {
             residual: |x: &[f64]| self.residual(&at(from, &list, &DVector::from_column_slice(x))),
             jacobian: |x: &[f64], _: &DVector<f64>| self.jacobian(from, &list, &DVector::from_column_slice(x)),
         };
         let region = Region::of(list.iter().map(|c| c.ends));
-        let end = minimise(&objective, &region, point(from, &list).as_slice(), &RULE);
+        let end = minimise(&objective, &region, point(from, &list).as_slice(), rule);
         let (x, (residual, jacobian)) = (DVector::from_vec(end.x), end.kept.into_parts());
         let ended = (from.base.len()..list.len()).filter(|at| list[*at].is_at_bound(x[*at]));
         let at_bound = ended.into_iter().any(|at| pulls(&jacobian, &residual, at, list[at].ends.1 - list[at].ends.0));
@@ -193,6 +197,18 @@ impl<'a> Problem<'a> {
             jacobian,
             at_bound,
         }
+    }
+
+    /// The base law as whoever has no diagnosis fits it: without effects, every sample alike
+    /// (`docs/decisions/0002-plain-fits.md`), the better one of searches from some laws and from the nominal one.
+    #[must_use]
+    pub fn plain_base(design: &Design, used: Vec<bool>, from: &[&Law]) -> Law {
+        let rule = Rule { settled: 0.0, ..RULE };
+        let problem = Problem { used, ..Problem::unweighted(design) };
+        let starts = from.iter().map(|law| Law { settings: Vec::new(), ..(*law).clone() });
+        let fit = |law: Law| problem.fit_by(&rule, &law, coordinates(&law));
+        let nominal = fit(Law::nominal(design.channel));
+        starts.map(fit).fold(nominal, |best, own| if own.square < best.square { own } else { best }).law
     }
 
     /// A law where it stands, as if it were a fit.

@@ -7,12 +7,13 @@ use super::design::{Design, Series};
 use super::fit::{Fit, Problem, alone};
 use super::forward::{Search, Weighed};
 use super::gain::{Gain, Missed};
+use super::law::Law;
 use super::whiten::Whitening;
 
 /// Root mean square errors over commands that were left out of fit and choice alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOut {
-    /// With the base, in the channel's unit.
+    /// With the base as a plain fit, in the channel's unit.
     pub rmse_before: f64,
     /// With the effects.
     pub rmse_after: f64,
@@ -142,8 +143,8 @@ fn repeated(search: &Search<'_>, held: &[Weighed]) -> Option<Gain> {
     let last = before.iter().copied().max().filter(|last| *last > 0)?;
     let missed = |n: usize| {
         let is_one = |s: usize, _: usize| before[s] == n && !design.series[s].hold_out;
-        let (base, best) = predicted(search, held, &is_one);
-        let [before, after] = [&base, &best].map(|fit| search.problem.plain(&fit.law));
+        let Predicted { plain, best, .. } = predicted(search, held, &is_one);
+        let [before, after] = [&plain, &best.law].map(|law| search.problem.plain(law));
         let run = |s: usize| {
             let series = &design.series[s];
             let rows = |left: &DVector<f64>| left.rows(design.first(s), series.time_s.len()).into_owned();
@@ -170,21 +171,32 @@ fn given_before(design: &Design, s: usize) -> usize {
 
 /// What base and the likeliest rival miss of the samples (run, place in it) that neither has seen.
 fn left_out(search: &Search<'_>, held: &[Weighed], is_predicted: &dyn Fn(usize, usize) -> bool) -> (Miss, Miss) {
-    let (base, best) = predicted(search, held, is_predicted);
+    let Predicted { base, plain, best } = predicted(search, held, is_predicted);
     let shown = shown(search.problem.design, is_predicted);
     let shown = only(search, &shown);
-    (miss(&shown, &base), miss(&shown, &best))
+    let before = Miss { square: shown.plain(&plain).norm_squared(), ..miss(&shown, &base) };
+    (before, miss(&shown, &best))
 }
 
-/// Base and likeliest rival as fitted to the other samples.
-fn predicted(search: &Search<'_>, held: &[Weighed], is_predicted: &dyn Fn(usize, usize) -> bool) -> (Fit, Fit) {
+/// What is fitted to the samples that are not predicted.
+struct Predicted {
+    /// The base in the noise.
+    base: Fit,
+    /// The base as a plain fit.
+    plain: Law,
+    /// The likeliest rival.
+    best: Fit,
+}
+
+fn predicted(search: &Search<'_>, held: &[Weighed], is_predicted: &dyn Fn(usize, usize) -> bool) -> Predicted {
     let design = search.problem.design;
     let seen = shown(design, &|s, k| !is_predicted(s, k) && !design.series[s].hold_out);
     let fitted = only(search, &seen);
     let base = fitted.fit(&search.base.law);
     let rivals = held.iter().map(|e| fitted.fit(&e.fit.law));
     let best = rivals.min_by(|a, b| a.square.total_cmp(&b.square)).unwrap_or_else(|| base.clone());
-    (base, best)
+    let plain = Problem::plain_base(&seen, fitted.used.clone(), &[&base.law]);
+    Predicted { base, plain, best }
 }
 
 /// A design of which only some samples (run, place in it) are compared.

@@ -1,5 +1,7 @@
 //! What `palpate diagnose` says about a display: a summary for the terminal, and a page with figures.
 
+pub mod gain;
+
 use std::fmt::Write;
 
 use crate::diagnose::Verdict;
@@ -7,10 +9,12 @@ use crate::diagnose::display::design::Series as Run;
 use crate::diagnose::display::gain::Gain;
 use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, Evidence, Finding, effect};
 use crate::experiment::Experiment;
+use crate::extended::display::CLOSELY;
 
 use super::diagnosis::{percent, probability};
 use super::figure::{Axis, Figure, Series, Stroke};
 use super::{Page, believed, number};
+use gain::gained;
 
 /// The verdict on a channel in a sentence.
 #[must_use]
@@ -76,7 +80,7 @@ fn lines(out: &mut String, channel: &ChannelDiagnosis) {
         if let Some(gain) = &held_out.gain {
             let (was, is) = (number(gain.before), number(gain.after));
             let _ = writeln!(out, "  repeats, {unit:5} {was:>10} -> {is}  rms, none seen by the fit");
-            let _ = writeln!(out, "  gain           {}", gained(gain));
+            let _ = writeln!(out, "  gain           {}", repeats(gain));
         }
         let (was, is) = (held_out.rmse_before, held_out.rmse_after);
         let _ = writeln!(
@@ -98,15 +102,12 @@ fn lines(out: &mut String, channel: &ChannelDiagnosis) {
     }
 }
 
-/// The part of the error that is gone, with its interval.
-fn gained(gain: &Gain) -> String {
-    let part = percent(gain.part());
-    match gain.part95 {
-        (low, high) if low.is_finite() => {
-            format!("{part} of the error is gone (95 %: {} to {}).", percent(low), percent(high))
-        }
-        _ => format!("{part} of the error is gone; repeats do not differ, so nothing tells how sure that is."),
-    }
+/// What repeats tell of the gain, and where more is to be had.
+fn repeats(gain: &Gain) -> String {
+    let (part, (low, high)) = (gain.part(), gain.part95);
+    let told = gained(part, Some((low, high)).filter(|(low, _)| low.is_finite()));
+    let is_close = (part - low).max(high - part) <= CLOSELY * part;
+    if is_close { told } else { format!("{told} More runs tell it closer: `palpate gain` with the model.") }
 }
 
 /// Builds the page.
@@ -239,7 +240,7 @@ fn parameters(page: &mut Page, channel: &ChannelDiagnosis, evidence: &Evidence) 
             page.paragraph(&format!(
                 "Gain: {} On repeats of these commands that no fit has seen, the root mean square error falls from {}. Another \
                  session of the same commands would show that.",
-                gained(gain),
+                repeats(gain),
                 fall(gain.before, gain.after)
             ));
         }

@@ -4,11 +4,27 @@ mod map;
 
 use lut_gen::magnet::study::{Flux, State};
 
+use super::Page;
 use super::figure::{Axis, Figure, Series, Stroke};
+use crate::extended::magnet::Gain;
 use crate::magnet::Magnet;
 use crate::magnet::search::Candidate;
 
 pub use map::map;
+
+/// What a changed magnet gains on a table of readings.
+#[must_use]
+pub fn gain(name: &str, gain: &Gain) -> Page {
+    let mut page = Page::new(
+        &format!("Gain of a changed magnet: {name}"),
+        &format!("Errors of both on {} readings. Units: T.", gain.readings),
+    );
+    page.section("Before and after");
+    let row = |law: &str, rms_t: f64| vec![law.to_owned(), super::number(rms_t)];
+    let drawn = row("as drawn, its zero fitted to these readings", gain.fitted_base_t);
+    page.table(&["magnet", "rms error, T"], &[drawn, row("as the model has it", gain.model_t)]);
+    page
+}
 
 /// |B| along every line, at the largest current.
 pub fn along(magnet: &Magnet, state: &State) -> Figure {
