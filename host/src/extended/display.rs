@@ -23,7 +23,7 @@ use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, answered};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{Experiment, ExperimentError, Problem as Mistake};
 use crate::finger::round;
-pub use gain::{CLOSELY, Gain, Missed, Wanted};
+pub use gain::{CLOSELY, Gain, Missed};
 
 /// A number with its 95 % interval where that is known.
 type Known = (f64, Option<(f64, f64)>);

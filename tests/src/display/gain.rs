@@ -6,7 +6,7 @@ use palpate::diagnose::display::design::Design;
 use palpate::diagnose::display::fit::Problem;
 use palpate::diagnose::display::law::Law;
 use palpate::experiment::Experiment;
-use palpate::extended::display::{DisplayModel, Gain, Wanted};
+use palpate::extended::display::{DisplayModel, Gain};
 use palpate::simulate::display::Subject;
 use rayon::prelude::*;
 
@@ -18,7 +18,7 @@ pub const RIGHT: f64 = 0.1;
 const NEXT_DAY: u64 = 1_000_000;
 const VALIDATION: u64 = 500 * NEXT_DAY;
 /// Sessions that a validation begins with, and runs that it may take.
-const FIRST: u64 = 4;
+const FIRST: usize = 4;
 const MOST: usize = 400;
 /// Heights of presses over those of the diagnosed ones: the same, and commands that nobody has given.
 const LESS: f64 = 0.93;
@@ -53,12 +53,17 @@ impl Gains {
             let square = |law: &Law| Problem::unweighted(&design).plain(law).norm_squared();
             Some((square(&alone), square(&own.law())))
         };
-        let gain = |height: f64| -> Option<f64> {
+        let gain = |height: f64, days: u64| -> Option<f64> {
             let each: Option<Vec<_>> = (1..=days).into_par_iter().map(|day| squares(day, height)).collect();
             let (before, after) = each?.into_iter().fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
             Some(1.0 - (after / before).sqrt())
         };
-        Some(Self { printed: printed.part(), interval: printed.part95, truth: gain(1.0)?, less_far: gain(LESS)? })
+        Some(Self {
+            printed: printed.part(),
+            interval: printed.part95,
+            truth: gain(1.0, days)?,
+            less_far: gain(LESS, days.div_ceil(4))?,
+        })
     }
 
     /// Within a tenth of the error that was there before: ten points of the gain.
@@ -80,7 +85,7 @@ pub fn is_right(gain: f64, truth: f64) -> bool {
     (gain - truth).abs() <= RIGHT * truth.abs()
 }
 
-/// A model's gain as a laboratory measures it: commands are repeated until the program says that the runs tell the gain closely.
+/// A model's gain as a laboratory measures it: after some sessions as many as the program asks for, once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validated {
     /// As the program tells it.
@@ -94,34 +99,17 @@ impl Validated {
         let mut days = VALIDATION / NEXT_DAY..;
         let mut day = || days.next().map(|day| fresh(case, day, (channel, 1.0)));
         let mut all = day()?;
-        for _ in 1..FIRST {
-            all.runs.extend(day()?.runs);
-        }
-        loop {
-            let gain = model.gain(&all).ok()?.into_iter().find(|own| own.channel == channel)?;
-            let have = all.runs.len();
-            let room = MOST.saturating_sub(have).min(have);
-            // runs that do not tell the gain from none at all ask for as many again
-            let again = || vec![Wanted { like: String::new(), runs: have }];
-            let mut wanted = gain.more_runs().unwrap_or_else(again);
-            if wanted.is_empty() || room == 0 {
-                return Some(Self { gain });
+        let each = all.runs.len();
+        let mut record = |wanted: usize| -> Option<Gain> {
+            while all.runs.len() < wanted {
+                all.runs.extend(day()?.runs);
             }
-            // no more than twice as many at once, for few tell little of how many are wanted
-            let total: usize = wanted.iter().map(|own| own.runs).sum();
-            wanted.iter_mut().for_each(|own| own.runs = (own.runs * room.min(total)).div_ceil(total));
-            while wanted.iter().any(|own| own.runs > 0) {
-                for run in day()?.runs {
-                    let is_it = |own: &&mut Wanted| {
-                        own.runs > 0 && (own.like.is_empty() || command(&own.like) == command(&run.file))
-                    };
-                    if let Some(own) = wanted.iter_mut().find(is_it) {
-                        own.runs -= 1;
-                        all.runs.push(run);
-                    }
-                }
-            }
-        }
+            model.gain(&all).ok()?.into_iter().find(|own| own.channel == channel)
+        };
+        let most = MOST / each * each;
+        let first = record(FIRST * each)?;
+        let wanted = first.more_runs().map_or(most, |more| first.runs.len() + more);
+        record(wanted.min(most)).map(|gain| Self { gain })
     }
 
     /// Runs that were recorded.
@@ -133,14 +121,8 @@ impl Validated {
     /// True where the program says that the gain is known closely.
     #[must_use]
     pub fn is_close(&self) -> bool {
-        self.gain.more_runs().is_some_and(|more| more.is_empty())
+        self.gain.more_runs() == Some(0)
     }
-}
-
-/// The command of a file: its name without the day and the number of the repeat.
-fn command(file: &str) -> &str {
-    let name = file.rsplit_once('/').map_or(file, |(_, name)| name);
-    name.rsplit_once('-').map_or(name, |(command, _)| command)
 }
 
 /// The same display on another day: the same kinds of presses, to heights of their own, with new noise and new gains of every run.

@@ -19,26 +19,14 @@ pub(super) fn gained(part: f64, part95: Option<(f64, f64)>) -> String {
 fn advice(gain: &Gain) -> String {
     let runs = gain.runs.len();
     let closely = format!("{} of itself", percent(CLOSELY));
-    let Some(more) = gain.part95.map(|_| gain.more_runs()) else {
-        return format!("{runs} runs of which none repeats another; give commands twice or more");
-    };
-    match more.as_deref() {
-        None => format!("{runs} runs do not tell it from no gain"),
-        Some([]) => format!("{runs} runs tell it to {closely}"),
-        Some(more) => {
-            let each = more.iter().map(|wanted| format!("{} like {}", wanted.runs, wanted.like));
-            format!("{runs} runs; to tell it to {closely} takes about {} more", listed(each.collect()))
+    match (gain.part95, gain.more_runs()) {
+        (None, _) => format!("{runs} runs of which none repeats another; give commands twice or more"),
+        (Some(_), None) => format!("{runs} runs do not tell it from no gain"),
+        (Some(_), Some(0)) => format!("{runs} runs tell it to {closely}"),
+        (Some(_), Some(more)) => {
+            format!("{runs} runs; about {more} more, as many of every command, would tell it to {closely}")
         }
     }
-}
-
-/// The first few of a list.
-fn listed(mut each: Vec<String>) -> String {
-    const FEW: usize = 3;
-    let rest = each.len().saturating_sub(FEW);
-    each.truncate(FEW);
-    let list = each.join(", ");
-    if rest > 0 { format!("{list}, and some of {rest} other commands") } else { list }
 }
 
 fn base(gain: &Gain) -> &'static str {
@@ -131,13 +119,13 @@ mod tests {
     #[test]
     fn the_answer_comes_first_and_says_how_sure_it_is() {
         let told = |each: &[(usize, f64, f64)]| lines(&[gain(each, true)]).join("\n");
-        let close = told(&[(0, 4.0, 1.0), (0, 4.04, 1.0), (0, 4.0, 1.01)]);
+        let close = told(&[(0, 4.04, 0.99), (0, 3.96, 1.01), (0, 4.0, 1.0)]);
         assert!(close.starts_with("force            50 % of the error is gone (95 %: "), "{close}");
         assert!(close.contains("3 runs tell it to 10 % of itself") && close.contains("1 -> 0.5"), "{close}");
         assert!(close.contains("0.9 N rms of the base law fitted to these very runs"), "{close}");
         let wide = told(&[(0, 4.0, 1.0), (0, 4.6, 1.1), (0, 3.5, 1.3), (0, 4.2, 1.0)]);
         assert!(
-            wide.contains("4 runs; to tell it to 10 % of itself takes about ") && wide.contains(" like a.csv more"),
+            wide.contains("4 runs; about ") && wide.contains(" more, as many of every command, would tell it"),
             "{wide}"
         );
         let none = told(&[(0, 4.0, 1.0), (0, 1.0, 4.0)]);
