@@ -88,7 +88,7 @@ impl Gain {
     #[must_use]
     pub fn more_runs(&self) -> Option<usize> {
         let (part, (low, high)) = (self.part(), self.part95?);
-        if !(low > 0.0) {
+        if low.is_nan() || low <= 0.0 {
             return None;
         }
         let off = (part - low).max(high - part) / (CLOSELY * part);
@@ -162,7 +162,7 @@ fn interval(runs: &[Missed]) -> Option<(f64, f64)> {
     let groups = groups(runs);
     let variance: f64 = groups.iter().map(|group| group.variance).sum();
     // NaN without an error
-    if !(variance > 0.0) {
+    if variance.is_nan() || variance <= 0.0 {
         return None;
     }
     let lost = groups.iter().map(|group| group.variance.powi(2) / (group.count as f64 - 1.0));
