@@ -42,18 +42,12 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let experiment = experiment::read(&arguments.experiment)?;
     let text = experiment::text_of(&arguments.model)?;
-    let is_material = !(DisplayModel::is_one(&text) || MagnetModel::is_one(&text));
-    if let Some(file) = arguments.truth.as_ref().filter(|_| !is_material) {
-        return Err(miette!(
-            "--truth {}: {} is not the model of a material, whose modulus and exponent a truth is of; leave it out",
-            file.display(),
-            arguments.model.display()
-        ));
-    }
     if DisplayModel::is_one(&text) {
+        without_truth(arguments)?;
         return of_display(arguments, &experiment, &DisplayModel::parse(&arguments.model, &text)?);
     }
     if MagnetModel::is_one(&text) {
+        without_truth(arguments)?;
         return of_magnet(arguments, &experiment, &MagnetModel::parse(&arguments.model, &text)?);
     }
     let model = ExtendedModel::read(&arguments.model)?;
@@ -81,6 +75,18 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Refuses a truth beside a model that is not of a material.
+fn without_truth(arguments: &Arguments) -> miette::Result<()> {
+    match &arguments.truth {
+        Some(file) => Err(miette!(
+            "--truth {}: {} is not the model of a material, whose modulus and exponent a truth is of; leave it out",
+            file.display(),
+            arguments.model.display()
+        )),
+        None => Ok(()),
+    }
 }
 
 /// What a display's model gains: the error of its predictions beside that of the base law.

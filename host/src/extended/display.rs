@@ -23,6 +23,7 @@ use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, answered};
 use crate::experiment::section::{Document, Section};
 use crate::experiment::{Experiment, ExperimentError, Problem as Mistake};
 use crate::finger::round;
+pub(crate) use gain::looseness;
 pub use gain::{CLOSELY, Gain, Missed};
 
 /// A number with its 95 % interval where that is known.
@@ -226,21 +227,25 @@ impl ChannelModel {
     fn gain(&self, design: &Design) -> Gain {
         let plain = Problem::unweighted(design);
         let law = self.law();
-        let fitted = Problem::plain_base(design, plain.used.clone(), &[&law]);
+        let fitted = Problem::plain_base(design, plain.used.clone(), &law);
         let alone = self.law_alone();
         let is_as_diagnosed = alone.is_some();
         let base = alone.as_ref().unwrap_or(&fitted);
         let [here, before, after] = [&fitted, base, &law].map(|law| plain.plain(law));
-        let run = |before: &DVector<f64>, s: usize| {
+        let run = |s: usize| {
             let series = &design.series[s];
             let square = |missed: &DVector<f64>| missed.rows(design.first(s), series.time_s.len()).norm_squared();
-            let (file, command, samples) = (series.file.clone(), series.condition, series.count());
-            Missed { file, command, samples, before: square(before), after: square(&after) }
+            Missed {
+                file: series.file.clone(),
+                command: series.condition,
+                samples: series.count(),
+                before: square(&before),
+                after: square(&after),
+                fitted: square(&here),
+            }
         };
-        let runs = |before: &DVector<f64>| (0..design.series.len()).map(|s| run(before, s)).collect::<Vec<Missed>>();
-        let fitted_base = gain::rms(&runs(&here), |run| run.before);
-        let runs = runs(&before);
-        Gain::new(self.channel, fitted_base, is_as_diagnosed, runs)
+        let runs = (0..design.series.len()).map(run).collect();
+        Gain::new(self.channel, is_as_diagnosed, runs)
     }
 }
 
@@ -254,7 +259,7 @@ fn of_channel(found: &ChannelDiagnosis) -> Option<ChannelModel> {
     let evidence = found.evidence.as_deref()?;
     let best = evidence.held.first()?;
     let used = evidence.design.series.iter().map(|series| !series.hold_out).collect();
-    let alone = Problem::plain_base(&evidence.design, used, &[&evidence.base.fit.law]).base;
+    let alone = Problem::plain_base(&evidence.design, used, &evidence.base.fit.law).base;
     let alone = alone.into_iter().map(|value| (value, None)).collect();
     let known = |effect: Option<usize>| -> Vec<Known> {
         let fitted = effect.map_or(&best.fit.law.base, |at| &best.fit.law.settings[at].values);

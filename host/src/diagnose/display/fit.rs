@@ -200,15 +200,15 @@ impl<'a> Problem<'a> {
     }
 
     /// The base law as whoever has no diagnosis fits it: without effects, every sample alike
-    /// (`docs/decisions/0002-plain-fits.md`), the better one of searches from some laws and from the nominal one.
+    /// (`docs/decisions/0002-plain-fits.md`), the better one of searches from a law and from the nominal one.
     #[must_use]
-    pub fn plain_base(design: &Design, used: Vec<bool>, from: &[&Law]) -> Law {
+    pub fn plain_base(design: &Design, used: Vec<bool>, from: &Law) -> Law {
         let rule = Rule { settled: 0.0, ..RULE };
         let problem = Problem { used, ..Problem::unweighted(design) };
-        let starts = from.iter().map(|law| Law { settings: Vec::new(), ..(*law).clone() });
-        let fit = |law: Law| problem.fit_by(&rule, &law, coordinates(&law));
-        let nominal = fit(Law::nominal(design.channel));
-        starts.map(fit).fold(nominal, |best, own| if own.square < best.square { own } else { best }).law
+        let fit = |law: &Law| problem.fit_by(&rule, law, coordinates(law));
+        let nominal = fit(&Law::nominal(design.channel));
+        let own = fit(&Law { settings: Vec::new(), ..from.clone() });
+        if own.square < nominal.square { own.law } else { nominal.law }
     }
 
     /// A law where it stands, as if it were a fit.

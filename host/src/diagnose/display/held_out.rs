@@ -195,7 +195,7 @@ fn predicted(search: &Search<'_>, held: &[Weighed], is_predicted: &dyn Fn(usize,
     let base = fitted.fit(&search.base.law);
     let rivals = held.iter().map(|e| fitted.fit(&e.fit.law));
     let best = rivals.min_by(|a, b| a.square.total_cmp(&b.square)).unwrap_or_else(|| base.clone());
-    let plain = Problem::plain_base(&seen, fitted.used.clone(), &[&base.law]);
+    let plain = Problem::plain_base(&seen, fitted.used.clone(), &base.law);
     Predicted { base, plain, best }
 }
 

@@ -23,6 +23,13 @@ pub struct Missed {
     pub before: f64,
     /// The same with the model.
     pub after: f64,
+    /// The same with the base law fitted to these very runs.
+    pub fitted: f64,
+}
+
+/// How far the farther end of a gain's 95 % interval is, over what is close: 1 or less is close. Infinite where nothing is gained.
+pub(crate) fn looseness(part: f64, (low, high): (f64, f64)) -> f64 {
+    if part > 0.0 { (part - low).max(high - part) / (CLOSELY * part) } else { f64::INFINITY }
 }
 
 /// Runs of which each says how far another may be off: repeats of one command.
@@ -39,8 +46,6 @@ struct Group {
 pub struct Gain {
     /// The channel.
     pub channel: Channel,
-    /// Root mean square error of the base law fitted to these very runs, in the channel's unit.
-    pub fitted_base: f64,
     /// The base law is that of the model's file, a fit to the diagnosed runs; else it is the one fitted to these runs.
     pub is_as_diagnosed: bool,
     /// Every run.
@@ -52,9 +57,9 @@ pub struct Gain {
 impl Gain {
     /// Of runs of a channel.
     #[must_use]
-    pub fn new(channel: Channel, fitted_base: f64, is_as_diagnosed: bool, runs: Vec<Missed>) -> Self {
+    pub fn new(channel: Channel, is_as_diagnosed: bool, runs: Vec<Missed>) -> Self {
         let part95 = interval(&runs);
-        Self { channel, fitted_base, is_as_diagnosed, runs, part95 }
+        Self { channel, is_as_diagnosed, runs, part95 }
     }
 
     /// Samples that were compared.
@@ -75,6 +80,12 @@ impl Gain {
         rms(&self.runs, |run| run.after)
     }
 
+    /// The same of the base law fitted to these very runs.
+    #[must_use]
+    pub fn fitted_base(&self) -> f64 {
+        rms(&self.runs, |run| run.fitted)
+    }
+
     /// The part of the base law's error that is gone; less than nothing where the model errs more. NaN without any error.
     #[must_use]
     pub fn part(&self) -> f64 {
@@ -87,11 +98,8 @@ impl Gain {
     /// looks large needs fewer runs.
     #[must_use]
     pub fn more_runs(&self) -> Option<usize> {
-        let (part, (low, high)) = (self.part(), self.part95?);
-        if low.is_nan() || low <= 0.0 {
-            return None;
-        }
-        let off = (part - low).max(high - part) / (CLOSELY * part);
+        let part95 = self.part95.filter(|(low, _)| *low > 0.0)?;
+        let off = looseness(self.part(), part95);
         // an interval is as wide as one over the root of the runs
         Some((self.runs.len() as f64 * (off * off - 1.0).max(0.0)).ceil() as usize)
     }
@@ -103,7 +111,7 @@ impl Gain {
         let finite = |x: f64| x.is_finite().then_some(x);
         json!({
             "channel": self.channel.word(), "runs": self.runs.len(), "samples": self.samples(),
-            format!("rmse_{unit}_fitted_base"): self.fitted_base,
+            format!("rmse_{unit}_fitted_base"): self.fitted_base(),
             format!("rmse_{unit}_base"): self.base(),
             format!("rmse_{unit}_model"): self.model(),
             "base": if self.is_as_diagnosed { "as diagnosed" } else { "fitted to these runs" },
@@ -126,7 +134,7 @@ fn sum(runs: &[Missed], of: impl Fn(&Missed) -> f64) -> f64 {
 }
 
 /// Root mean square of what is missed.
-pub(super) fn rms(runs: &[Missed], square: impl Fn(&Missed) -> f64) -> f64 {
+fn rms(runs: &[Missed], square: impl Fn(&Missed) -> f64) -> f64 {
     (sum(runs, square) / sum(runs, |run| run.samples as f64).max(1.0)).sqrt()
 }
 
@@ -190,10 +198,17 @@ mod tests {
         let mut run = |command: usize| {
             let own: f64 = StandardNormal.sample(chance);
             let square = |error: f64| (SIZES[command] * error).powi(2);
-            Missed { file: command.to_string(), command, samples: 1, before: square(own + OFF), after: square(own) }
+            Missed {
+                file: command.to_string(),
+                command,
+                samples: 1,
+                before: square(own + OFF),
+                after: square(own),
+                fitted: 0.0,
+            }
         };
         let runs = (0..3).flat_map(|command| vec![command; times[command]]).map(&mut run).collect();
-        Gain::new(Channel::Force, 0.0, true, runs)
+        Gain::new(Channel::Force, true, runs)
     }
 
     #[test]
@@ -218,10 +233,11 @@ mod tests {
 
     #[test]
     fn every_command_counts_alike_however_often_it_was_given() {
-        let run = |command, before, after| Missed { file: String::new(), command, samples: 2, before, after };
+        let run =
+            |command, before, after| Missed { file: String::new(), command, samples: 2, before, after, fitted: 0.0 };
         let [a, b] = [run(0, 8.0, 2.0), run(1, 32.0, 2.0)];
-        let once = Gain::new(Channel::Force, 1.0, true, vec![a.clone(), b.clone()]);
-        let often = Gain::new(Channel::Force, 1.0, true, vec![a, b.clone(), b.clone(), b]);
+        let once = Gain::new(Channel::Force, true, vec![a.clone(), b.clone()]);
+        let often = Gain::new(Channel::Force, true, vec![a, b.clone(), b.clone(), b]);
         // means of 20 and of 2 over two samples each
         assert!((once.base() - 10f64.sqrt()).abs() < 1e-12 && (once.model() - 1.0).abs() < 1e-12);
         assert_eq!((often.base(), often.model()), (once.base(), once.model()));
@@ -229,17 +245,18 @@ mod tests {
 
     #[test]
     fn what_is_close_asks_for_nothing_and_what_is_no_gain_for_nothing_either() {
-        let run = |command, before, after| Missed { file: String::new(), command, samples: 1, before, after };
-        let close = Gain::new(Channel::Force, 1.0, true, vec![run(0, 4.0, 1.0), run(0, 4.04, 1.0), run(1, 4.0, 1.01)]);
+        let run =
+            |command, before, after| Missed { file: String::new(), command, samples: 1, before, after, fitted: 0.0 };
+        let close = Gain::new(Channel::Force, true, vec![run(0, 4.0, 1.0), run(0, 4.04, 1.0), run(1, 4.0, 1.01)]);
         assert_eq!((close.more_runs(), (close.part() - 0.5).abs() < 0.01), (Some(0), true), "{close:?}");
-        let none = Gain::new(Channel::Force, 1.0, true, vec![run(0, 4.0, 1.0), run(0, 1.0, 4.0)]);
+        let none = Gain::new(Channel::Force, true, vec![run(0, 4.0, 1.0), run(0, 1.0, 4.0)]);
         assert_eq!(none.more_runs(), None);
         assert!(none.part95.unwrap().0 < 0.0);
         // a command that was given once tells nothing of how runs differ
-        let alone = Gain::new(Channel::Force, 1.0, true, vec![run(0, 4.0, 1.0)]);
+        let alone = Gain::new(Channel::Force, true, vec![run(0, 4.0, 1.0)]);
         assert_eq!((alone.part95, alone.more_runs(), alone.part()), (None, None, 0.5));
         let of_each = [(0, 4.0), (1, 9.0), (2, 16.0)].map(|(command, before)| run(command, before, 1.0));
-        assert!(Gain::new(Channel::Force, 1.0, true, of_each.to_vec()).part95.is_some());
-        assert_eq!(Gain::new(Channel::Force, 1.0, true, Vec::new()).part95, None);
+        assert!(Gain::new(Channel::Force, true, of_each.to_vec()).part95.is_some());
+        assert_eq!(Gain::new(Channel::Force, true, Vec::new()).part95, None);
     }
 }

@@ -1,6 +1,6 @@
 //! What `palpate gain` says about the model of a display.
 
-use crate::extended::display::{CLOSELY, Gain};
+use crate::extended::display::{CLOSELY, Gain, Missed};
 
 use super::super::diagnosis::percent;
 use super::super::figure::{Axis, Figure, Series, Stroke};
@@ -51,7 +51,7 @@ pub fn lines(gains: &[Gain]) -> Vec<String> {
             base(gain)
         ));
         if gain.is_as_diagnosed {
-            let fitted = number(gain.fitted_base);
+            let fitted = number(gain.fitted_base());
             out.push(format!("  {:14} {fitted} {unit} rms of the base law fitted to these very runs", "fitted here"));
         }
     }
@@ -76,7 +76,7 @@ pub fn page(gains: &[Gain]) -> Page {
         let row = |name: &str, rms: f64| vec![name.to_owned(), number(rms)];
         let mut rows = vec![row(base(gain), gain.base()), row("the model as it is", gain.model())];
         if gain.is_as_diagnosed {
-            rows.push(row("the base law fitted to these runs", gain.fitted_base));
+            rows.push(row("the base law fitted to these runs", gain.fitted_base()));
         }
         page.table(&["law", &format!("rms error, {unit}")], &rows);
         page.figure(
@@ -90,7 +90,7 @@ pub fn page(gains: &[Gain]) -> Page {
 /// Error of every run.
 fn runs(gain: &Gain) -> Figure {
     let unit = gain.channel.unit();
-    let each = |of: fn(&crate::extended::display::Missed) -> f64| -> Vec<(f64, f64)> {
+    let each = |of: fn(&Missed) -> f64| -> Vec<(f64, f64)> {
         let rms = gain.runs.iter().map(|run| (of(run) / run.samples.max(1) as f64).sqrt());
         rms.enumerate().map(|(at, rms)| ((at + 1) as f64, rms)).collect()
     };
@@ -103,7 +103,6 @@ fn runs(gain: &Gain) -> Figure {
 mod tests {
     use super::*;
     use crate::diagnose::display::channel::Channel;
-    use crate::extended::display::Missed;
 
     fn gain(each: &[(usize, f64, f64)], is_as_diagnosed: bool) -> Gain {
         let run = |(command, before, after): &(usize, f64, f64)| Missed {
@@ -112,8 +111,10 @@ mod tests {
             samples: 4,
             before: *before,
             after: *after,
+            // 0.9 over four samples
+            fitted: 4.0 * 0.81,
         };
-        Gain::new(Channel::Force, 0.9, is_as_diagnosed, each.iter().map(run).collect())
+        Gain::new(Channel::Force, is_as_diagnosed, each.iter().map(run).collect())
     }
 
     #[test]

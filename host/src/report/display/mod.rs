@@ -9,7 +9,7 @@ use crate::diagnose::display::design::Series as Run;
 use crate::diagnose::display::gain::Gain;
 use crate::diagnose::display::{ChannelDiagnosis, Diagnosis, Evidence, Finding, effect};
 use crate::experiment::Experiment;
-use crate::extended::display::CLOSELY;
+use crate::extended::display::looseness;
 
 use super::diagnosis::{percent, probability};
 use super::figure::{Axis, Figure, Series, Stroke};
@@ -104,10 +104,12 @@ fn lines(out: &mut String, channel: &ChannelDiagnosis) {
 
 /// What repeats tell of the gain, and where more is to be had.
 fn repeats(gain: &Gain) -> String {
-    let (part, (low, high)) = (gain.part(), gain.part95);
-    let told = gained(part, Some((low, high)).filter(|(low, _)| low.is_finite()));
-    let is_close = (part - low).max(high - part) <= CLOSELY * part;
-    if is_close { told } else { format!("{told} More runs tell it closer: `palpate gain` with the model.") }
+    let told = gained(gain.part(), Some(gain.part95).filter(|(low, _)| low.is_finite()));
+    if looseness(gain.part(), gain.part95) <= 1.0 {
+        told
+    } else {
+        format!("{told} More runs tell it closer: `palpate gain` with the model.")
+    }
 }
 
 /// Builds the page.
