@@ -1,6 +1,7 @@
 //! The softness display: finger force to shaft position and coil current.
 
 use crate::coil::thermal::{ThermalConfig, allowed_fraction};
+use crate::finger::Finger;
 use crate::number::{larger, limit};
 use crate::pid::{Pid, PidState};
 use crate::showing::Wanted;
@@ -10,7 +11,7 @@ use protocol::message::{Actuator, Fitted, Shown};
 /// Limits of the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplayConfig {
-    /// Farthest shaft target, mm: what the actuator holds with 90 % of its command (1 mm/V).
+    /// Farthest shaft target, mm: what the actuator holds with [`HELD`] of its command (1 mm/V), or the whole stroke.
     pub target_max_mm: f32,
     /// Fastest change of the target, mm/s.
     pub target_rate_mm_s: f32,
@@ -62,6 +63,10 @@ pub const REACH_MM: (f32, f32) = (0.5, 19.0);
 pub const RATE_MM_S: (f32, f32) = (1.0, 200.0);
 /// Feed-forward of at most 0.5 V/N: a tenth of the largest command for each newton.
 pub const HOLDS_V_PER_N: (f32, f32) = (0.0, 0.5);
+/// Part of the largest command that holds the shaft at the end of its reach.
+const HELD: f32 = 0.9;
+/// Longest lag that is made up for, s: half more than that of the thesis' loop.
+const LAG_MAX_S: f32 = 0.15;
 /// Force that feed-forward holds at most, N: more is no finger that feels, but a sensor that is wrong.
 const HELD_MOST_N: f32 = 6.0;
 /// What the loop may add to a feed-forward at the stop, as a part of it: hosts send 0.7 of what holds a force, and the rest
@@ -77,12 +82,23 @@ impl DisplayConfig {
         let with = DisplayConfig { target_max_mm: reach_mm, target_rate_mm_s: rate_mm_s, holds_v_per_n, ..self };
         sound.then_some(with)
     }
+
+    /// How far the shaft stays behind an even motion, s; `None` where nobody knows: a plant that integrates, which has the
+    /// whole stroke, and one that a finger drives back. Those answer to the force alone.
+    fn lag_s(&self, pid: &Pid) -> Option<f32> {
+        if self.target_max_mm >= REACH_MM.1 || self.holds_v_per_n > 0.0 {
+            return None;
+        }
+        let mm_per_v = self.target_max_mm / (HELD * pid.u_max_v());
+        pid.lag_s(mm_per_v).map(|lag_s| limit(lag_s, 0.0, LAG_MAX_S))
+    }
 }
 
 /// State of the display; `Default` is at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Display {
     pid: PidState,
+    finger: Finger,
     target_mm: f32,
     /// Where the shaft was at the beginning, mm.
     still_mm: f32,
@@ -144,6 +160,12 @@ impl Display {
         self.still_mm
     }
 
+    /// Follows the finger for a tick: where it will be when the shaft has followed, mm below the surface.
+    pub fn ahead_mm(&mut self, config: &DisplayConfig, pid: &Pid, input: &DisplayInput) -> Option<f32> {
+        let lag_s = config.lag_s(pid)?;
+        self.finger.step(input.shaft_mm, input.force_n, input.least_n, lag_s)
+    }
+
     /// One tick with what is wanted under the finger's force.
     pub fn step(
         &mut self,
@@ -154,7 +176,7 @@ impl Display {
         input: &DisplayInput,
     ) -> DisplayOutput {
         let asked_mm = wanted.shaft_mm;
-        let wanted_mm = limit(asked_mm, 0.0, config.target_max_mm);
+        let wanted_mm = limit(asked_mm + wanted.leads_mm, 0.0, config.target_max_mm);
         let displayed = self.is_home || self.target_mm <= config.near_mm;
         let rate_mm_s = if displayed { config.target_rate_mm_s } else { config.homing_rate_mm_s };
         let step_mm = rate_mm_s * protocol::TICK_S;
@@ -272,6 +294,23 @@ mod tests {
         let wrong = DisplayInput { force_n: 50.0, ..at };
         let held = Display::at(5.0).step(&taken, &ThermalConfig::default(), &pid, &wanted, &wrong);
         assert!((held.actuator_v + 0.6).abs() < 1e-6, "{}", held.actuator_v);
+    }
+
+    /// The thesis' loop stays 1 / 9.6 of a second behind, a softer one more, and no lag is made up for that nobody knows.
+    #[test]
+    fn a_lag_is_that_of_gains_and_reach_where_these_tell_it() {
+        let lag = |config: &DisplayConfig, ki: f32| {
+            let gains = protocol::message::Gains { ki, ..crate::pid::DEFAULT_GAINS };
+            config.lag_s(&Pid::build(&gains, protocol::TICK_S, crate::pid::U_MAX_V))
+        };
+        let thesis = DisplayConfig::default();
+        assert!((lag(&thesis, 9.6).unwrap_or(0.0) - 1.0 / 9.6).abs() < 1e-6);
+        // twice the way a volt, half the lag
+        let longer = DisplayConfig { target_max_mm: 9.0, ..thesis };
+        assert!((lag(&longer, 9.6).unwrap_or(0.0) - 0.5 / 9.6).abs() < 1e-6);
+        assert_eq!((lag(&thesis, 0.1), lag(&thesis, 0.0)), (Some(LAG_MAX_S), None));
+        assert_eq!(lag(&DisplayConfig { holds_v_per_n: 0.1, ..thesis }, 9.6), None);
+        assert_eq!(lag(&DisplayConfig { target_max_mm: REACH_MM.1, ..thesis }, 9.6), None);
     }
 
     /// With a finger on it, for two seconds: the command ends at its limit, which is what tells a stall.

@@ -22,6 +22,7 @@
 //! | [`coil`] | force to current to duty, and how hot the coil is |
 //! | [`mode`] | palpation and display as two halves, and their supervisor |
 //! | [`showing`] | which curve is displayed, and the transition to another |
+//! | [`finger`] | where a finger is, and where it goes |
 //! | [`neighbours`] | between which library materials an identified one lies |
 //! | [`safety`] | limits and latched faults |
 //! | [`flash`] | table slots, upload, power cuts |
@@ -42,6 +43,7 @@ pub mod config;
 pub mod contact;
 pub mod display;
 pub mod fast;
+pub mod finger;
 pub mod fingerprint;
 pub mod flash;
 #[cfg(all(feature = "board", target_os = "none"))]

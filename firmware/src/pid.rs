@@ -42,6 +42,7 @@ pub struct Pid {
     /// `kd n / (1 + n T)`, V/mm.
     derivative: f32,
     u_max_v: f32,
+    period_s: f32,
 }
 
 /// Memory of the loop; `Default` is at rest.
@@ -63,12 +64,26 @@ impl Pid {
     /// Builds the coefficients of `gains` for steps of `period_s` and commands up to `u_max_v`.
     pub fn build(gains: &Gains, period_s: f32, u_max_v: f32) -> Self {
         let pole = 1.0 / (1.0 + gains.n * period_s);
-        Pid { kp: gains.kp, integral: gains.ki * period_s, pole, derivative: gains.kd * gains.n * pole, u_max_v }
+        Pid {
+            kp: gains.kp,
+            integral: gains.ki * period_s,
+            pole,
+            derivative: gains.kd * gains.n * pole,
+            u_max_v,
+            period_s,
+        }
     }
 
     /// Largest command, V.
     pub const fn u_max_v(&self) -> f32 {
         self.u_max_v
+    }
+
+    /// How far behind an even motion the loop stays, s, of a plant that `mm_per_v` at rest: `1 / (ki mm_per_v)`; `None`
+    /// without an integral, which leaves an error at rest as well.
+    pub fn lag_s(&self, mm_per_v: f32) -> Option<f32> {
+        let per_tick = self.integral * mm_per_v;
+        (per_tick > 0.0).then(|| self.period_s / per_tick)
     }
 
     /// One step: command, V within `[-u_max, u_max]`, for an error in mm.

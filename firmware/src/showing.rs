@@ -6,9 +6,8 @@
 //! fiftieth of the difference of both a tick, and nothing jumps. A curve that is asked for meanwhile waits for
 //! the end of the transition.
 
-mod pulp;
-
 use crate::display::DisplayConfig;
+use crate::finger::pulp;
 use crate::number::{larger, limit};
 use protocol::TICK_HZ;
 use protocol::lut::{Between, Current, Table, mixed};
@@ -22,8 +21,10 @@ pub const FADE_TICKS: u16 = TICK_HZ as u16;
 /// What a curve asks for at a force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wanted {
-    /// Shaft position, mm.
+    /// Shaft position that the force asks for, mm.
     pub shaft_mm: f32,
+    /// What the finger's place adds to it, mm: 0 where that is not known.
+    pub leads_mm: f32,
     /// Coil current; `None` without control curve.
     pub current: Option<Current>,
     /// Error bound of the current, A; 0 without control curve.
@@ -47,6 +48,9 @@ pub struct Felt {
     /// Place of the finger below the surface, mm, where that decides the current: the coil answers to the force
     /// that the material would bear there (`docs/decisions/0024-the-fingers-place.md`).
     pub place_mm: Option<f32>,
+    /// Where the finger will be when the shaft has followed, mm below the surface, if that decides with the force
+    /// where the shaft is wanted (`docs/decisions/0031-ahead-of-the-lag.md`).
+    pub ahead_mm: Option<f32>,
 }
 
 /// Where a curve comes from.
@@ -132,6 +136,7 @@ impl Showing {
             let coil_n = bears_n.map_or(felt.coil_n, |n| larger(n, felt.coil_n));
             Some(Wanted {
                 shaft_mm: between.shaft_mm(felt.shaft_n),
+                leads_mm: felt.leads_mm(&between),
                 current: between.current(coil_n),
                 bound_a: between.bound_a(coil_n).unwrap_or(0.0),
                 bears_n,
@@ -156,13 +161,31 @@ impl Felt {
     /// Of a reading and the least that the sensor tells, both N.
     pub fn new(config: &DisplayConfig, read_n: f32, least_n: f32) -> Self {
         let shaft_n = larger(read_n, limit(least_n, 0.0, config.least_max_n));
-        Felt { shaft_n, coil_n: larger(shaft_n, config.coil_standby_n), place_mm: None }
+        Felt { shaft_n, coil_n: larger(shaft_n, config.coil_standby_n), place_mm: None, ahead_mm: None }
     }
 
     /// The same where the finger's place, mm, decides the current.
     #[must_use]
     pub fn at_place(self, config: &DisplayConfig, place_mm: f32) -> Self {
         Felt { coil_n: config.coil_standby_n, place_mm: Some(place_mm), ..self }
+    }
+
+    /// How much farther the finger's place wants the shaft than its force does, mm: half of it, for both are heard alike.
+    ///
+    /// What the place wants is taken along the curve's tangent: a finger's travel is shared by surface and pulp as they
+    /// give way. On a soft material a force that is read changes by every step of the shaft; the place does not.
+    fn leads_mm(&self, between: &Between<'_>) -> f32 {
+        /// Part of the place in what is wanted: with all of it an error of the force would take seconds to go.
+        const BY_PLACE: f32 = 0.5;
+        /// Length of the tangent, N: a few steps of a curve.
+        const TANGENT_N: f32 = 0.05;
+        let Some(ahead_mm) = self.ahead_mm else { return 0.0 };
+        let force_n = self.shaft_n;
+        let (shaft_mm, pulp_mm) = (between.shaft_mm(force_n), pulp::compression_mm(force_n));
+        let gives_mm = between.shaft_mm(force_n + TANGENT_N) - shaft_mm;
+        let both_mm = gives_mm + pulp::compression_mm(force_n + TANGENT_N) - pulp_mm;
+        let share = if gives_mm > 0.0 { gives_mm / both_mm } else { 0.0 };
+        BY_PLACE * share * (ahead_mm - shaft_mm - pulp_mm)
     }
 }
 
@@ -179,6 +202,7 @@ impl Wanted {
         };
         Wanted {
             shaft_mm: mixed(self.shaft_mm, to.shaft_mm, share),
+            leads_mm: mixed(self.leads_mm, to.leads_mm, share),
             current,
             bound_a: mixed(self.bound_a, to.bound_a, share),
             bears_n: to.bears_n,

@@ -247,11 +247,15 @@ impl<S: TableStore + CalibrationStore> Machine<S> {
         let least_n = least_n(&self.calibration.fsr);
         let felt = Felt::new(&self.config.display, force_n, least_n);
         let is_at_place = self.mode.displaying.parts().is_some_and(Parts::at_place);
-        let felt = if is_at_place { felt.at_place(&self.config.display, shaft_mm) } else { felt };
+        let input = DisplayInput { shaft_mm, force_n, least_n, coil_c: self.coil_c };
+        let felt = if is_at_place {
+            felt.at_place(&self.config.display, shaft_mm)
+        } else {
+            Felt { ahead_mm: display.ahead_mm(&self.config.display, &self.pid, &input), ..felt }
+        };
         let wanted = self.table().and_then(|table| showing.at(&table, felt, display.still_mm()));
         self.bound_a = wanted.map_or(0.0, |wanted| wanted.bound_a);
         let output = wanted.map(|wanted| {
-            let input = DisplayInput { shaft_mm, force_n, least_n, coil_c: self.coil_c };
             display.step(&self.config.display, &self.config.thermal, &self.pid, &wanted, &input).fitted(&driven)
         });
         self.display = display;

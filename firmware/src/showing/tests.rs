@@ -15,7 +15,7 @@ fn at(showing: &Showing, table: &Table<'_>, force_n: f32) -> Wanted {
 }
 
 fn felt(force_n: f32) -> Felt {
-    Felt { shaft_n: force_n, coil_n: force_n, place_mm: None }
+    Felt { shaft_n: force_n, coil_n: force_n, place_mm: None, ahead_mm: None }
 }
 
 /// Below the threshold both wait, and the first reading above it moves nothing.
@@ -204,4 +204,34 @@ fn a_curve_that_is_not_in_the_table_is_none() {
     let table = Table::parse(&bytes).unwrap();
     assert_eq!(shown(Curve::of(8)).at(&table, felt(1.0), 0.0), None);
     assert!(shown(Curve::of(7)).at(&table, felt(1.0), 0.0).is_some());
+}
+
+/// Where a finger's place says the same as its force the shaft is wanted where the force wants it; half of what the place
+/// says beyond is the surface's share of it, and of a rigid material's nothing.
+#[test]
+fn a_shaft_is_wanted_by_half_where_the_fingers_place_will_have_it() {
+    let bytes = factored_table();
+    let table = Table::parse(&bytes).unwrap();
+    for curve in [STIFF, SOFT] {
+        let between = Between::new(&table, curve.low, curve.low, 0.0).unwrap();
+        let by = |force_n: f32, more_mm: f32| {
+            let place_mm = between.shaft_mm(force_n) + pulp::compression_mm(force_n) + more_mm;
+            let felt = Felt { ahead_mm: Some(place_mm), ..felt(force_n) };
+            shown(curve).at(&table, felt, 0.0).unwrap().leads_mm
+        };
+        for force_n in [0.25, 0.3, 1.0, 2.0] {
+            assert!(by(force_n, 0.0).abs() < 1e-6);
+            // the force of another place a bit further is between both of these
+            let gives = |from: f32, to: f32| {
+                let mm = between.shaft_mm(to) - between.shaft_mm(from);
+                mm / (mm + pulp::compression_mm(to) - pulp::compression_mm(from))
+            };
+            let (a, b) = (gives(force_n, force_n + 0.02), gives(force_n, force_n + 0.2));
+            let share = by(force_n, 0.1) / 0.05;
+            assert!(share >= 0.98 * a.min(b) && share <= 1.02 * a.max(b), "{force_n} N: {share}, {a} to {b}");
+            assert!((by(force_n, -0.1) + by(force_n, 0.1)).abs() < 1e-5);
+        }
+        // beyond its last force a curve gives way no more
+        assert_eq!(by(60.0, 0.5), 0.0);
+    }
 }

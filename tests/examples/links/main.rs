@@ -3,6 +3,7 @@
 //!
 //! Eighteen kinds, each at three sizes (half, once and twice what a full plan should see), `--cases` times. The printed gain is
 //! the fall of the error over repeats that no fit has seen; the true one that over presses of a new session that no fit has seen.
+//! `--only gap,creep` runs those kinds alone, with the seeds that they have among all.
 
 use palpate::diagnose::Verdict;
 use palpate::diagnose::display::{self, ChannelDiagnosis};
@@ -15,12 +16,14 @@ use tests::score::rate::bounded;
 const DAYS: u64 = 64;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let (count, first) = cases_and_seed(std::env::args().skip(1), (2, 97_000))?;
+    let (only, rest) = only(std::env::args().skip(1).collect())?;
+    let (count, first) = cases_and_seed(rest.into_iter(), (2, 97_000))?;
     let mut scored: Vec<Scored> = Vec::new();
     let mut gains: Vec<(Gains, Validated)> = Vec::new();
     let kinds =
         [Plan::Full, Plan::Finger].into_iter().flat_map(|plan| plan.hidden().iter().map(move |kind| (plan, kind)));
-    for (i, (plan, kind)) in kinds.enumerate() {
+    for (i, (plan, kind)) in kinds.enumerate().filter(|(_, (_, kind))| only.as_ref().is_none_or(|o| o.contains(*kind)))
+    {
         for level in 1..LEVELS {
             for repeat in 0..count {
                 let seed = first + (i * LEVELS * count + level * count + repeat) as u64;
@@ -89,4 +92,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     runs.sort_unstable();
     println!("runs that it takes, by quarters: {:?}", [1, 2, 3].map(|q| runs.get(q * runs.len() / 4)));
     Ok(())
+}
+
+/// Kinds behind `--only`, `None` for all, and the other words.
+fn only(mut words: Vec<String>) -> Result<(Option<Vec<&'static str>>, Vec<String>), String> {
+    let Some(at) = words.iter().position(|word| word == "--only") else { return Ok((None, words)) };
+    let value = words.get(at + 1).ok_or("--only needs a value")?;
+    let all = || [Plan::Full, Plan::Finger].into_iter().flat_map(|plan| plan.hidden());
+    let known = |own: &str| all().copied().find(|kind| *kind == own).ok_or(format!("--only {own}: no such kind"));
+    let kinds = value.split(',').map(known).collect::<Result<Vec<_>, _>>()?;
+    words.drain(at..=at + 1);
+    Ok((Some(kinds), words))
 }

@@ -13,7 +13,7 @@ const FORCES_N: [f32; 17] = [
 ];
 
 /// Compression under a force, mm: 0 for none and for NaN, that of the last force beyond it.
-pub(super) fn compression_mm(force_n: f32) -> f32 {
+pub fn compression_mm(force_n: f32) -> f32 {
     let last = FORCES_N.len() - 1;
     let force_n = limit(force_n, 0.0, FORCES_N[last]);
     let mut below = 0;
