@@ -11,7 +11,7 @@ use protocol::message::{Actuator, Fitted, Shown};
 /// Limits of the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplayConfig {
-    /// Farthest shaft target, mm: what the actuator holds with [`HELD`] of its command (1 mm/V), or the whole stroke.
+    /// Farthest shaft target, mm: what the actuator holds with nine tenths of its command (1 mm/V), or the whole stroke.
     pub target_max_mm: f32,
     /// Fastest change of the target, mm/s.
     pub target_rate_mm_s: f32,

@@ -1,8 +1,10 @@
 //! Display experiments with hidden flaws, and the score of their diagnosis.
 
+mod follow;
 mod gain;
 mod score;
 
+pub use follow::{Followed, MOST_COMMANDS};
 pub use gain::{Gains, RIGHT, Validated, is_right};
 pub use score::{Outcome, Scored, Tally};
 

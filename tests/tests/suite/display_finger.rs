@@ -5,7 +5,7 @@ use palpate::diagnose::Verdict;
 use palpate::diagnose::display::channel::Channel;
 use palpate::diagnose::display::{self, ChannelDiagnosis};
 use palpate::experiment::{self, Experiment};
-use tests::display::{Case, Outcome, Plan, Scored};
+use tests::display::{Case, Followed, Outcome, Plan, Scored};
 
 fn scored(seed: u64, hidden: &[&'static str], level: usize) -> Scored {
     let scored = Scored::of(&Case::clean(Plan::Finger, seed).hiding(hidden, level)).unwrap();
@@ -40,6 +40,20 @@ fn what_is_wrong_with_pulp_and_fluid_has_its_name() {
     let named = all[..6].iter().filter(|one| matches!(one.outcome, Outcome::Exact | Outcome::InSet)).count();
     assert!(named >= 4 && all.iter().all(|one| one.outcome != Outcome::Wrong), "{named} of 6 named");
     assert!(all[6..].iter().all(|one| one.outcome == Outcome::Unknown), "what is in no catalogue is unknown");
+}
+
+/// Three currents tell a rest from a bend of the yield stress too little to name it. What is proposed is what tells them apart, and
+/// when it is done the rest has its name.
+#[test]
+fn what_is_unknown_is_named_by_the_run_that_it_proposes() {
+    let case = Case::clean(Plan::Finger, 194_124).hiding(&["fluid-rest"], 2);
+    let found = display::diagnose(&case.spec(true).experiment(), &|_, _, _| {}).unwrap();
+    let first = Scored::judged(&case, &found);
+    assert_eq!(first.outcome, Outcome::Unknown, "{}", first.line());
+    let followed = Followed::of(&case, &found, &first).unwrap();
+    println!("{} {:?}", followed.scored.line(), followed.commands);
+    assert!(followed.commands[0].ends_with("without current"), "{:?}", followed.commands);
+    assert_eq!(followed.scored.outcome, Outcome::Exact);
 }
 
 /// A fingerpad of others on a plate that stands: force exponential in the compression, three times of relaxation (form and times of

@@ -48,6 +48,14 @@ fn what_is_in_no_catalogue_is_unknown() {
     }
 }
 
+/// A strong vibration leads the base's fit astray, and a delay then takes up most of what is left. What it leaves is no
+/// discrepancy: it is not named.
+#[test]
+fn a_name_that_leaves_more_than_a_discrepancy_is_withdrawn() {
+    let one = scored(Plan::Full, 196_007, &["outside-wobble"], 3);
+    assert!(one.outcome == Outcome::Unknown && one.named.is_empty());
+}
+
 /// A short plan cannot see everything, but what it says is right.
 #[test]
 fn few_runs_give_no_wrong_name() {

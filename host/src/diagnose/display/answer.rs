@@ -2,7 +2,9 @@
 
 use serde_json::{Map, Value, json};
 
+use super::channel::Channel;
 use super::fit::Estimate;
+use super::plan::Proposal;
 use super::{ChannelDiagnosis, Diagnosis, Evidence, Finding, Judged};
 use crate::diagnose::Verdict;
 
@@ -17,10 +19,11 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
     shows_in.dedup();
     let mut proposals: Vec<_> = all().flat_map(|c| c.proposals.iter().map(move |p| (c.channel, p))).collect();
     proposals.sort_by(|a, b| b.1.distance.total_cmp(&a.1.distance));
-    // where names compete, only a run that separates them is the next one
-    let open: Vec<_> = all().filter(|c| c.verdict == Verdict::Ambiguous).map(|c| c.channel).collect();
+    // where names compete or none is sure, only a run that separates them is the next one
+    let is_open = |c: &&ChannelDiagnosis| matches!(c.verdict, Verdict::Ambiguous | Verdict::Unknown);
+    let open: Vec<_> = all().filter(is_open).filter(|c| !c.proposals.is_empty()).map(|c| c.channel).collect();
     let next = proposals.iter().find(|(channel, _)| open.is_empty() || open.contains(channel));
-    let told = |(channel, p): &(super::channel::Channel, &super::plan::Proposal)| json!({ "channel": channel.word(), "what": p.what, "decides": p.decides, "distance": p.distance });
+    let told = |(channel, p): &(Channel, &Proposal)| proposal(*channel, p);
     let judged = all().find(|c| !c.findings.is_empty()).or(diagnosis.channels.first());
     let evidence = judged.and_then(|c| c.evidence.as_deref().map(|e| (c, e)));
     json!({
@@ -38,6 +41,18 @@ pub fn json(diagnosis: &Diagnosis, report: Option<&str>) -> Value {
         "report": report,
         "seconds": diagnosis.seconds,
     })
+}
+
+fn proposal(channel: Channel, proposal: &Proposal) -> Value {
+    let Proposal { what, decides, distance, command } = proposal;
+    let mut numbers = json!({ "values": command.values, "hold_s": command.hold_s, "ramp_s": command.ramp_s });
+    if channel == Channel::Fluid {
+        numbers["yield_parts"] = json!(command.yield_parts);
+    }
+    if let Some(gap_mm) = command.gap_mm {
+        numbers["gap_mm"] = json!(gap_mm);
+    }
+    json!({ "channel": channel.word(), "what": what, "decides": decides, "distance": distance, "command": numbers })
 }
 
 fn effect(finding: &Finding) -> Value {

@@ -7,6 +7,7 @@
 pub mod answer;
 mod borne;
 pub mod channel;
+pub mod command;
 pub mod design;
 mod discrepancy;
 pub mod effect;
@@ -215,15 +216,15 @@ fn examined(design: Design) -> ChannelDiagnosis {
     };
     out.blind_to = found.blind_to(&search, &groups, search.effects.iter().map(|effect| effect.code));
     let held_out = (!found.held.is_empty()).then(|| held_out::of(&search, &found.held)).flatten();
-    out.proposals = plan::proposals(&search, &found.held, &out.blind_to);
     let is_irregular = found.sets.first().is_some_and(|best| verdict::is_irregular(&search, &groups, best));
-    found.keep_names(verdict::hold(&found.held, held_out.as_ref()));
+    found.keep_names(!is_irregular && verdict::hold(&found.held, held_out.as_ref()));
     if found.judged.outcome == Outcome::Unknown && found.judged.partly.is_empty() && found.judged.nothing > ALARM {
         found.judged.outcome = Outcome::Clean;
     }
     if is_irregular && found.judged.outcome == Outcome::Clean {
         found.judged.outcome = Outcome::Unknown;
     }
+    out.proposals = plan::proposals(&search, &found.rivals(), &out.blind_to);
     out.verdict = found.judged.outcome.into();
     out.findings = found.held.first().map_or_else(Vec::new, |best| verdict::findings(&found.judged, best));
     out.shows_in = found.shows_in(&groups);

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::channel::Channel;
+use super::command::Command;
 use super::design::{self, Design, Series};
 use super::fit::{Fit, Problem};
 use super::forward::{Search, Weighed, with};
@@ -19,6 +20,8 @@ pub struct Proposal {
     pub decides: Vec<&'static str>,
     /// Distance in standard deviations.
     pub distance: f64,
+    /// The same in numbers.
+    pub command: Command,
 }
 
 /// Sampling of a planned run, s.
@@ -30,21 +33,22 @@ const SLOW: &str = "a slow triangle";
 /// Distance below which a run decides nothing.
 const LEAST: f64 = 3.0;
 
-/// A planned command: a name and the command over time.
+/// A planned command: in words, in numbers, and as a run.
 struct Planned {
     what: String,
+    command: Command,
     series: Series,
 }
 
 /// Proposals, the best first: between the rivals where there are any, else for the first effects that this design is blind to.
 #[must_use]
-pub fn proposals(search: &Search<'_>, held: &[Weighed], blind: &[&'static str]) -> Vec<Proposal> {
+pub fn proposals(search: &Search<'_>, rivals: &[&Weighed], blind: &[&'static str]) -> Vec<Proposal> {
     let mut list: Vec<Proposal> = Vec::new();
     for planned in planned(search.problem.design) {
         let (decides, distance) =
-            if held.len() > 1 { apart(search, held, &planned) } else { shown(search, blind, &planned) };
+            if rivals.len() > 1 { apart(search, rivals, &planned) } else { shown(search, blind, &planned) };
         if distance > LEAST {
-            list.push(Proposal { what: planned.what, decides, distance });
+            list.push(Proposal { what: planned.what, decides, distance, command: planned.command });
         }
     }
     list.sort_by(|a, b| b.distance.total_cmp(&a.distance));
@@ -53,12 +57,12 @@ pub fn proposals(search: &Search<'_>, held: &[Weighed], blind: &[&'static str]) 
 }
 
 /// Smallest distance between the best explanation and its rivals of another name.
-fn apart(search: &Search<'_>, held: &[Weighed], planned: &Planned) -> (Vec<&'static str>, f64) {
+fn apart(search: &Search<'_>, rivals: &[&Weighed], planned: &Planned) -> (Vec<&'static str>, f64) {
     let codes = |fit: &Fit| -> Vec<&'static str> { fit.effects.iter().map(|e| e.code).collect() };
-    let own = codes(&held[0].fit);
+    let own = codes(&rivals[0].fit);
     let (mut decides, mut least) = (own.clone(), f64::INFINITY);
-    for rival in held[1..].iter().filter(|r| codes(&r.fit) != own) {
-        least = least.min(distance(search, &held[0].fit, &rival.fit, planned));
+    for rival in rivals[1..].iter().filter(|r| codes(&r.fit) != own) {
+        least = least.min(distance(search, &rivals[0].fit, &rival.fit, planned));
         decides.extend(codes(&rival.fit).into_iter().filter(|c| !own.contains(c)));
     }
     decides.sort_unstable();
@@ -119,95 +123,83 @@ fn planned(design: &Design) -> Vec<Planned> {
     let unit = design.channel.input_unit();
     let of = if design.channel == Channel::Pulp { " of compression" } else { "" };
     let told = |x: f64| format!("{x:.2} {unit}{of}");
-    let square = |height: f64, half_s: f64| move |t: f64| if (t / half_s) as i64 % 2 == 1 { height } else { 0.0 };
-    let triangle = |height: f64, half_s: f64| {
-        move |t: f64| {
-            let phase = (t / half_s) % 2.0;
-            height * if phase < 1.0 { phase } else { 2.0 - phase }
-        }
+    let to_and_fro = |height: f64, count: usize| -> Vec<f64> {
+        (0..count).map(|i| if i % 2 == 1 { low + height } else { low }).collect()
     };
-    let mut list: Vec<Programme> = Vec::new();
+    let held = |count: usize| [low].into_iter().chain(std::iter::repeat_n(high, count)).collect::<Vec<f64>>();
+    let mut list: Vec<(String, Command)> = Vec::new();
     for share in [0.1, 0.3, 1.0] {
         let height = share * range;
         // nobody presses a finger in no time
         if !design.channel.is_finger() {
-            list.push((format!("steps of {} and back, every 1.5 s", told(height)), 9.0, Box::new(square(height, 1.5))));
+            let what = format!("steps of {} and back, every 1.5 s", told(height));
+            list.push((what, Command::new(to_and_fro(height, 6), 1.5, 0.0)));
         }
-        list.push((format!("{SLOW} of {}, 4 s each way", told(height)), 16.0, Box::new(triangle(height, 4.0))));
+        let what = format!("{SLOW} of {}, 4 s each way", told(height));
+        list.push((what.clone(), Command::new(to_and_fro(height, 5), 0.0, 4.0)));
+        if design.channel == Channel::Fluid {
+            list.extend(at_currents(&what, (low, height)));
+        }
     }
-    list.push((format!("a fast triangle of {}, 0.4 s each way", told(range)), 6.0, Box::new(triangle(range, 0.4))));
+    let what = format!("a fast triangle of {}, 0.4 s each way", told(range));
+    list.push((what, Command::new(to_and_fro(range, 16), 0.0, 0.4)));
     if design.channel.is_finger() {
-        list.push((
-            format!("{} within 0.4 s, held for 30 s", told(range)),
-            31.0,
-            Box::new(move |t| range * (t / 0.4).min(1.0)),
-        ));
+        list.push((format!("{} within 0.4 s, held for 30 s", told(range)), Command::new(held(76), 0.0, 0.4)));
     } else if design.channel != Channel::Position {
-        list.push((
-            format!("{} held for 60 s after a second at rest", told(range)),
-            61.0,
-            Box::new(move |t| if t < 1.0 { 0.0 } else { range }),
-        ));
-        list.push((
-            format!("short touches of {} and {} by turns, 1 s each", told(0.4 * range), told(range)),
-            12.0,
-            Box::new(move |t: f64| if t % 2.0 < 1.0 { 0.0 } else { range * if t % 4.0 < 2.0 { 0.4 } else { 1.0 } }),
-        ));
+        let what = format!("{} held for 60 s after a second at rest", told(range));
+        list.push((what, Command::new(held(60), 1.0, 0.0)));
+        let what = format!("short touches of {} and {} by turns, 1 s each", told(0.4 * range), told(range));
+        let touches = (0..12).map(|i| [low, low + 0.4 * range, low, high][i % 4]).collect();
+        list.push((what, Command::new(touches, 1.0, 0.0)));
     }
-    let gap_mm = design.series.iter().map(|s| s.gap_mm).fold(f64::INFINITY, f64::min);
-    let mut out: Vec<Planned> =
-        list.into_iter().map(|(what, span_s, of)| run(design, what, (low, gap_mm), span_s, &*of)).collect();
+    let gap_mm = gap_mm(design);
+    if design.channel == Channel::Flux && gap_mm > 0.0 {
+        let second_mm = 1.5 * gap_mm;
+        let what = format!("a triangle of {} at a gap of {second_mm:.2} mm", told(range));
+        list.push((what, Command { gap_mm: Some(second_mm), ..Command::new(to_and_fro(range, 5), 0.0, 4.0) }));
+    }
     if design.channel == Channel::Fluid {
-        let slow: Vec<Planned> =
-            out.iter().filter(|one| one.what.starts_with(SLOW)).flat_map(|one| at_currents(design, one)).collect();
-        out.iter_mut().for_each(|one| one.what.push_str(", at the largest current that was used"));
-        out.extend(slow);
+        let most = list.iter_mut().filter(|(_, command)| command.yield_parts.is_empty());
+        most.for_each(|(what, _)| what.push_str(", at the largest current that was used"));
     }
-    if design.channel == Channel::Flux {
-        let second_mm = if gap_mm > 0.0 { 1.5 * gap_mm } else { 0.0 };
-        if second_mm > 0.0 {
-            let what = format!("a triangle of {} at a gap of {second_mm:.2} mm", told(range));
-            let mut one = run(design, what, (low, gap_mm), 16.0, &triangle(range, 4.0));
-            (one.series.gap_mm, one.series.gap_ratio) = (second_mm, 1.5);
-            out.push(one);
-        }
-    }
-    out
+    list.into_iter().map(|(what, command)| run(design, what, command)).collect()
 }
 
-/// A current in words, and the yield stress over the largest one at a time, s.
-type Drive = (&'static str, Box<dyn Fn(f64) -> f64>);
-
-/// Slow presses into a fluid at other currents than the largest.
-fn at_currents(design: &Design, press: &Planned) -> Vec<Planned> {
-    // four steps on the first way down
-    let falling = |t: f64| 1.0 - 0.25 * t.floor().clamp(0.0, 3.0);
-    let kinds: [Drive; 3] = [
-        ("at a tenth of the largest yield stress", Box::new(|_| 0.1)),
-        ("without current", Box::new(|_| 0.0)),
-        ("at a current that falls in steps on the way down", Box::new(falling)),
-    ];
-    let made = |(words, part): Drive| {
-        let mut series = press.series.clone();
-        series.yield_kpa.iter_mut().zip(&series.time_s).for_each(|(kpa, t)| *kpa *= part(*t));
-        series.compared =
-            design::compared(design.channel, &series.time_s, (&series.input, &series.input), &series.yield_kpa);
-        Planned { what: format!("{}, {words}", press.what), series }
+/// A slow press into a fluid, by its words, at other currents than the largest.
+fn at_currents(what: &str, (low, height): (f64, f64)) -> [(String, Command); 3] {
+    let slow = |part: f64| {
+        let values = vec![low, low + height, low, low + height, low];
+        Command { yield_parts: vec![part; values.len()], ..Command::new(values, 0.0, 4.0) }
     };
-    kinds.into_iter().map(made).collect()
+    // four parts of the way down and up, a second each
+    let quarter = |i: usize| low + 0.25 * height * [0.0, 1.0, 2.0, 3.0, 4.0, 3.0, 2.0, 1.0][i % 8];
+    let falling = Command {
+        yield_parts: vec![1.0, 1.0, 0.75, 0.5, 0.25],
+        ..Command::new((0..=16).map(quarter).collect(), 0.0, 1.0)
+    };
+    [
+        (format!("{what}, at a tenth of the largest yield stress"), slow(0.1)),
+        (format!("{what}, without current"), slow(0.0)),
+        (format!("{what}, at a current that falls in steps on the way down"), falling),
+    ]
 }
 
-/// What to do in words, its length (s), and the command above the lowest over time (s).
-type Programme = (String, f64, Box<dyn Fn(f64) -> f64>);
+/// Smallest gap of a design, mm; 0 where none is recorded.
+fn gap_mm(design: &Design) -> f64 {
+    let least_mm = design.series.iter().map(|s| s.gap_mm).fold(f64::INFINITY, f64::min);
+    if least_mm.is_finite() { least_mm } else { 0.0 }
+}
 
-fn run(design: &Design, what: String, (low, gap_mm): (f64, f64), span_s: f64, of: &dyn Fn(f64) -> f64) -> Planned {
-    let time_s: Vec<f64> = (0..=(span_s / TICK_S) as usize).map(|k| k as f64 * TICK_S).collect();
-    let input: Vec<f64> = time_s.iter().map(|t| low + of(*t)).collect();
+fn run(design: &Design, what: String, command: Command) -> Planned {
+    let time_s: Vec<f64> = (0..=(command.length_s() / TICK_S) as usize).map(|k| k as f64 * TICK_S).collect();
+    let input: Vec<f64> = time_s.iter().map(|t| command.at(*t)).collect();
     let output = vec![0.0; input.len()];
     let most_kpa = design.series.iter().flat_map(|s| s.yield_kpa.iter().copied()).reduce(f64::max);
-    let yield_kpa = most_kpa.map_or_else(Vec::new, |most_kpa| vec![most_kpa; input.len()]);
+    let yields = |most_kpa| time_s.iter().map(|t| most_kpa * command.yield_part(*t)).collect();
+    let yield_kpa: Vec<f64> = most_kpa.map_or_else(Vec::new, yields);
     let compared = design::compared(design.channel, &time_s, (&input, &input), &yield_kpa);
-    let gap_mm = if gap_mm.is_finite() { gap_mm } else { 0.0 };
+    let least_mm = gap_mm(design);
+    let gap_ratio = command.gap_mm.filter(|_| least_mm > 0.0).map_or(1.0, |mm| mm / least_mm);
     let series = Series {
         file: what.clone(),
         channel: design.channel,
@@ -218,10 +210,10 @@ fn run(design: &Design, what: String, (low, gap_mm): (f64, f64), span_s: f64, of
         compared,
         is_answered: false,
         left: [Vec::new(), Vec::new()],
-        gap_ratio: 1.0,
-        gap_mm,
+        gap_ratio,
+        gap_mm: command.gap_mm.unwrap_or(least_mm),
         condition: 0,
         hold_out: false,
     };
-    Planned { what, series }
+    Planned { what, command, series }
 }

@@ -45,6 +45,20 @@ impl<T: Fitted, N: Copy + Eq + Send + Sync> Weighing<T, N> {
         }
     }
 
+    /// Sets between which another run is to decide: what is named, or, where something is wrong and nothing is named, the
+    /// likely ones, and the base beside them.
+    #[must_use]
+    pub fn rivals(&self) -> Vec<&Weighed<T>> {
+        /// Probability from which a set is a rival.
+        const LIKELY: f64 = 0.05;
+        if !self.held.is_empty() || self.judged.outcome == Outcome::Clean {
+            return self.held.iter().collect();
+        }
+        let each = self.sets.iter().zip(&self.judged.sets);
+        let likely = each.filter(|(set, probability)| **probability > LIKELY && !set.is_base());
+        likely.map(|(set, _)| set).chain([&self.base]).collect()
+    }
+
     /// What the misfit of the base varies with, the largest first; nothing where nothing is wrong.
     #[must_use]
     pub fn shows_in(&self, groups: &Groups) -> Vec<&'static str> {
