@@ -6,6 +6,7 @@ use crate::finger::round;
 
 use super::channel::{Channel, FLUX_SLOPE};
 use super::smooth::{self, Left};
+use super::yielding;
 
 /// One run of a channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,13 +106,6 @@ const SAME_INPUT: f64 = 0.02;
 /// The same of the yield stress under a finger, for a winding warms from press to press, and what some gauss make of it, kPa.
 const SAME_YIELD: f64 = 0.05;
 const GAUSS_KPA: f64 = 0.02;
-/// A finger goes down that is deeper than a time before by more than a place's noise, and that goes on within a tick: 0.15 mm/s.
-const BEFORE_S: f64 = 0.0599;
-const AFTER_S: f64 = 0.0199;
-const DEEPER_MM: f64 = 0.005;
-const ON_MM: f64 = 0.003;
-/// Part of a way through a pulp by which it is longer for another finger.
-const OTHER: f64 = 0.5;
 /// Output below this share of what the nominal law gives is a dead sensor.
 const DEAD: f64 = 0.02;
 /// Largest step of time over the usual one before a run counts as interrupted.
@@ -272,44 +266,12 @@ pub(super) fn compared(
 ) -> Vec<bool> {
     let mut compared: Vec<bool> = input.iter().map(|x| *x >= channel.least_input()).collect();
     if channel == Channel::Fluid {
-        compared.iter_mut().zip(borne(time_s, place_mm, yield_kpa)).for_each(|(compared, borne)| *compared &= borne);
+        compared
+            .iter_mut()
+            .zip(yielding::is_borne(time_s, place_mm, yield_kpa))
+            .for_each(|(compared, borne)| *compared &= borne);
     }
     compared
-}
-
-/// Where a fluid bears all that its yield stress lets it: a finger goes down, deeper than it has been, and, where the stress has
-/// risen, has gone down until its pulp bears that as well. Else the pulp alone tells.
-fn borne(time_s: &[f64], place_mm: &[f64], yield_kpa: &[f64]) -> Vec<bool> {
-    // one reading that is wrong is no depth
-    let place_mm: Vec<f64> = (0..place_mm.len()).map(|k| middle(place_mm, k)).collect();
-    let (mut deepest_mm, mut dent_mm) = (f64::NEG_INFINITY, 0.0_f64);
-    // where the pulp began to bear less than the fluid, and from where it surely bears as much
-    let (mut left_mm, mut from_mm) = (None, f64::NEG_INFINITY);
-    let each = place_mm.iter().zip(yield_kpa).enumerate().map(|(k, (mm, kpa))| {
-        let before = time_s.partition_point(|t| *t <= time_s[k] - BEFORE_S).checked_sub(1);
-        let after = time_s.partition_point(|t| *t < time_s[k] + AFTER_S);
-        let goes_down = before.is_some_and(|before| *mm > place_mm[before] + DEEPER_MM)
-            && place_mm.get(after).is_some_and(|after_mm| *after_mm > mm + ON_MM);
-        let is_deeper = *mm > deepest_mm - DEEPER_MM;
-        deepest_mm = deepest_mm.max(*mm);
-        let most_n = round::fluid_n(*mm, *kpa);
-        if round::pulp_n(mm - dent_mm) < most_n {
-            left_mm.get_or_insert(*mm);
-            return false;
-        }
-        dent_mm = dent_mm.max(mm - round::pulp_mm(most_n));
-        if let Some(left) = left_mm.take() {
-            from_mm = mm + OTHER * (mm - left);
-        }
-        goes_down && is_deeper && *mm >= from_mm
-    });
-    each.collect()
-}
-
-/// The middle one of a sample and its neighbours.
-fn middle(values: &[f64], k: usize) -> f64 {
-    let [a, b, c] = [k.saturating_sub(1), k, (k + 1).min(values.len() - 1)].map(|at| values[at]);
-    a.min(b).max(a.max(b).min(c))
 }
 
 /// Where time jumps, if it does.

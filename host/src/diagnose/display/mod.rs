@@ -23,6 +23,7 @@ mod smooth;
 mod verdict;
 pub mod whiten;
 mod winding;
+mod yielding;
 
 use std::time::Instant;
 
@@ -216,8 +217,10 @@ fn examined(design: Design) -> ChannelDiagnosis {
     };
     out.blind_to = found.blind_to(&search, &groups, search.effects.iter().map(|effect| effect.code));
     let held_out = (!found.held.is_empty()).then(|| held_out::of(&search, &found.held)).flatten();
-    let is_irregular = found.sets.first().is_some_and(|best| verdict::is_irregular(&search, &groups, best));
-    found.keep_names(!is_irregular && verdict::hold(&found.held, held_out.as_ref()));
+    let left = found.sets.first().map(|best| verdict::left(&search, &groups, best));
+    let is_irregular = left.as_ref().is_some_and(verdict::Left::is_irregular);
+    let is_gross = left.as_ref().is_some_and(verdict::Left::is_gross);
+    found.keep_names(!is_gross && verdict::hold(&found.held, held_out.as_ref()));
     if found.judged.outcome == Outcome::Unknown && found.judged.partly.is_empty() && found.judged.nothing > ALARM {
         found.judged.outcome = Outcome::Clean;
     }

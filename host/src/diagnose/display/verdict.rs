@@ -13,11 +13,33 @@ use crate::infer::sets::{Groups, Told};
 
 /// Standard deviations beyond which what a set leaves is more than noise.
 const IRREGULAR: f64 = 4.0;
+/// Twice the amplitude of noise: laws that differ in form leave about as much as noise, and a set that leaves this is not what
+/// the data are of.
+const GROSS: f64 = 4.0;
 /// Names may predict this much worse in the channel's unit, a run's own scatter taken off: they are weighed in the noise.
 const WORSE: f64 = 1.1;
 
-/// True where the likeliest set leaves more than the noise of repeats in no order that a discrepancy has.
-pub(super) fn is_irregular(search: &Search<'_>, groups: &Groups, best: &Weighed) -> bool {
+/// What the likeliest set and its discrepancies leave: sum of squares, what noise makes of it, and the scatter of that.
+pub(super) struct Left {
+    square: f64,
+    expected: f64,
+    scatter: f64,
+}
+
+impl Left {
+    /// More than the noise of repeats, in no order that a discrepancy has.
+    pub(super) fn is_irregular(&self) -> bool {
+        self.square - self.expected > IRREGULAR * self.scatter
+    }
+
+    /// So much more that no name holds.
+    pub(super) fn is_gross(&self) -> bool {
+        self.is_irregular() && self.square > GROSS * self.expected
+    }
+}
+
+/// What the likeliest set leaves.
+pub(super) fn left(search: &Search<'_>, groups: &Groups, best: &Weighed) -> Left {
     let fit = &best.fit;
     let moved = DVector::from_iterator(fit.x.len(), best.evidence.x.iter().zip(fit.x.iter()).map(|(to, x)| to - x));
     let residual = &fit.residual - &fit.jacobian * moved;
@@ -27,7 +49,7 @@ pub(super) fn is_irregular(search: &Search<'_>, groups: &Groups, best: &Weighed)
     let count: usize = used.map(|(s, _)| s.count()).sum();
     let expected = count.saturating_sub(fit.x.len()).max(1) as f64;
     let scatter = expected * (2.0 / expected + 2.0 / search.noise.sensor_freedom.max(1.0)).sqrt();
-    left.norm_squared() - expected > IRREGULAR * scatter
+    Left { square: left.norm_squared(), expected, scatter }
 }
 
 /// True where names hold: they predict what was left out better, in the noise and about as well in the channel's

@@ -11,7 +11,7 @@ use crate::diagnose::coordinate::Candidate;
 use crate::diagnose::fit::Fit;
 use crate::diagnose::progress::Progress;
 use crate::diagnose::search::Search;
-use crate::infer::sets::{Groups, Known, Outcome, Shares, led};
+use crate::infer::sets::{Groups, Known, Shares, led};
 
 /// How far behind the likeliest (logarithm) a set without a discrepancy may lie for the noise to be
 /// told about it, and how often that is done.
@@ -36,16 +36,9 @@ pub struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// Sets between which another run is to decide: what is named, or, where something is wrong and nothing is
-    /// named, the likely ones.
+    /// Sets between which another run is to decide.
     pub fn rivals(&self) -> Vec<&Weighed> {
-        const LIKELY: f64 = 0.05;
-        if !self.held.is_empty() || self.judged.outcome == Outcome::Clean {
-            return self.held.iter().collect();
-        }
-        let each = self.sets.iter().zip(&self.judged.sets);
-        let likely = each.filter(|(set, probability)| **probability > LIKELY && !set.fit.candidates.is_empty());
-        likely.map(|(set, _)| set).collect()
+        self.judged.rivals(&self.sets, &self.held)
     }
 }
 

@@ -200,6 +200,19 @@ impl<N: Copy + Eq + Send + Sync> Judged<N> {
         held.sort_by(|a, b| b.log.total_cmp(&a.log));
         held
     }
+
+    /// Sets between which another run is to decide: those that are held, or, where something is wrong and none is held, the
+    /// likely ones that have a name.
+    #[must_use]
+    pub fn rivals<'s, T: Fitted>(&self, sets: &'s [Weighed<T>], held: &'s [Weighed<T>]) -> Vec<&'s Weighed<T>> {
+        /// Probability from which a set is a rival.
+        const LIKELY: f64 = 0.05;
+        if !held.is_empty() || self.outcome == Outcome::Clean {
+            return held.iter().collect();
+        }
+        let likely = sets.iter().zip(&self.sets).filter(|(set, probability)| **probability > LIKELY && !set.is_base());
+        likely.map(|(set, _)| set).collect()
+    }
 }
 
 /// Probability of each set, from the logarithm of its evidence and odds; none of what is no number.

@@ -45,18 +45,12 @@ impl<T: Fitted, N: Copy + Eq + Send + Sync> Weighing<T, N> {
         }
     }
 
-    /// Sets between which another run is to decide: what is named, or, where something is wrong and nothing is named, the
-    /// likely ones, and the base beside them.
+    /// Sets between which another run is to decide ([`Judged::rivals`]); beside likely ones the base, from which a single one
+    /// is to be told as well.
     #[must_use]
     pub fn rivals(&self) -> Vec<&Weighed<T>> {
-        /// Probability from which a set is a rival.
-        const LIKELY: f64 = 0.05;
-        if !self.held.is_empty() || self.judged.outcome == Outcome::Clean {
-            return self.held.iter().collect();
-        }
-        let each = self.sets.iter().zip(&self.judged.sets);
-        let likely = each.filter(|(set, probability)| **probability > LIKELY && !set.is_base());
-        likely.map(|(set, _)| set).chain([&self.base]).collect()
+        let base = Some(&self.base).filter(|_| self.held.is_empty() && self.judged.outcome != Outcome::Clean);
+        self.judged.rivals(&self.sets, &self.held).into_iter().chain(base).collect()
     }
 
     /// What the misfit of the base varies with, the largest first; nothing where nothing is wrong.
