@@ -46,7 +46,7 @@ fn what_is_wrong_with_pulp_and_fluid_has_its_name() {
 /// when it is done the rest has its name.
 #[test]
 fn what_is_unknown_is_named_by_the_run_that_it_proposes() {
-    let case = Case::clean(Plan::Finger, 194_124).hiding(&["fluid-rest"], 2);
+    let case = Case::clean(Plan::Finger, 194_125).hiding(&["fluid-rest"], 2);
     let found = display::diagnose(&case.spec(true).experiment(), &|_, _, _| {}).unwrap();
     let first = Scored::judged(&case, &found);
     assert_eq!(first.outcome, Outcome::Unknown, "{}", first.line());
