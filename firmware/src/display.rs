@@ -63,8 +63,9 @@ pub const REACH_MM: (f32, f32) = (0.5, 19.0);
 pub const RATE_MM_S: (f32, f32) = (1.0, 200.0);
 /// Feed-forward of at most 0.5 V/N: a tenth of the largest command for each newton.
 pub const HOLDS_V_PER_N: (f32, f32) = (0.0, 0.5);
-/// Part of the largest command that holds the shaft at the end of its reach.
-const HELD: f32 = 0.9;
+/// Part of the largest command that holds the shaft at the end of its reach: the rest is left to the loop. Hosts state a reach
+/// by it.
+pub const HELD: f32 = 0.9;
 /// Longest lag that is made up for, s: half more than that of the thesis' loop.
 const LAG_MAX_S: f32 = 0.15;
 /// Force that feed-forward holds at most, N: more is no finger that feels, but a sensor that is wrong.

@@ -1,6 +1,6 @@
 //! What a board is set to for an actuator: gains of its position loop, farthest and fastest target, feed-forward of the force.
 
-use firmware::display::{DisplayConfig, HOLDS_V_PER_N, RATE_MM_S, REACH_MM};
+use firmware::display::{DisplayConfig, HELD, HOLDS_V_PER_N, RATE_MM_S, REACH_MM};
 use protocol::message::{Actuator as Sent, Gains as SentGains};
 
 use super::limits::{Limits, Rule};
@@ -8,8 +8,6 @@ use super::sampled::Sampling;
 use super::{Asked, TuneError, Way, tune};
 use crate::actuator::Actuator;
 
-/// Part of the largest command that holds the farthest target: the rest is left to the loop.
-const HELD: f64 = 0.9;
 /// Part of a force that feed-forward holds: a force that is read too large would otherwise push the finger back.
 const FED: f64 = 0.7;
 /// Largest peak sensitivity: a finger on the cap is part of the loop that nobody knows.
@@ -86,7 +84,7 @@ fn sent(actuator: &Actuator) -> Sent {
     let plant = actuator.plant();
     // a plant with a pole at 0 goes on as long as its command lasts
     let at_rest = plant.numerator.at(0) / plant.denominator.at(0);
-    let reach_mm = (HELD * most_v(actuator) * at_rest.abs()).min(f64::from(REACH_MM.1));
+    let reach_mm = (f64::from(HELD) * most_v(actuator) * at_rest.abs()).min(f64::from(REACH_MM.1));
     let usual = f64::from(DisplayConfig::default().target_rate_mm_s);
     let rate_mm_s = actuator.rate_limit_mm_per_s.map_or(usual, |known| known.value);
     let back_v_n = if at_rest.is_finite() && at_rest > 0.0 { actuator.back_mm_per_n.value / at_rest } else { 0.0 };

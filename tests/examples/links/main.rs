@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn only(words: &mut Vec<String>) -> Result<Option<Vec<&'static str>>, String> {
     let Some(at) = words.iter().position(|word| word == "--only") else { return Ok(None) };
     let value = words.get(at + 1).ok_or("--only needs a value")?;
-    let all = || [Plan::Full, Plan::Finger].into_iter().flat_map(|plan| plan.hidden());
+    let all = || [Plan::Full, Plan::Finger].into_iter().flat_map(|plan| plan.hidden().iter().chain(plan.outside()));
     let known = |own: &str| all().copied().find(|kind| *kind == own).ok_or(format!("--only {own}: no such kind"));
     let kinds = value.split(',').map(known).collect::<Result<Vec<_>, _>>()?;
     words.drain(at..=at + 1);
@@ -133,8 +133,8 @@ fn gain_rates(gains: &[(Gains, Validated)]) {
     println!("gain within {percent:.0} % of the error before: {}", counted(&Gains::is_near));
     println!("gain in its 95 % interval: {}", counted(&|g| g.interval.0 <= g.truth && g.truth <= g.interval.1));
     println!("printed larger than that: {}", counted(&|g| g.printed > g.truth + RIGHT));
-    let is_far = |g: &Gains| (g.printed - g.less_far).abs() <= RIGHT;
-    println!("within {percent:.0} % of the error before, less far: {}", counted(&is_far));
+    let is_near_less_far = |g: &Gains| (g.printed - g.less_far).abs() <= RIGHT;
+    println!("within {percent:.0} % of the error before, less far: {}", counted(&is_near_less_far));
     let validated = |of: &dyn Fn(&Validated) -> bool| {
         let own: Vec<_> = gains.iter().filter(|(_, v)| of(v)).collect();
         bounded(own.iter().filter(|(g, v)| is_right(v.gain.part(), g.truth)).count(), own.len())

@@ -69,9 +69,8 @@ fn run(channel: Channel, command: &Command, spec: &DisplaySpec) -> DisplayRun {
     if channel == Channel::Fluid {
         let all = spec.runs.iter().flat_map(|run| run.current_a.iter().copied());
         let most_a = all.fold(0.0_f64, f64::max);
-        let last = command.yield_parts.last().copied().unwrap_or(1.0);
-        let parts = command.yield_parts.iter().copied().chain(std::iter::repeat(last));
-        run.current_a = parts.take(command.values.len()).map(|part| current_a(part, most_a)).collect();
+        let parts = if command.yield_parts.is_empty() { &[1.0][..] } else { &command.yield_parts };
+        run.current_a = parts.iter().map(|part| current_a(*part, most_a)).collect();
     }
     run
 }

@@ -9,7 +9,8 @@ pub struct Command {
     pub hold_s: f64,
     /// Time from one value to the next, s; 0: a step.
     pub ramp_s: f64,
-    /// Yield stress of a fluid at and towards each value, as a part of the largest that was used; empty elsewhere.
+    /// Yield stress of a fluid at and towards each value, as a part of the largest that was used: the last one
+    /// goes on, and none is all of it.
     pub yield_parts: Vec<f64>,
     /// Gap of the magnet, mm; none where it stays as it was.
     pub gap_mm: Option<f64>,

@@ -136,9 +136,10 @@ fn planned(design: &Design) -> Vec<Planned> {
             list.push((what, Command::new(to_and_fro(height, 6), 1.5, 0.0)));
         }
         let what = format!("{SLOW} of {}, 4 s each way", told(height));
-        list.push((what.clone(), Command::new(to_and_fro(height, 5), 0.0, 4.0)));
+        let press = Command::new(to_and_fro(height, 5), 0.0, 4.0);
+        list.push((what.clone(), press.clone()));
         if design.channel == Channel::Fluid {
-            list.extend(at_currents(&what, (low, height)));
+            list.extend(at_currents(&what, &press, (low, height)));
         }
     }
     let what = format!("a fast triangle of {}, 0.4 s each way", told(range));
@@ -165,12 +166,9 @@ fn planned(design: &Design) -> Vec<Planned> {
     list.into_iter().map(|(what, command)| run(design, what, command)).collect()
 }
 
-/// A slow press into a fluid, by its words, at other currents than the largest.
-fn at_currents(what: &str, (low, height): (f64, f64)) -> [(String, Command); 3] {
-    let slow = |part: f64| {
-        let values = vec![low, low + height, low, low + height, low];
-        Command { yield_parts: vec![part; values.len()], ..Command::new(values, 0.0, 4.0) }
-    };
+/// A slow press into a fluid, by its words, from a place down by a height, mm, at other currents than the largest.
+fn at_currents(what: &str, press: &Command, (low, height): (f64, f64)) -> [(String, Command); 3] {
+    let slow = |part: f64| Command { yield_parts: vec![part], ..press.clone() };
     // four parts of the way down and up, a second each
     let quarter = |i: usize| low + 0.25 * height * [0.0, 1.0, 2.0, 3.0, 4.0, 3.0, 2.0, 1.0][i % 8];
     let falling = Command {
