@@ -14,6 +14,7 @@ mod file;
 pub mod finger;
 pub mod flash;
 pub mod gain;
+mod gains;
 pub mod identify;
 pub mod init;
 mod keep;

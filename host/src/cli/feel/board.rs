@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 use miette::{Context, IntoDiagnostic, miette};
 use protocol::lut::Table;
 
+use super::plant::Plant;
 use super::{Arguments, DisplayWord, materials, setting};
 use crate::cli::answer::entered;
 use crate::cli::tune;
@@ -45,10 +46,10 @@ pub(super) fn felt(arguments: &Arguments) -> miette::Result<Vec<Felt>> {
     let bytes = read(path)?;
     let table = Table::parse(&bytes).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
     let set = setting(arguments)?;
-    let wanted = on_table(&table, materials(&arguments.materials)?)?;
+    let wanted = on_table(&table, materials::found(&arguments.materials)?)?;
     let link = crate::link::open(&arguments.board).into_diagnostic()?;
     let (mut session, _) = Session::open(link, Patience::default()).into_diagnostic()?;
-    if session.status().into_diagnostic()?.table_hash != table.hash() {
+    if !session.has_table(&table.hash()).into_diagnostic()? {
         return Err(miette!("the board has another table than {}", path.display()));
     }
     match set {
@@ -72,7 +73,7 @@ pub(super) fn felt(arguments: &Arguments) -> miette::Result<Vec<Felt>> {
 /// Options of the simulation, with what they have without being asked for.
 fn is_asked(arguments: &Arguments) -> Option<&'static str> {
     let asked = [
-        ("--plant", arguments.plant != "frozen"),
+        ("--plant", arguments.plant != Plant::Frozen),
         ("--magnet", arguments.magnet != "ring"),
         ("--model", arguments.model.is_some()),
         ("--seed", arguments.seed != 1),

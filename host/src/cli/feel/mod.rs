@@ -1,26 +1,25 @@
 //! `palpate feel`.
 
 mod board;
+mod materials;
+mod page;
+mod plant;
 mod told;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use firmware::pid::{GAIN_CEILING, gains_are_usable};
 use miette::{IntoDiagnostic, miette};
 use protocol::message::{Actuator, Gains};
 
+use self::plant::Plant;
 use super::control_curve::magnets;
+use super::gains;
 use super::progress::Progress;
 use crate::actuator::Actuator as Identified;
-use crate::control::ControlCurve;
-use crate::control::compose::Links;
-use crate::experiment::ExperimentError;
 use crate::feel::{self, Asked, Display, Felt};
 use crate::link::Address;
-use crate::ownership::{OwnFolder, file_name};
-use crate::plant::Constants;
-use crate::report::{Page, feel as picture};
+use crate::ownership::OwnFolder;
 use crate::tune::setting::Setting;
 
 /// Folder of files where none is asked for.
@@ -43,8 +42,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
     /// The true display and hand: frozen, drawn:SEED, voice-coil, drawn-voice-coil:SEED, or a file of constants (`--copy` writes one)
-    #[arg(long, value_name = "PLANT", default_value = "frozen")]
-    plant: String,
+    #[arg(long, default_value = "frozen")]
+    plant: Plant,
     /// The actuator that the board is set for: an actuator.toml (`palpate actuator identify`), thesis or voice-coil; gains are
     /// searched for it unless --gains has some [default: the board's own; voice-coil for that plant]
     #[arg(long, value_name = "FILE")]
@@ -60,7 +59,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", default_value = "MRF-122EG")]
     fluid: String,
     /// Gains of the position loop, as a board takes them [default: the board's]
-    #[arg(long, value_name = "KP,KI,KD,N", value_parser = gains)]
+    #[arg(long, value_name = "KP,KI,KD,N", value_parser = gains::of_a_board)]
     gains: Option<Gains>,
     /// Seed of tremor and noise
     #[arg(long, default_value_t = 1)]
@@ -98,7 +97,7 @@ enum DisplayWord {
 /// A file with a mistake, a magnet that shows none of the materials, a file that cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(copy) = &arguments.copy {
-        return super::file::copy(copy, copied(&arguments.plant)?);
+        return super::file::copy(copy, arguments.plant.text()?);
     }
     if let (Some(record), true) = (&arguments.record, arguments.board != Address::Simulated) {
         return Err(miette!(
@@ -121,9 +120,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "--record is of one display; expected --display actuator, fluid or fluid-at-place beside it"
         ));
     }
-    let constants = constants(&arguments.plant)?;
+    let constants = arguments.plant.constants()?;
     let (gains, actuator) = setting(arguments)?;
-    let wanted = materials(&arguments.materials)?;
+    let wanted = materials::found(&arguments.materials)?;
     let fluid = super::magnet::fluid::found(&arguments.fluid)?;
     let mut folder = match &arguments.record {
         Some(record) => OwnFolder::open(record, "--record", None),
@@ -136,7 +135,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let links = magnets::links(&arguments.magnet, &fluid, most_a)?;
     let model = arguments.model.as_ref().map(|model| magnets::modelled(model, &links)).transpose()?;
     let asked = Asked {
-        curves: made_for(&wanted, &links)?,
+        curves: materials::made_for(&wanted, &links)?,
         flux: model.as_ref().unwrap_or(&links).flux.clone(),
         law: model.as_ref().unwrap_or(&links).law.clone(),
         constants,
@@ -153,19 +152,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         progress.end();
         return tell(&mut folder, arguments, (&all, &[]));
     };
-    let asked = Asked { curves: made_for(&wanted, &model)?, ..asked };
+    let asked = Asked { curves: materials::made_for(&wanted, &model)?, ..asked };
     let anew = pressed(&asked, displays(arguments), &progress)?;
     progress.end();
     tell(&mut folder, arguments, (&anew, &all))
-}
-
-/// Curves for a magnet.
-fn made_for(curves: &[ControlCurve], links: &Links) -> miette::Result<Vec<ControlCurve>> {
-    let made = |curve: &ControlCurve| {
-        let made = curve.for_magnet(links);
-        made.map_err(|error| miette!("{} with the magnet {}: {error}", curve.material, links.magnet))
-    };
-    curves.iter().map(made).collect()
 }
 
 fn pressed(asked: &Asked, displays: &[Display], progress: &Progress) -> miette::Result<Vec<Felt>> {
@@ -196,9 +186,9 @@ fn recorded(folder: &mut OwnFolder, arguments: &Arguments, asked: &Asked, progre
 
 /// Writes and prints what was felt, and what of it was felt with the curves before, if there are any.
 fn tell(folder: &mut OwnFolder, arguments: &Arguments, (all, before): (&[Felt], &[Felt])) -> miette::Result<()> {
-    let files = write(folder, arguments, (all, before))?;
+    let files = page::write(folder, arguments, (all, before))?;
     if arguments.json {
-        outln!("{}", told::summary(arguments.plant.as_str(), arguments.magnet.as_str(), (all, before), &files));
+        outln!("{}", told::summary(&arguments.plant, arguments.magnet.as_str(), (all, before), &files));
         return Ok(());
     }
     told::print(all);
@@ -218,22 +208,11 @@ fn displays(arguments: &Arguments) -> &'static [Display] {
     }
 }
 
-/// The constants that come with the program under a name.
-fn copied(plant: &str) -> miette::Result<&'static str> {
-    match plant {
-        "frozen" => Ok(Constants::FROZEN),
-        "voice-coil" => Ok(Constants::VOICE_COIL),
-        _ => Err(miette!(
-            "--copy with --plant {plant}; expected frozen or voice-coil, whose files come with the program"
-        )),
-    }
-}
-
 /// What the board is set to: gains, and what it is told of its actuator.
 fn setting(arguments: &Arguments) -> miette::Result<(Option<Gains>, Option<Actuator>)> {
     let gains = arguments.gains.clone();
-    let has_coil = arguments.plant == "voice-coil" || arguments.plant.starts_with("drawn-voice-coil:");
-    let word = arguments.actuator.clone().or_else(|| has_coil.then(|| PathBuf::from("voice-coil")));
+    let own = || arguments.plant.has_voice_coil().then(|| PathBuf::from("voice-coil"));
+    let word = arguments.actuator.clone().or_else(own);
     let Some(word) = word else { return Ok((gains, None)) };
     let setting = Setting::of(&Identified::named(&word)?, gains).map_err(|error| {
         miette!(
@@ -243,100 +222,6 @@ fn setting(arguments: &Arguments) -> miette::Result<(Option<Gains>, Option<Actua
         )
     })?;
     Ok((Some(setting.gains), Some(setting.actuator)))
-}
-
-/// Gains as text.
-fn gains(text: &str) -> Result<Gains, String> {
-    let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    let Ok(&[kp, ki, kd, n]) = numbers.as_deref() else {
-        return Err("expected four numbers with commas, KP,KI,KD,N".to_owned());
-    };
-    let gains = Gains { kp, ki, kd, n };
-    if !gains_are_usable(&gains) {
-        let Gains { kp, ki, kd, n } = GAIN_CEILING;
-        return Err(format!("no board takes these; expected 0 to {kp}, {ki} and {kd}, and N more than 0 to {n}"));
-    }
-    Ok(gains)
-}
-
-fn constants(plant: &str) -> miette::Result<Constants> {
-    if plant == "frozen" {
-        return Ok(Constants::frozen()?);
-    }
-    if plant == "voice-coil" {
-        return Ok(Constants::voice_coil()?);
-    }
-    let draw = |seed: &str, word: &str, drawn: fn(u64) -> Result<Constants, ExperimentError>| {
-        let seed = seed.parse().map_err(|_| miette!("--plant is {plant}; expected {word}: with a whole number"))?;
-        Ok(drawn(seed)?)
-    };
-    match plant.split_once(':') {
-        Some((word @ "drawn", seed)) => return draw(seed, word, Constants::drawn),
-        Some((word @ "drawn-voice-coil", seed)) => return draw(seed, word, Constants::voice_coil_drawn),
-        _ => {}
-    }
-    let file = Path::new(plant);
-    if !file.is_file() {
-        return Err(miette!(
-            "--plant is {plant}: no such file; expected frozen, drawn:SEED, voice-coil, drawn-voice-coil:SEED, or a file of constants"
-        ));
-    }
-    Ok(Constants::read(file)?)
-}
-
-fn materials(asked: &[String]) -> miette::Result<Vec<ControlCurve>> {
-    if asked.is_empty() {
-        return Ok(ControlCurve::all_built_in().collect());
-    }
-    let mut curves = Vec::<ControlCurve>::new();
-    for asked in asked {
-        let curve = match ControlCurve::built_in(asked).filter(|_| !Path::new(asked).is_file()) {
-            Some(curve) => curve,
-            None if Path::new(asked).is_file() => ControlCurve::read(Path::new(asked)).into_diagnostic()?,
-            None => {
-                let known: Vec<String> = ControlCurve::all_built_in().map(|curve| curve.material).collect();
-                return Err(miette!(
-                    "no file {asked}, and no curve of this name comes with the program; known are {}; `palpate control-curve` \
-                     makes others",
-                    known.join(", ")
-                ));
-            }
-        };
-        if curves.iter().any(|other| other.material == curve.material) {
-            return Err(miette!("{} is asked for twice; expected each material once", curve.material));
-        }
-        curves.push(curve);
-    }
-    Ok(curves)
-}
-
-fn write(
-    folder: &mut OwnFolder,
-    arguments: &Arguments,
-    (all, before): (&[Felt], &[Felt]),
-) -> miette::Result<Vec<PathBuf>> {
-    let is_read = all.iter().any(|felt| felt.is_read);
-    let subtitle = if is_read { told::READ[0].to_owned() } else { told::subtitle(&arguments.plant, &arguments.magnet) };
-    let mut page = Page::new("What is felt", &subtitle);
-    page.table(&told::HEAD, &told::rows(all));
-    page.list(&told::notes(all).map(str::to_owned));
-    if !before.is_empty() {
-        page.section("What curves for the model gain");
-        page.table(&told::GAIN, &told::gains(before, all));
-    }
-    let mut files = Vec::new();
-    for felt in all {
-        let name = format!("{}-{}", file_name(&felt.curve.material), told::word(felt.display));
-        page.section(&format!("{}, {}", felt.curve.material, told::name(felt.display)));
-        for (what, figure, caption) in picture::figures(felt) {
-            let svg = figure.svg();
-            page.figure(&svg, caption);
-            files.push(folder.write(&format!("{name}-{what}.svg"), svg.as_bytes()).into_diagnostic()?);
-        }
-        files.push(folder.write(&format!("{name}.csv"), told::csv(felt).as_bytes()).into_diagnostic()?);
-    }
-    files.insert(0, folder.write("feel.html", page.html().as_bytes()).into_diagnostic()?);
-    Ok(files)
 }
 
 #[cfg(test)]
@@ -362,17 +247,12 @@ mod tests {
             ("cork", "no file cork, and no curve of this name comes with the program; known are A2, B1, EVA, ICF"),
             ("ICF icf", "ICF is asked for twice"),
             ("EVA --plant x.toml", "--plant is x.toml: no such file; expected frozen, drawn:SEED, voice-coil"),
-            (
-                "EVA --plant drawn-voice-coil:x",
-                "--plant is drawn-voice-coil:x; expected drawn-voice-coil: with a whole number",
-            ),
             ("EVA --actuator x.toml", "x.toml"),
             ("--copy x.toml --plant drawn:1", "--copy with --plant drawn:1; expected frozen or voice-coil"),
             (
                 "EVA --display actuator --model m.toml",
                 "--model is m.toml: magnet and fluid of a model change nothing of",
             ),
-            ("EVA --plant drawn:x", "--plant is drawn:x; expected drawn: with a whole number"),
             ("EVA --record r", "--record is of one display; expected --display actuator, fluid or fluid-at-place"),
         ] {
             let text = run(&arguments(words)).unwrap_err().to_string();

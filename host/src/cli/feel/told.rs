@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
+use super::plant::Plant;
 use crate::cli::answer::columns;
 use crate::feel::{Display, Felt, LEAST_N, Pressed};
 use crate::report::number;
@@ -52,7 +53,7 @@ pub(super) fn word(display: Display) -> &'static str {
     }
 }
 
-pub(super) fn subtitle(plant: &str, magnet: &str) -> String {
+pub(super) fn subtitle(plant: &Plant, magnet: &str) -> String {
     format!("Plant {plant}, magnet {magnet}. Simulated.")
 }
 
@@ -161,7 +162,7 @@ fn readings(felt: &Felt) -> String {
     csv
 }
 
-pub(super) fn summary(plant: &str, magnet: &str, (all, before): (&[Felt], &[Felt]), files: &[PathBuf]) -> Value {
+pub(super) fn summary(plant: &Plant, magnet: &str, (all, before): (&[Felt], &[Felt]), files: &[PathBuf]) -> Value {
     let press = |felt: &Felt, press: &Pressed| {
         let actuator = felt.actuator(press).filter(|_| felt.display == Display::Actuator).map(|s| {
             json!({"position": s.position, "force": s.force, "tracking": s.tracking,
@@ -180,7 +181,7 @@ pub(super) fn summary(plant: &str, magnet: &str, (all, before): (&[Felt], &[Felt
     };
     let files = crate::cli::file::names(files);
     let is_read = all.iter().any(|felt| felt.is_read);
-    json!({"plant": (!is_read).then_some(plant), "magnet": (!is_read).then_some(magnet), "of_readings": is_read, "least_N": number(LEAST_N), "felt": all.iter().map(felt).collect::<Vec<_>>(),
+    json!({"plant": (!is_read).then(|| plant.to_string()), "magnet": (!is_read).then_some(magnet), "of_readings": is_read, "least_N": number(LEAST_N), "felt": all.iter().map(felt).collect::<Vec<_>>(),
            "before": before.iter().map(felt).collect::<Vec<_>>(),
            "files": files})
 }

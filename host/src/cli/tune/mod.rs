@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use miette::{IntoDiagnostic, miette};
 use protocol::message::Refusal;
 
+use super::gains;
 use super::progress::Progress;
 use crate::actuator::flaws::Flaws;
 use crate::actuator::plant::Plant;
@@ -113,9 +114,9 @@ pub struct Arguments {
     /// Every coefficient of the plant within so many percent; without it the file's intervals, or 10
     #[arg(long = "box", value_name = "PERCENT")]
     percent: Option<f64>,
-    /// Search nothing, look at these gains: kp,ki,kd,n
-    #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with_all = ["robust", "appendix_e"])]
-    gains: Vec<f64>,
+    /// Search nothing, look at these gains
+    #[arg(long, value_name = "KP,KI,KD,N", value_parser = gains::given, conflicts_with_all = ["robust", "appendix_e"])]
+    gains: Option<Gains>,
     /// Random plants of the box that the certificate is compared with
     #[arg(long, value_name = "NUMBER", default_value_t = 100_000)]
     samples: usize,
@@ -141,11 +142,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     check(arguments)?;
     let actuator = actuator(arguments)?;
     let asked = asked(arguments, &actuator)?;
-    let given = given(arguments)?;
     let progress = Progress::new();
     progress.set("gains and their worst case", 0, 0);
     let part = 0.01 * arguments.percent.unwrap_or(10.0);
-    let study = Study::of(asked, given, part, arguments.samples);
+    let study = Study::of(asked, arguments.gains, part, arguments.samples);
     progress.end();
     let study = study?;
     let files = files::write(&arguments.out, &actuator, arguments.way.name(), &study)?;
@@ -256,20 +256,6 @@ fn asked(arguments: &Arguments, actuator: &Actuator) -> miette::Result<Asked> {
 
 fn finite(plant: &Plant) -> bool {
     plant.numerator.coefficients().iter().chain(plant.denominator.coefficients()).all(|c| c.is_finite())
-}
-
-/// Gains that are only to be looked at.
-fn given(arguments: &Arguments) -> miette::Result<Option<Gains>> {
-    match arguments.gains[..] {
-        [] => Ok(None),
-        [kp, ki, kd, n] if [kp, ki, kd, n].iter().all(|x| x.is_finite() && *x >= 0.0) && n > 0.0 => {
-            Ok(Some(Gains { kp, ki, kd, n }))
-        }
-        _ => Err(miette!(
-            "--gains has {} numbers; expected four that are not negative, kp,ki,kd,n, the last above 0",
-            arguments.gains.len()
-        )),
-    }
 }
 
 /// Sets the gains and the actuator on the board, and says so.
