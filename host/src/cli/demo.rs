@@ -67,6 +67,7 @@ fn probability(text: &str) -> Result<f64, String> {
 /// Whatever stops the demo.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let control = Curves::read(&arguments.control).into_diagnostic()?;
+    demo::folder(&arguments.out)?;
     let options = Options {
         palpations: arguments.palpations as usize,
         rate_mm_s: arguments.rate,

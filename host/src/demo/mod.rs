@@ -19,6 +19,7 @@ mod table;
 mod together;
 mod watcher;
 
+use std::path::Path;
 use std::time::Instant;
 
 use protocol::lut::Table;
@@ -50,6 +51,17 @@ const OVERVIEW: &str = "overview.svg";
 const REPORT: &str = "report.html";
 const FILES: [&str; 5] = [TABLE, CSV, MCAP, OVERVIEW, REPORT];
 
+/// Opens the demo's folder: before anything is computed for one that is not to be written to.
+///
+/// # Errors
+/// A folder that cannot be made, or holds files of the demo's names that the demo has not written.
+pub(crate) fn folder(out: &Path) -> Result<OwnFolder, DemoError> {
+    let failed = |source| DemoError::File { path: out.to_owned(), source };
+    let folder = OwnFolder::open(out, "--out", Some("out/demo")).map_err(failed)?;
+    FILES.iter().try_for_each(|name| folder.check(name)).map_err(failed)?;
+    Ok(folder)
+}
+
 /// Runs the demo and writes its files.
 ///
 /// # Errors
@@ -57,9 +69,7 @@ const FILES: [&str; 5] = [TABLE, CSV, MCAP, OVERVIEW, REPORT];
 pub fn run(options: &Options, watch: Watcher<'_>) -> Result<Summary, DemoError> {
     let started = Instant::now();
     let failed = |source| DemoError::File { path: options.out.clone(), source };
-    let mut folder = OwnFolder::open(&options.out, "--out", Some("out/demo")).map_err(failed)?;
-    // Before anything is computed for a folder that is not to be written to.
-    FILES.iter().try_for_each(|name| folder.check(name)).map_err(failed)?;
+    let mut folder = folder(&options.out)?;
     let table_bytes = match &options.table {
         Some(path) => std::fs::read(path).map_err(|source| DemoError::File { path: path.clone(), source })?,
         None => {
