@@ -105,8 +105,9 @@ pub fn fluid_n(mm: f64, kpa: f64) -> f64 {
     let next = tables.fluid.partition_point(|(own, _)| *own < kpa);
     match (next.checked_sub(1).map(|at| &tables.fluid[at]), tables.fluid.get(next)) {
         (Some((low, below)), Some((high, above))) => {
+            let (below, above) = (below.at(mm), above.at(mm));
             let part = (kpa / low).ln() / (high / low).ln();
-            below.at(mm).powf(1.0 - part) * above.at(mm).powf(part)
+            if below > 0.0 { below * ((above / below).ln() * part).exp() } else { 0.0 }
         }
         (None, Some((first, force))) => force.at(mm) * kpa / first,
         (Some((_, last)), None) => last.at(mm),

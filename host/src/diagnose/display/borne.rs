@@ -8,14 +8,14 @@ use crate::finger::round;
 impl Law {
     /// Force of the pulp on the cap.
     pub(super) fn pulp_n(&self, series: &Series) -> Vec<f64> {
-        let [stiffness, touch_mm, zero_n] = [0, 1, 2].map(|i| self.base[i]);
+        let [stiffness, touch_mm] = [0, 1].map(|i| self.base[i]);
         let ratio = self.one(&pulp_size::EFFECT).unwrap_or(1.0);
         let force = |mm: &f64| stiffness * round::pulp_n((mm - touch_mm) / ratio);
         let mut force_n: Vec<f64> = series.input.iter().map(force).collect();
         if let Some(parts) = self.two(&pulp_relaxation::EFFECT) {
             force_n = pulp_relaxation::relaxing(&series.time_s, &force_n, parts);
         }
-        force_n.iter().map(|n| n + zero_n).collect()
+        force_n
     }
 
     /// Yield stress, kPa, at rest where the nominal law has another.
@@ -29,7 +29,7 @@ impl Law {
 
     /// Force of the fluid on a finger that goes down: what it bears at its yield stress.
     pub(super) fn fluid_n(&self, series: &Series) -> Vec<f64> {
-        let [stiffness, size, touch_mm, zero_n] = [1, 2, 3, 4].map(|i| self.base[i]);
+        let [stiffness, size, touch_mm] = [1, 2, 3].map(|i| self.base[i]);
         // one of the same tissue and another size bears in proportion to its area: this is the stiffness of a stretched curve
         let modulus = stiffness / (size * size);
         let mut yield_kpa: Vec<f64> = series.yield_kpa.iter().map(|kpa| self.yields_kpa(*kpa)).collect();
@@ -43,6 +43,6 @@ impl Law {
         // of stiffer tissue it bears as much as the round one on a fluid that is weaker
         let borne = |mm: f64, kpa: f64| stiffness * round::fluid_n(mm / size, kpa / modulus);
         let force = |(mm, kpa): (&f64, f64)| borne(mm - touch_mm, kpa);
-        series.input.iter().zip(yield_kpa).map(|place| force(place) + zero_n).collect()
+        series.input.iter().zip(yield_kpa).map(force).collect()
     }
 }

@@ -33,6 +33,15 @@ pub struct BaseParameter {
     pub logarithmic: bool,
 }
 
+/// Places of a sensor's gain, if it has one of its own, and of its zero among the parameters of a base law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reading {
+    /// Of the gain.
+    pub gain: Option<usize>,
+    /// Of the zero.
+    pub zero: usize,
+}
+
 const fn even(name: &'static str, nominal: f64, bounds: (f64, f64)) -> BaseParameter {
     BaseParameter { name, nominal, bounds, logarithmic: false }
 }
@@ -129,6 +138,17 @@ impl Channel {
             Self::Flux => &FLUX,
             Self::Pulp => &PULP,
             Self::Fluid => &FLUID,
+        }
+    }
+
+    /// Places of the parameters of the base that say how what happens is read.
+    #[must_use]
+    pub fn reading(self) -> Reading {
+        match self {
+            Self::Position | Self::Force | Self::Current => Reading { gain: Some(0), zero: 1 },
+            // the magnet's slope and the finger's stiffness are gains already
+            Self::Flux | Self::Pulp => Reading { gain: None, zero: 2 },
+            Self::Fluid => Reading { gain: None, zero: 4 },
         }
     }
 

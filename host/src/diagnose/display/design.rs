@@ -46,6 +46,8 @@ pub struct Design {
     pub channel: Channel,
     /// Its runs.
     pub series: Vec<Series>,
+    /// For every run the first one that was told exactly the same: a law predicts the same of both.
+    pub told: Vec<usize>,
     /// A name for every condition.
     pub conditions: Vec<String>,
     /// Largest less smallest output.
@@ -164,7 +166,8 @@ impl Design {
         }
         let conditions = conditions.into_iter().map(|(_, file)| file).collect();
         let span = range(series.iter().flat_map(|s| s.output.iter().copied()));
-        Ok(Self { channel, series, conditions, span, messages })
+        let told = first_told(&series);
+        Ok(Self { channel, series, told, conditions, span, messages })
     }
 
     /// True when two runs that may be fitted repeat each other.
@@ -272,6 +275,15 @@ pub(super) fn compared(
             .for_each(|(compared, borne)| *compared &= borne);
     }
     compared
+}
+
+/// For every run the first one that was told the same, to the last bit: every repeat of a logged command on one clock.
+pub(super) fn first_told(series: &[Series]) -> Vec<usize> {
+    let same = |a: &Series, b: &Series| {
+        let state = |s: &Series| (s.is_answered, s.gap_ratio, s.gap_mm);
+        state(a) == state(b) && a.time_s == b.time_s && a.input == b.input && a.yield_kpa == b.yield_kpa
+    };
+    (0..series.len()).map(|at| (0..at).find(|first| same(&series[*first], &series[at])).unwrap_or(at)).collect()
 }
 
 /// Where time jumps, if it does.

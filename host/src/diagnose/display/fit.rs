@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::design::Design;
+use super::channel::Reading;
+use super::design::{Design, Series};
 use super::effect::Effect;
 use super::law::{Law, Setting};
 use super::whiten::Whitening;
@@ -111,12 +112,23 @@ impl<'a> Problem<'a> {
     /// Measured less predicted in the channel's unit, 0 where nothing is compared or fitted.
     #[must_use]
     pub fn plain(&self, law: &Law) -> DVector<f64> {
+        self.gathered(|series| law.predict(series), |measured, predicted| measured - predicted)
+    }
+
+    /// What a function of all runs gives at every sample, from what was measured and what `told` has of a run, 0 where nothing is
+    /// compared or fitted. Runs that were told the same are asked once.
+    fn gathered(&self, told: impl Fn(&Series) -> Vec<f64>, of: impl Fn(f64, f64) -> f64) -> DVector<f64> {
         let mut out = DVector::zeros(self.design.samples());
-        for (s, series) in self.design.series.iter().enumerate().filter(|(s, _)| self.used[*s]) {
-            let first = self.design.first(s);
-            for (k, y) in law.predict(series).into_iter().enumerate().filter(|(k, _)| series.compared[*k]) {
-                out[first + k] = series.output[k] - y;
+        let mut known: Vec<Option<Vec<f64>>> = vec![None; self.design.series.len()];
+        let mut first = 0;
+        for (s, series) in self.design.series.iter().enumerate() {
+            if self.used[s] {
+                let own = known[self.design.told[s]].get_or_insert_with(|| told(series));
+                for (k, y) in own.iter().enumerate().filter(|(k, _)| series.compared[*k]) {
+                    out[first + k] = of(series.output[k], *y);
+                }
             }
+            first += series.time_s.len();
         }
         out
     }
@@ -141,21 +153,35 @@ impl<'a> Problem<'a> {
         out
     }
 
+    /// Derivative of the prediction, whitened: of gain and zero as they are, else by central differences.
     pub(super) fn jacobian(&self, law: &Law, list: &[Coordinate], x: &DVector<f64>) -> DMatrix<f64> {
+        let Reading { gain, zero } = self.design.channel.reading();
         let columns: Vec<DVector<f64>> = (0..list.len())
             .into_par_iter()
             .map(|j| {
-                let (low, high) = list[j].ends;
-                let (mut up, mut down) = (x.clone(), x.clone());
-                up[j] = (x[j] + list[j].step).min(high);
-                down[j] = (x[j] - list[j].step).max(low);
-                let span = (up[j] - down[j]).max(f64::MIN_POSITIVE);
-                let mut column = (self.plain(&at(law, list, &down)) - self.plain(&at(law, list, &up))) / span;
+                let mut column = if gain == Some(j) {
+                    let here = at(law, list, x);
+                    self.gathered(|series| here.happens(series), |_, happened| happened)
+                } else if zero == j {
+                    self.gathered(|series| vec![1.0; series.time_s.len()], |_, one| one)
+                } else {
+                    self.difference(law, list, x, j)
+                };
                 self.whitening.apply(&mut column);
                 column
             })
             .collect();
         DMatrix::from_columns(&columns)
+    }
+
+    /// Central difference of the prediction over a parameter.
+    fn difference(&self, law: &Law, list: &[Coordinate], x: &DVector<f64>, j: usize) -> DVector<f64> {
+        let (low, high) = list[j].ends;
+        let (mut up, mut down) = (x.clone(), x.clone());
+        up[j] = (x[j] + list[j].step).min(high);
+        down[j] = (x[j] - list[j].step).max(low);
+        let span = (up[j] - down[j]).max(f64::MIN_POSITIVE);
+        (self.plain(&at(law, list, &down)) - self.plain(&at(law, list, &up))) / span
     }
 
     /// Fits all parameters of a law, beginning where they are (Levenberg and Marquardt, inside the bounds).
@@ -257,5 +283,68 @@ impl Fitted for Fit {
         let own = self.coordinates.iter().zip(self.x.iter());
         let parameters = own.map(|(c, x)| c.at(*x));
         Linearised { residual: &self.residual, jacobian: &self.jacobian, parameters: parameters.collect(), known }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::display::channel::Channel;
+    use crate::diagnose::display::design::first_told;
+    use crate::diagnose::display::effect::{coil_heating, delay, gap, pulp_size, sensor_creep};
+
+    fn steps(channel: Channel, height: f64) -> Series {
+        let time_s: Vec<f64> = (0..150).map(|k| 0.02 * f64::from(k)).collect();
+        let input: Vec<f64> = time_s.iter().map(|t| if t % 1.0 < 0.1 { 0.4 } else { height }).collect();
+        Series {
+            file: String::new(),
+            channel,
+            output: input.iter().map(|x| 1.1 * x).collect(),
+            compared: time_s.iter().map(|t| *t > 0.3).collect(),
+            time_s,
+            input,
+            yield_kpa: Vec::new(),
+            is_answered: false,
+            left: [Vec::new(), Vec::new()],
+            gap_ratio: 1.5,
+            gap_mm: 3.0,
+            condition: 0,
+            hold_out: false,
+        }
+    }
+
+    /// At a place that is no optimum; the second run repeats the first one, the third one is another.
+    #[test]
+    fn gain_and_zero_have_the_derivatives_that_differences_give() {
+        let setting = |effect, values: &[f64]| Setting { effect, values: values.to_vec() };
+        for (channel, settings) in [
+            (Channel::Position, vec![setting(&delay::EFFECT, &[0.03])]),
+            (Channel::Force, vec![setting(&sensor_creep::LOGARITHMIC, &[0.05])]),
+            (Channel::Current, vec![setting(&coil_heating::EFFECT, &[0.2, 5.0])]),
+            (Channel::Flux, vec![setting(&gap::EFFECT, &[0.1])]),
+            (Channel::Pulp, vec![setting(&pulp_size::EFFECT, &[1.1])]),
+        ] {
+            let series = vec![steps(channel, 1.9), steps(channel, 1.9), steps(channel, 1.2)];
+            let told = first_told(&series);
+            assert_eq!(told, [0, 0, 2]);
+            let design = Design { channel, series, told, conditions: Vec::new(), span: 1.0, messages: Vec::new() };
+            let law = Law { settings, ..Law::nominal(channel) };
+            let (list, problem) = (coordinates(&law), Problem::unweighted(&design));
+            let x = point(&law, &list);
+            let jacobian = problem.jacobian(&law, &list, &x);
+            for j in 0..list.len() {
+                let difference = problem.difference(&law, &list, &x, j);
+                let far = (jacobian.column(j) - &difference).norm();
+                // a central difference of a line has the rounding of 1e-16 over twice 1e-5, of some hundred samples
+                assert!(far <= 1e-9 * difference.norm().max(1.0), "{channel:?} {}: {far}", list[j].name);
+            }
+            let plain = problem.plain(&law);
+            let alone = |s: usize| law.predict(&design.series[s]);
+            for (s, k) in [(0, 40), (1, 40), (2, 77)] {
+                let own = design.series[s].output[k] - alone(s)[k];
+                assert_eq!(plain[design.first(s) + k], own, "{channel:?} {s} {k}");
+            }
+            assert_eq!(plain[design.first(1)], 0.0);
+        }
     }
 }

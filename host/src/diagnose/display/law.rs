@@ -1,6 +1,6 @@
 //! What a display does by its base law and the effects that were added: from what was told to what is measured.
 
-use super::channel::{Channel, KNEE_A};
+use super::channel::{Channel, KNEE_A, Reading};
 use super::design::Series;
 use super::effect::{
     Effect, Quantity, backlash, coil_heating, delay, gap, rate_limit, remanence, saturation, sensor_creep,
@@ -60,6 +60,21 @@ impl Law {
     /// What is measured in a run.
     #[must_use]
     pub fn predict(&self, series: &Series) -> Vec<f64> {
+        let (gain, zero) = self.reading();
+        let mut out = self.happens(series);
+        out.iter_mut().for_each(|y| *y = gain * *y + zero);
+        out
+    }
+
+    /// Gain and zero with which what happens is read: those of the base.
+    fn reading(&self) -> (f64, f64) {
+        let Reading { gain, zero } = self.channel.reading();
+        (gain.map_or(1.0, |at| self.base[at]), self.base[zero])
+    }
+
+    /// What happens in a run, before it is read with a gain and a zero.
+    #[must_use]
+    pub fn happens(&self, series: &Series) -> Vec<f64> {
         match self.channel {
             Channel::Position => self.position_mm(series),
             Channel::Force => self.force_n(series),
@@ -71,7 +86,7 @@ impl Law {
     }
 
     fn position_mm(&self, series: &Series) -> Vec<f64> {
-        let [gain, zero_mm, spring, damper] = [0, 1, 2, 3].map(|i| self.base.get(i).copied().unwrap_or(1.0));
+        let [spring, damper] = [2, 3].map(|i| self.base.get(i).copied().unwrap_or(1.0));
         let shaft = Shaft {
             spring,
             damper,
@@ -83,7 +98,7 @@ impl Law {
         if let Some(play_mm) = self.one(&backlash::EFFECT) {
             shaft_mm = backlash::behind(&shaft_mm, play_mm);
         }
-        shaft_mm.iter().map(|mm| gain * mm + zero_mm).collect()
+        shaft_mm
     }
 
     fn force_n(&self, series: &Series) -> Vec<f64> {
@@ -103,18 +118,19 @@ impl Law {
         if let Some(per_decade) = self.one(&sensor_creep::LOGARITHMIC) {
             felt_n = sensor_creep::crept(&series.time_s, &felt_n, per_decade);
         }
-        let (gain, zero_n) = (self.base[0], self.base[1]);
-        felt_n.iter().map(|n| gain * n + zero_n).collect()
+        felt_n
     }
 
     fn current_a(&self, series: &Series) -> Vec<f64> {
-        self.read_a(&winding::followed(&series.time_s, &series.input, &self.kept(series)))
+        winding::followed(&series.time_s, &series.input, &self.kept(series))
     }
 
     /// What the fluid has answered of a series' current, A.
     #[must_use]
     pub fn answered_a(&self, series: &Series) -> Vec<f64> {
-        self.read_a(&winding::answered(&series.time_s, &series.input, &self.kept(series)))
+        let (gain, zero_a) = self.reading();
+        let answered_a = winding::answered(&series.time_s, &series.input, &self.kept(series));
+        answered_a.iter().map(|a| gain * a + zero_a).collect()
     }
 
     /// Resistance of the cold winding over what it is at every stamp.
@@ -125,12 +141,8 @@ impl Law {
         }
     }
 
-    fn read_a(&self, current_a: &[f64]) -> Vec<f64> {
-        current_a.iter().map(|a| self.base[0] * a + self.base[1]).collect()
-    }
-
     fn flux_t(&self, series: &Series) -> Vec<f64> {
-        let (slope, step_t, zero_t) = (self.base[0], self.base[1], self.base[2]);
+        let (slope, step_t) = (self.base[0], self.base[1]);
         let smallest_mm = series.gap_mm / series.gap_ratio;
         let factor = gap::factor(series.gap_mm, smallest_mm, self.one(&gap::EFFECT).unwrap_or(0.0));
         let left_t = self.two(&remanence::EFFECT).map(|parts| remanence::left(&series.input, parts));
@@ -147,7 +159,7 @@ impl Law {
                 before_t.map_or(rest_t, |before: f64| rest_t + (before - rest_t) * (-span_s / RESPONSE_S).exp())
             };
             before_t = Some(now_t);
-            now_t + zero_t
+            now_t
         });
         each.collect()
     }

@@ -25,14 +25,23 @@ impl Innovations {
     /// Of a run with the level of its noise at every sample. Samples that are not compared give 0.
     #[must_use]
     pub fn new(series: &Series, level: &[f64], noise: &SensorNoise) -> Self {
-        let (mut variance, mut before_s) = (1.0 - noise.white, f64::NAN);
-        let mut log_deviation = 0.0;
+        let (mut variance, mut before_s) = (1.0 - noise.white, None);
+        // of a steady clock one exponential, and one logarithm of many deviations
+        let (mut span_s, mut decay) = (f64::INFINITY, 0.0);
+        let (mut log_deviation, mut product) = (0.0, 1.0_f64);
         let mut steps = Vec::with_capacity(level.len());
         for (k, level) in level.iter().enumerate() {
             let now_s = series.time_s[k];
-            let kept = if before_s.is_nan() { 0.0 } else { (-(now_s - before_s) / noise.correlation_s).exp() };
+            let kept = before_s.map_or(0.0, |before_s: f64| {
+                // a clock's differences are steady to its last digits
+                if (now_s - before_s - span_s).abs() > 1e-12 {
+                    span_s = now_s - before_s;
+                    decay = (-span_s / noise.correlation_s).exp();
+                }
+                decay
+            });
             variance = kept * kept * variance + (1.0 - kept * kept) * (1.0 - noise.white);
-            before_s = now_s;
+            before_s = Some(now_s);
             if !series.compared[k] {
                 steps.push((kept, 0.0, 0.0));
                 continue;
@@ -42,11 +51,15 @@ impl Innovations {
             let gain = variance / whole;
             variance *= 1.0 - gain;
             let deviation = level * whole.sqrt();
-            log_deviation += deviation.ln();
+            product *= deviation;
+            if !(1e-100..1e100).contains(&product) {
+                log_deviation += product.ln();
+                product = 1.0;
+            }
             // the state is kept in units of the level, which may change from sample to sample
             steps.push((kept, gain, 1.0 / deviation));
         }
-        Self { steps, log_deviation }
+        Self { steps, log_deviation: log_deviation + product.ln() }
     }
 
     /// Whitens columns of values of this run in place.
