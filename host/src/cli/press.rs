@@ -141,7 +141,7 @@ fn open(arguments: &Arguments, table: Option<Vec<u8>>) -> miette::Result<Opened>
 fn names<L: Link>(session: &mut Session<L>, table: Option<&[u8]>) -> miette::Result<Vec<String>> {
     let Some(bytes) = table else { return Ok(Vec::new()) };
     let table = Table::parse(bytes).into_diagnostic().wrap_err("table")?;
-    if session.status().into_diagnostic()?.table_hash == table.hash() {
+    if session.has_table(&table.hash()).into_diagnostic()? {
         return Ok(library_names(&table));
     }
     errln!("the board has another table than that of --table: its materials are told by number");

@@ -413,7 +413,7 @@ impl Conversation {
             return Ok("no table to upload".into());
         };
         let hash = Table::parse(table)?.hash();
-        if session.status()?.table_hash == hash {
+        if session.has_table(&hash)? {
             return Ok("the board has this table already".into());
         }
         let reports = &self.reports;

@@ -23,6 +23,14 @@ impl<L: Link> Session<L> {
         }
     }
 
+    /// True where the board works with the table of this hash.
+    ///
+    /// # Errors
+    /// As [`Session::request`].
+    pub fn has_table(&mut self, hash: &[u8; 16]) -> Result<bool, SessionError> {
+        Ok(self.status()?.table_hash == *hash)
+    }
+
     /// Sets the mode, held by this link for as long as [`Session::poll`] is called. A repeated request that finds the board busy with just this mode has succeeded: only the
     /// answer to the first one was lost.
     ///
