@@ -26,7 +26,8 @@ board:
 
 # The real image on an emulated board; needs cmake and libclang, which it installs with apt-get where it can.
 emulator:
-    .ci/emulator
+    cargo build --release
+    .ci/emulator "${CARGO_TARGET_DIR:-target}/release/palpate"
 
 # The README's test command.
 test:
