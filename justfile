@@ -1,8 +1,8 @@
-# `just check` is what CI runs. Every recipe is a plain command that works without `just` as well.
+# `just check` is what CI runs, beside the demo. Every recipe is a plain command that works without `just` as well.
 
 board_target := "thumbv7em-none-eabihf"
 
-# What CI runs, in its order.
+# What CI runs; there with one build for everything.
 check: format lint docs board slurm monitor emulator test
 
 # Formatting, as rustfmt.toml has it.

@@ -67,6 +67,8 @@ fn probability(text: &str) -> Result<f64, String> {
 /// Whatever stops the demo.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let control = Curves::read(&arguments.control).into_diagnostic()?;
+    let model = arguments.model.as_deref().map(ExtendedModel::read).transpose()?;
+    // before the magnet is computed for a folder that is not to be written to
     demo::folder(&arguments.out)?;
     let options = Options {
         palpations: arguments.palpations as usize,
@@ -74,7 +76,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         seed: arguments.seed,
         out: arguments.out.clone(),
         table: arguments.table.clone(),
-        model: arguments.model.as_deref().map(ExtendedModel::read).transpose()?,
+        model,
         line: Disturbance { flip: arguments.line_noise, ..Disturbance::default() },
         magnet: links(&control)?,
         control,

@@ -107,7 +107,7 @@ pub fn fluid_n(mm: f64, kpa: f64) -> f64 {
         (Some((low, below)), Some((high, above))) => {
             let (below, above) = (below.at(mm), above.at(mm));
             let part = (kpa / low).ln() / (high / low).ln();
-            if below > 0.0 { below * ((above / below).ln() * part).exp() } else { 0.0 }
+            if below == 0.0 { 0.0 } else { below * ((above / below).ln() * part).exp() }
         }
         (None, Some((first, force))) => force.at(mm) * kpa / first,
         (Some((_, last)), None) => last.at(mm),

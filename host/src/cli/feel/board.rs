@@ -7,8 +7,9 @@ use std::sync::atomic::AtomicBool;
 use miette::{Context, IntoDiagnostic, miette};
 use protocol::lut::Table;
 
+use super::arguments::{Arguments, DisplayWord};
+use super::materials;
 use super::plant::Plant;
-use super::{Arguments, DisplayWord, materials, setting};
 use crate::cli::answer::entered;
 use crate::cli::tune;
 use crate::control::ControlCurve;
@@ -45,7 +46,7 @@ pub(super) fn felt(arguments: &Arguments) -> miette::Result<Vec<Felt>> {
     })?;
     let bytes = read(path)?;
     let table = Table::parse(&bytes).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
-    let set = setting(arguments)?;
+    let set = arguments.setting()?;
     let wanted = on_table(&table, materials::found(&arguments.materials)?)?;
     let link = crate::link::open(&arguments.board).into_diagnostic()?;
     let (mut session, _) = Session::open(link, Patience::default()).into_diagnostic()?;

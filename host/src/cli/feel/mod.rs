@@ -1,5 +1,6 @@
 //! `palpate feel`.
 
+mod arguments;
 mod board;
 mod materials;
 mod page;
@@ -8,88 +9,15 @@ mod told;
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
 use miette::{IntoDiagnostic, miette};
-use protocol::message::{Actuator, Gains};
 
-use self::plant::Plant;
+pub use self::arguments::Arguments;
+use self::arguments::{DEFAULT_FOLDER, DisplayWord};
 use super::control_curve::magnets;
-use super::gains;
 use super::progress::Progress;
-use crate::actuator::Actuator as Identified;
 use crate::feel::{self, Asked, Display, Felt};
 use crate::link::Address;
 use crate::ownership::OwnFolder;
-use crate::tune::setting::Setting;
-
-/// Folder of files where none is asked for.
-const DEFAULT_FOLDER: &str = "out/feel";
-
-/// Materials, and the display that shows them to a simulated hand.
-#[derive(Debug, Args)]
-pub struct Arguments {
-    /// Foams whose curves come with the program, by name, or files of `palpate control-curve`; without any all of the former
-    #[arg(value_name = "MATERIAL")]
-    materials: Vec<String>,
-    /// Which display is pressed
-    #[arg(long, value_enum, default_value_t = DisplayWord::All)]
-    display: DisplayWord,
-    /// The board: sim (a simulated hand presses), or auto (the one on USB), tcp:HOST:PORT, serial:PATH: you press, and
-    /// what is scored are its readings
-    #[arg(long, default_value = "sim")]
-    board: Address,
-    /// The table that a real board has, for the numbers of its materials
-    #[arg(long, value_name = "FILE")]
-    table: Option<PathBuf>,
-    /// The true display and hand: frozen, drawn:SEED, voice-coil, drawn-voice-coil:SEED, or a file of constants (`--copy` writes one)
-    #[arg(long, default_value = "frozen")]
-    plant: Plant,
-    /// The actuator that the board is set for: an actuator.toml (`palpate actuator identify`), thesis or voice-coil; gains are
-    /// searched for it unless --gains has some [default: the board's own; voice-coil for that plant]
-    #[arg(long, value_name = "FILE")]
-    actuator: Option<PathBuf>,
-    /// The magnet that curves and display are made for: a magnet.toml, readings, or a name; curves are made for it anew
-    #[arg(long, value_name = "FILE", default_value = "ring")]
-    magnet: String,
-    /// The extended model of a display (`palpate diagnose`, [channel.flux], [channel.fluid]): its magnet and fluid are what is
-    /// pressed, with the curves for --magnet, and with curves that are made for them anew
-    #[arg(long, value_name = "FILE")]
-    model: Option<PathBuf>,
-    /// The fluid: a fluid.toml, or the name of one that the program knows
-    #[arg(long, value_name = "FILE", default_value = "MRF-122EG")]
-    fluid: String,
-    /// Gains of the position loop, as a board takes them [default: the board's]
-    #[arg(long, value_name = "KP,KI,KD,N", value_parser = gains::of_a_board)]
-    gains: Option<Gains>,
-    /// Seed of tremor and noise
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Folder for the page, its pictures and the samples
-    #[arg(long, value_name = "DIR", default_value = DEFAULT_FOLDER)]
-    out: PathBuf,
-    /// Copy the constants of --plant (frozen or voice-coil) to this new file, to change them, and press nothing
-    #[arg(long, value_name = "FILE")]
-    copy: Option<PathBuf>,
-    /// Press each material three times slowly and three times fast on one --display, write what instruments beside it would have
-    /// read to this folder, an experiment for `palpate diagnose`, and score nothing
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["copy", "model", "table"])]
-    record: Option<PathBuf>,
-    /// Print one JSON object on standard output
-    #[arg(long)]
-    json: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum DisplayWord {
-    /// The cap of the linear actuator
-    Actuator,
-    /// The fluid in the magnet's gap, its current by the finger's force
-    Fluid,
-    /// The same, its current by the finger's place
-    FluidAtPlace,
-    /// All, one after the other
-    All,
-}
 
 /// Presses, scores and tells.
 ///
@@ -115,13 +43,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             model.display()
         ));
     }
-    if let (Some(_), &[_, _, ..]) = (&arguments.record, displays(arguments)) {
+    if let (Some(_), &[_, _, ..]) = (&arguments.record, arguments.displays()) {
         return Err(miette!(
             "--record is of one display; expected --display actuator, fluid or fluid-at-place beside it"
         ));
     }
     let constants = arguments.plant.constants()?;
-    let (gains, actuator) = setting(arguments)?;
+    let (gains, actuator) = arguments.setting()?;
     let wanted = materials::found(&arguments.materials)?;
     let fluid = super::magnet::fluid::found(&arguments.fluid)?;
     let mut folder = match &arguments.record {
@@ -147,13 +75,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         folder.check("experiment.toml").into_diagnostic()?;
         return recorded(&mut folder, arguments, &asked, &progress);
     }
-    let all = pressed(&asked, displays(arguments), &progress)?;
+    let all = pressed(&asked, arguments.displays(), &progress)?;
     let Some(model) = model else {
         progress.end();
         return tell(&mut folder, arguments, (&all, &[]));
     };
     let asked = Asked { curves: materials::made_for(&wanted, &model)?, ..asked };
-    let anew = pressed(&asked, displays(arguments), &progress)?;
+    let anew = pressed(&asked, arguments.displays(), &progress)?;
     progress.end();
     tell(&mut folder, arguments, (&anew, &all))
 }
@@ -169,7 +97,7 @@ fn pressed(asked: &Asked, displays: &[Display], progress: &Progress) -> miette::
 
 /// Writes presses as an experiment.
 fn recorded(folder: &mut OwnFolder, arguments: &Arguments, asked: &Asked, progress: &Progress) -> miette::Result<()> {
-    let &[display] = displays(arguments) else { return Ok(()) };
+    let &[display] = arguments.displays() else { return Ok(()) };
     let (what, total) = (told::name(display), feel::record::PRESSES * asked.curves.len());
     let files = feel::record::presses(asked, display, &mut |done| progress.set(what, done, total)).into_diagnostic()?;
     progress.end();
@@ -195,33 +123,6 @@ fn tell(folder: &mut OwnFolder, arguments: &Arguments, (all, before): (&[Felt], 
     told::print_gain(before, all);
     crate::cli::file::told(&files);
     Ok(())
-}
-
-/// A model of magnet and fluid changes nothing of the actuator.
-fn displays(arguments: &Arguments) -> &'static [Display] {
-    match arguments.display {
-        DisplayWord::All if arguments.model.is_some() => &[Display::Fluid, Display::FluidAtPlace],
-        DisplayWord::Actuator => &[Display::Actuator],
-        DisplayWord::Fluid => &[Display::Fluid],
-        DisplayWord::FluidAtPlace => &[Display::FluidAtPlace],
-        DisplayWord::All => &[Display::Actuator, Display::Fluid, Display::FluidAtPlace],
-    }
-}
-
-/// What the board is set to: gains, and what it is told of its actuator.
-fn setting(arguments: &Arguments) -> miette::Result<(Option<Gains>, Option<Actuator>)> {
-    let gains = arguments.gains.clone();
-    let own = || arguments.plant.has_voice_coil().then(|| PathBuf::from("voice-coil"));
-    let word = arguments.actuator.clone().or_else(own);
-    let Some(word) = word else { return Ok((gains, None)) };
-    let setting = Setting::of(&Identified::named(&word)?, gains).map_err(|error| {
-        miette!(
-            help = "`palpate tune --actuator FILE` finds gains under other limits; give them with --gains KP,KI,KD,N",
-            "no gains for the actuator {}: {error}",
-            word.display()
-        )
-    })?;
-    Ok((Some(setting.gains), Some(setting.actuator)))
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use miette::IntoDiagnostic;
 
-use super::{Arguments, told};
+use super::arguments::Arguments;
+use super::told;
 use crate::feel::Felt;
 use crate::ownership::{OwnFolder, file_name};
 use crate::report::{Page, feel as picture};

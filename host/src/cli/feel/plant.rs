@@ -39,7 +39,10 @@ impl Plant {
             Self::DrawnVoiceCoil(seed) => Constants::voice_coil_drawn(*seed)?,
             Self::File(file) if file.is_file() => Constants::read(file)?,
             Self::File(file) => {
-                return Err(miette!("--plant is {}: no such file; expected {WORDS}, or such a file", file.display()));
+                return Err(miette!(
+                    "--plant is {}: no such file; expected {WORDS}, or a file of constants",
+                    file.display()
+                ));
             }
         })
     }

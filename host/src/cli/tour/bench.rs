@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use miette::{IntoDiagnostic, miette};
 use protocol::lut::Table;
 
-use super::Arguments;
+use super::arguments::Arguments;
 use crate::cli::answer::entered;
 use crate::link::{Address, InProcess, Link, Pace};
 use crate::plant::Jitter;

@@ -1,5 +1,6 @@
 //! `palpate tour`.
 
+mod arguments;
 mod bench;
 mod round;
 
@@ -8,67 +9,23 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use clap::Args;
-use clap::builder::PossibleValuesParser;
 use miette::{Context, IntoDiagnostic, miette};
 use protocol::lut::Table;
 
+pub use self::arguments::Arguments;
+use self::arguments::DEFAULT_FOLDER;
 use self::bench::Bench;
-use self::round::Round;
+use self::round::{Found, Round};
 use super::progress::Progress;
 use super::range::within;
 use crate::demo::{Stage, demo_table};
-use crate::link::Address;
 use crate::log::{library_names, quoted};
 use crate::ownership::OwnFolder;
 use crate::signals;
-use crate::tour::{BOUNDINGS, Filtered, Pressed, Specimens, Stop, Tour, TourError, bounding, filtered};
+use crate::tour::{Filtered, Pressed, Specimens, Stop, Tour, TourError, bounding, filtered};
 
-/// Folder where none is asked for.
-const DEFAULT_FOLDER: &str = "out/tour";
 /// Presses, a row each, written as they are made.
 const PRESSES: &str = "presses.csv";
-
-/// Where to go, in which order, and how to press there.
-#[derive(Debug, Args)]
-pub struct Arguments {
-    /// The stops [default: the thesis' four foams and three tissues]
-    #[arg(value_name = "TOUR.toml")]
-    tour: Option<PathBuf>,
-    /// The board: sim, auto (the one on USB), tcp:HOST:PORT or serial:PATH; at a real one you are told where to go
-    #[arg(long, default_value = "sim")]
-    board: Address,
-    /// Rate of the probe, mm/s
-    #[arg(long, default_value_t = 2.0, value_name = "MM_PER_S")]
-    rate: f64,
-    /// Depth after contact, mm
-    #[arg(long, default_value_t = 4.0, value_name = "MM")]
-    depth: f64,
-    /// About so many presses in all, in the proportion of the file's visits [default: as often as the file says]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    presses: Option<u32>,
-    /// Seed of the order: the same at every rate
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// White noise of the simulated load cell, as a part of each specimen's largest force
-    #[arg(long, default_value_t = 0.01, value_name = "PART")]
-    noise: f64,
-    /// How the Kalman filter keeps its estimates within the region
-    #[arg(long, default_value = "penalty", value_parser = PossibleValuesParser::new(BOUNDINGS.map(|(word, _)| word)))]
-    bounding: String,
-    /// The board's table; the simulated one is sent it [default: the demo's, computed first]
-    #[arg(long, value_name = "FILE")]
-    table: Option<PathBuf>,
-    /// Folder for the page, its pictures and the presses
-    #[arg(long, value_name = "DIR", default_value = DEFAULT_FOLDER)]
-    out: PathBuf,
-    /// Copy the thesis' stops to this new file, to change them, and press nothing
-    #[arg(long, value_name = "FILE")]
-    copy: Option<PathBuf>,
-    /// Print one JSON object on standard output
-    #[arg(long)]
-    json: bool,
-}
 
 /// Goes round, identifies and writes.
 ///
@@ -132,11 +89,6 @@ fn table(arguments: &Arguments, progress: &Progress) -> miette::Result<Vec<u8>> 
 
 /// Clears the file of the presses, once the board has answered: what an earlier tour left is kept until then.
 type Begin<'a> = dyn FnMut() -> std::io::Result<PathBuf> + 'a;
-
-/// All presses with what the filter makes of each.
-type Found = Vec<One>;
-/// A press, and the filter's.
-type One = (Pressed, Option<Filtered>);
 
 fn gone(
     arguments: &Arguments,

@@ -6,15 +6,21 @@ use miette::IntoDiagnostic;
 use protocol::lut::Table;
 use serde_json::{Value, json};
 
-use super::{Arguments, Found, One};
+use super::arguments::Arguments;
 use crate::cli::answer::columns;
 use crate::cli::file::names;
 use crate::experiment::signal::mean;
 use crate::link::Address;
 use crate::ownership::OwnFolder;
 use crate::report::{Page, number, tour as picture};
-use crate::tour::{Specimens, Stop, Tour};
+use crate::tour::{Filtered, Pressed, Specimens, Stop, Tour};
 use crate::trial::exact::interval95;
+
+/// All presses with what the filter makes of each.
+pub(super) type Found = Vec<One>;
+
+/// A press, and the filter's.
+pub(super) type One = (Pressed, Option<Filtered>);
 
 /// A tour that was gone.
 pub(super) struct Round<'a> {

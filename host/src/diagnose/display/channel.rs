@@ -272,3 +272,18 @@ fn flux_slope(current_a: f64) -> f64 {
     let bent = (current_a / KNEE_A).tanh();
     FLUX[0].nominal + FLUX[1].nominal / KNEE_A * (1.0 - bent * bent)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gain_and_zero_are_where_they_are_said_to_be() {
+        for channel in Channel::ALL {
+            let Reading { gain, zero } = channel.reading();
+            let name = |at: usize| channel.base()[at].name;
+            assert!(name(zero).starts_with("zero_"), "{channel:?}: {}", name(zero));
+            assert!(gain.is_none_or(|at| name(at) == "gain"), "{channel:?}: {gain:?}");
+        }
+    }
+}

@@ -47,7 +47,7 @@ pub struct Design {
     /// Its runs.
     pub series: Vec<Series>,
     /// For every run the first one that was told exactly the same: a law predicts the same of both.
-    pub told: Vec<usize>,
+    pub first_alike: Vec<usize>,
     /// A name for every condition.
     pub conditions: Vec<String>,
     /// Largest less smallest output.
@@ -166,8 +166,8 @@ impl Design {
         }
         let conditions = conditions.into_iter().map(|(_, file)| file).collect();
         let span = range(series.iter().flat_map(|s| s.output.iter().copied()));
-        let told = first_told(&series);
-        Ok(Self { channel, series, told, conditions, span, messages })
+        let first_alike = first_alike(&series);
+        Ok(Self { channel, series, first_alike, conditions, span, messages })
     }
 
     /// True when two runs that may be fitted repeat each other.
@@ -278,7 +278,7 @@ pub(super) fn compared(
 }
 
 /// For every run the first one that was told the same, to the last bit: every repeat of a logged command on one clock.
-pub(super) fn first_told(series: &[Series]) -> Vec<usize> {
+pub(super) fn first_alike(series: &[Series]) -> Vec<usize> {
     let same = |a: &Series, b: &Series| {
         let state = |s: &Series| (s.is_answered, s.gap_ratio, s.gap_mm);
         state(a) == state(b) && a.time_s == b.time_s && a.input == b.input && a.yield_kpa == b.yield_kpa

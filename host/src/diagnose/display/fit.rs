@@ -115,15 +115,16 @@ impl<'a> Problem<'a> {
         self.gathered(|series| law.predict(series), |measured, predicted| measured - predicted)
     }
 
-    /// What a function of all runs gives at every sample, from what was measured and what `told` has of a run, 0 where nothing is
-    /// compared or fitted. Runs that were told the same are asked once.
-    fn gathered(&self, told: impl Fn(&Series) -> Vec<f64>, of: impl Fn(f64, f64) -> f64) -> DVector<f64> {
+    /// What a function of all runs gives at every sample, from what was measured and what `each`
+    /// has of a run, 0 where nothing is compared or fitted. Runs that were told the same are asked
+    /// once.
+    fn gathered(&self, each: impl Fn(&Series) -> Vec<f64>, of: impl Fn(f64, f64) -> f64) -> DVector<f64> {
         let mut out = DVector::zeros(self.design.samples());
         let mut known: Vec<Option<Vec<f64>>> = vec![None; self.design.series.len()];
         let mut first = 0;
         for (s, series) in self.design.series.iter().enumerate() {
             if self.used[s] {
-                let own = known[self.design.told[s]].get_or_insert_with(|| told(series));
+                let own = known[self.design.first_alike[s]].get_or_insert_with(|| each(series));
                 for (k, y) in own.iter().enumerate().filter(|(k, _)| series.compared[*k]) {
                     out[first + k] = of(series.output[k], *y);
                 }
@@ -290,7 +291,7 @@ impl Fitted for Fit {
 mod tests {
     use super::*;
     use crate::diagnose::display::channel::Channel;
-    use crate::diagnose::display::design::first_told;
+    use crate::diagnose::display::design::first_alike;
     use crate::diagnose::display::effect::{coil_heating, delay, gap, pulp_size, sensor_creep};
 
     fn steps(channel: Channel, height: f64) -> Series {
@@ -325,9 +326,10 @@ mod tests {
             (Channel::Pulp, vec![setting(&pulp_size::EFFECT, &[1.1])]),
         ] {
             let series = vec![steps(channel, 1.9), steps(channel, 1.9), steps(channel, 1.2)];
-            let told = first_told(&series);
-            assert_eq!(told, [0, 0, 2]);
-            let design = Design { channel, series, told, conditions: Vec::new(), span: 1.0, messages: Vec::new() };
+            let first_alike = first_alike(&series);
+            assert_eq!(first_alike, [0, 0, 2]);
+            let design =
+                Design { channel, series, first_alike, conditions: Vec::new(), span: 1.0, messages: Vec::new() };
             let law = Law { settings, ..Law::nominal(channel) };
             let (list, problem) = (coordinates(&law), Problem::unweighted(&design));
             let x = point(&law, &list);

@@ -60,16 +60,15 @@ impl Law {
     /// What is measured in a run.
     #[must_use]
     pub fn predict(&self, series: &Series) -> Vec<f64> {
-        let (gain, zero) = self.reading();
-        let mut out = self.happens(series);
-        out.iter_mut().for_each(|y| *y = gain * *y + zero);
-        out
+        self.read(self.happens(series))
     }
 
-    /// Gain and zero with which what happens is read: those of the base.
-    fn reading(&self) -> (f64, f64) {
+    /// What happens as it is read: with gain and zero of the base.
+    fn read(&self, mut happened: Vec<f64>) -> Vec<f64> {
         let Reading { gain, zero } = self.channel.reading();
-        (gain.map_or(1.0, |at| self.base[at]), self.base[zero])
+        let (gain, zero) = (gain.map_or(1.0, |at| self.base[at]), self.base[zero]);
+        happened.iter_mut().for_each(|y| *y = gain * *y + zero);
+        happened
     }
 
     /// What happens in a run, before it is read with a gain and a zero.
@@ -128,9 +127,7 @@ impl Law {
     /// What the fluid has answered of a series' current, A.
     #[must_use]
     pub fn answered_a(&self, series: &Series) -> Vec<f64> {
-        let (gain, zero_a) = self.reading();
-        let answered_a = winding::answered(&series.time_s, &series.input, &self.kept(series));
-        answered_a.iter().map(|a| gain * a + zero_a).collect()
+        self.read(winding::answered(&series.time_s, &series.input, &self.kept(series)))
     }
 
     /// Resistance of the cold winding over what it is at every stamp.

@@ -92,7 +92,7 @@ fn distance(search: &Search<'_>, truth: &Fit, rival: &Fit, planned: &Planned) ->
     let design = Design {
         channel: search.problem.design.channel,
         series: vec![planned.series.clone()],
-        told: vec![0],
+        first_alike: vec![0],
         conditions: vec![planned.what.clone()],
         span: search.problem.design.span,
         messages: Vec::new(),
