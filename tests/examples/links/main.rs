@@ -14,7 +14,7 @@ use tests::display::{Case, Followed, Gains, LEVELS, MOST_COMMANDS, Outcome, Plan
 use tests::score::rate::bounded;
 
 /// New sessions that the true gain is taken over.
-const DAYS: u64 = 64;
+const DAYS: u64 = 256;
 
 /// A case with all that is judged.
 struct One {
