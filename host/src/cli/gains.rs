@@ -22,7 +22,7 @@ pub(super) fn given(text: &str) -> Result<Gains, String> {
     let gains = four(text)?;
     let Gains { kp, ki, kd, n } = gains;
     if kp < 0.0 || ki < 0.0 || kd < 0.0 || n <= 0.0 {
-        return Err("expected none below 0, and N above it".to_owned());
+        return Err("expected none that is negative, the last above 0".to_owned());
     }
     Ok(gains)
 }
@@ -50,8 +50,8 @@ mod tests {
         for (text, expected) in [
             ("1,2,3", "expected four numbers with commas"),
             ("1,2,3,x", "expected four numbers with commas"),
-            ("1,2,-3,4", "expected none below 0"),
-            ("1,2,3,0", "N above it"),
+            ("1,2,-3,4", "expected none that is negative"),
+            ("1,2,3,0", "the last above 0"),
             ("1,2,3,inf", "expected four numbers"),
         ] {
             let told = given(text).unwrap_err();

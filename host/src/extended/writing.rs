@@ -39,6 +39,15 @@ pub(super) fn intervals<'a>(all: impl Iterator<Item = (&'a str, Option<(f64, f64
     (!known.is_empty()).then(|| format!("interval95 = {{ {} }}\n", known.join(", ")))
 }
 
+/// Codes that a diagnosis could not tell from one; nothing where there are none.
+pub(super) fn twins(codes: &[String]) -> String {
+    if codes.is_empty() {
+        return String::new();
+    }
+    let codes: Vec<String> = codes.iter().map(|code| text(code)).collect();
+    format!("ambiguous_with = [{}]\n", codes.join(", "))
+}
+
 impl ExtendedModel {
     /// The text of the model file.
     #[must_use]
@@ -85,8 +94,5 @@ fn effect(out: &mut String, added: &Added) {
     }
     let names = effect.quantities.iter().map(|q| q.name).zip(added.intervals.iter().copied());
     out.push_str(&intervals(names).unwrap_or_default());
-    if !added.ambiguous_with.is_empty() {
-        let words: Vec<String> = added.ambiguous_with.iter().map(|w| text(w)).collect();
-        let _ = writeln!(out, "ambiguous_with = [{}]", words.join(", "));
-    }
+    out.push_str(&twins(&added.ambiguous_with));
 }

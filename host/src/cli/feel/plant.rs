@@ -110,9 +110,14 @@ mod tests {
 
     #[test]
     fn a_seed_that_is_none_is_told() {
-        for word in ["drawn:", "drawn:x", "drawn-voice-coil:-1"] {
+        for (word, expected) in [
+            ("drawn:", "expected drawn: with a whole number"),
+            ("drawn:x", "expected drawn: with a whole number"),
+            ("drawn-voice-coil:x", "expected drawn-voice-coil: with a whole number"),
+            ("drawn-voice-coil:-1", "expected drawn-voice-coil: with a whole number"),
+        ] {
             let text = word.parse::<Plant>().unwrap_err();
-            assert!(text.contains("with a whole number from 0"), "{word}: {text}");
+            assert!(text.contains(expected), "{word}: {text}");
         }
     }
 

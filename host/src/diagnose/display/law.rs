@@ -85,7 +85,7 @@ impl Law {
     }
 
     fn position_mm(&self, series: &Series) -> Vec<f64> {
-        let [spring, damper] = [2, 3].map(|i| self.base.get(i).copied().unwrap_or(1.0));
+        let [spring, damper] = [2, 3].map(|i| self.base[i]);
         let shaft = Shaft {
             spring,
             damper,

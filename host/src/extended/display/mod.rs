@@ -72,11 +72,7 @@ impl DisplayModel {
         const POINTS: usize = 60;
         /// Time of the whole ramp, s: a fluid answers in milliseconds.
         const RAMP_S: f64 = 60.0;
-        let own = self.channels.iter().find(|one| one.channel == Channel::Flux)?;
-        let mut law = own.law();
-        if let Some(zero_t) = law.base.last_mut() {
-            *zero_t = 0.0;
-        }
+        let law = self.channels.iter().find(|one| one.channel == Channel::Flux)?.law();
         let part = |k: usize| k as f64 / POINTS as f64;
         let current_a: Vec<f64> = (0..=POINTS).map(|k| most_a * part(k)).collect();
         let ramp = Series {
@@ -94,7 +90,7 @@ impl DisplayModel {
             condition: 0,
             hold_out: false,
         };
-        let points: Vec<(f64, f64)> = current_a.into_iter().zip(law.predict(&ramp)).collect();
+        let points: Vec<(f64, f64)> = current_a.into_iter().zip(law.happens(&ramp)).collect();
         Some(FluxCurve::new(&points, 0.0, Built::default()))
     }
 

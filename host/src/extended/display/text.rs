@@ -39,10 +39,7 @@ impl DisplayModel {
                 let _ = writeln!(out, "[[channel.{word}.effect]]");
                 let _ = writeln!(out, "code = \"{}\"\nform = \"{}\"", added.effect.code, added.effect.form);
                 numbers(&mut out, added.effect.quantities.iter().map(|q| q.name), &added.values);
-                if !added.ambiguous_with.is_empty() {
-                    let codes: Vec<String> = added.ambiguous_with.iter().map(|code| format!("\"{code}\"")).collect();
-                    let _ = writeln!(out, "ambiguous_with = [{}]", codes.join(", "));
-                }
+                out.push_str(&writing::twins(&added.ambiguous_with));
             }
         }
         out

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
 
 use super::file::needed;
-use super::writing::text;
+use super::writing::{text, twins};
 use crate::diagnose::table::effect::CATALOGUE;
 use crate::diagnose::table::{Diagnosis, Estimate};
 use crate::experiment::section::{Document, Section};
@@ -103,10 +103,7 @@ impl MagnetModel {
             let _ = writeln!(out, "\n[[changed]]\nparameter = {}\ncode = {}", text(&one.parameter), text(&one.code));
             let (low, high) = one.interval;
             let _ = writeln!(out, "value = {:?}\ninterval95 = [{low:?}, {high:?}]", one.value);
-            if !one.ambiguous_with.is_empty() {
-                let codes: Vec<String> = one.ambiguous_with.iter().map(|code| text(code)).collect();
-                let _ = writeln!(out, "ambiguous_with = [{}]", codes.join(", "));
-            }
+            out.push_str(&twins(&one.ambiguous_with));
         }
         out
     }
