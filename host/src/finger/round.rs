@@ -22,10 +22,17 @@ struct Force {
     slope: f64,
 }
 
+/// Forces on a fluid of one shear yield stress.
+struct Fluidity {
+    kpa: f64,
+    ln_kpa: f64,
+    force: Force,
+}
+
 struct Tables {
     pulp: Force,
-    /// Shear yield stresses, kPa, rising, each with its force.
-    fluid: Vec<(f64, Force)>,
+    /// Stresses rise.
+    fluid: Vec<Fluidity>,
     yields: Fluid,
 }
 
@@ -39,7 +46,8 @@ static TABLES: LazyLock<Option<Tables>> = LazyLock::new(|| {
             None => fluid.push((kpa, vec![(mm, n)])),
         }
     }
-    let fluid = fluid.into_iter().map(|(kpa, points)| Some((kpa, Force::of(points)?)));
+    let fluid =
+        fluid.into_iter().map(|(kpa, points)| Some(Fluidity { kpa, ln_kpa: kpa.ln(), force: Force::of(points)? }));
     let pulp = rows(PULP).filter_map(|row| Some((*row.first()?, *row.get(1)?)));
     Some(Tables {
         pulp: Force::of(pulp.collect())?,
@@ -102,15 +110,15 @@ pub fn fluid_n(mm: f64, kpa: f64) -> f64 {
     if mm <= 0.0 || kpa <= 0.0 {
         return 0.0;
     }
-    let next = tables.fluid.partition_point(|(own, _)| *own < kpa);
+    let next = tables.fluid.partition_point(|own| own.kpa < kpa);
     match (next.checked_sub(1).map(|at| &tables.fluid[at]), tables.fluid.get(next)) {
-        (Some((low, below)), Some((high, above))) => {
-            let (below, above) = (below.at(mm), above.at(mm));
-            let part = (kpa / low).ln() / (high / low).ln();
-            if below == 0.0 { 0.0 } else { below * ((above / below).ln() * part).exp() }
+        (Some(low), Some(high)) => {
+            let (below, above) = (low.force.at(mm), high.force.at(mm));
+            let part = (kpa.ln() - low.ln_kpa) / (high.ln_kpa - low.ln_kpa);
+            if below == 0.0 { 0.0 } else { below * (above / below).powf(part) }
         }
-        (None, Some((first, force))) => force.at(mm) * kpa / first,
-        (Some((_, last)), None) => last.at(mm),
+        (None, Some(first)) => first.force.at(mm) * kpa / first.kpa,
+        (Some(last), None) => last.force.at(mm),
         (None, None) => 0.0,
     }
 }
@@ -118,9 +126,8 @@ pub fn fluid_n(mm: f64, kpa: f64) -> f64 {
 /// What the table leaves open between its travels, of the force of the nearest stress above, N.
 #[must_use]
 pub fn fluid_open_n(mm: f64, kpa: f64) -> f64 {
-    let above = |tables: &Tables| {
-        tables.fluid.iter().find(|(own, _)| *own >= kpa).map(|(own, force)| force.open(mm) * kpa / own)
-    };
+    let above =
+        |tables: &Tables| tables.fluid.iter().find(|own| own.kpa >= kpa).map(|own| own.force.open(mm) * kpa / own.kpa);
     TABLES.as_ref().and_then(above).unwrap_or(0.0)
 }
 

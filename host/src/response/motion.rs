@@ -12,6 +12,8 @@ const SHARE: f64 = 0.5;
 const MOST_PARTS: f64 = 64.0;
 /// Most events inside a part of a piece.
 const MOST_EVENTS: usize = 40;
+/// Durations are one that differ by no more than the stamps of an even recording are rounded by, s.
+const ROUNDED_S: f64 = 1e-13;
 /// Relative distance of two poles below which the resonant drive is moved off: the closed form divides by it.
 const APART: f64 = 1e-5;
 
@@ -345,7 +347,7 @@ impl Shaft {
     }
 
     fn transition(&mut self, over_s: f64) -> Transition {
-        let same = |t: &&Transition| (t.over_s - over_s).abs() <= 1e-12 * over_s;
+        let same = |t: &&Transition| (t.over_s - over_s).abs() <= ROUNDED_S;
         if let Some(known) = self.known.iter().flatten().find(same) {
             return *known;
         }

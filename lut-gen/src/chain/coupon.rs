@@ -105,12 +105,13 @@ impl Column {
         for &(mu_mpa, alpha) in &self.terms {
             let factor = 2.0 * mu_mpa / alpha;
             let (power, x) = ((alpha * ln).exp(), -alpha * self.spread * ln);
-            let volume = x.exp();
+            let beyond = x.exp_m1();
+            let volume = 1.0 + beyond;
             state.pressure -= factor * (power - volume) / stretch;
             state.slope +=
                 factor * ((alpha - 1.0) * power + (alpha * self.spread + 1.0) * volume) / (stretch * stretch);
             // (e^x - 1) / m, its limit -alpha ln l for m -> 0
-            let part = if self.spread.abs() < 1e-9 { -alpha * ln } else { x.exp_m1() / self.spread };
+            let part = if self.spread.abs() < 1e-9 { -alpha * ln } else { beyond / self.spread };
             state.energy += factor / alpha * (power - 1.0 + part);
         }
         state
@@ -132,34 +133,35 @@ impl Model {
         let recorded = self.driven(&run.time_s, &run.depth_mm, contact_mm);
         let before_mm = self.before_mm(run.before_mm, &run.depth_mm, &recorded);
         let stretch = |depth_mm: f64| (1.0 - depth_mm.max(0.0) / height_mm).max(SHORTEST);
-        let force_on = |depth_mm: &[f64]| -> Vec<f64> {
+        let before = column.at(stretch(before_mm)).energy;
+        let force_on = |depth_mm: &[f64]| -> (Vec<f64>, Vec<State>) {
             let stretches: Vec<f64> = depth_mm.iter().map(|d| stretch(*d)).collect();
-            let mut force: Vec<f64> = stretches.iter().map(|l| run.area_mm2 * column.at(*l).pressure).collect();
-            let before = stretch(before_mm);
+            let states: Vec<State> = stretches.iter().map(|l| column.at(*l)).collect();
+            let mut force: Vec<f64> = states.iter().map(|state| run.area_mm2 * state.pressure).collect();
             for setting in self.of(&softening::EFFECT) {
-                self.soften(&column, (setting.values[0], setting.values[1]), before, &stretches, &mut force);
+                self.soften((setting.values[0], setting.values[1]), before, &states, &mut force);
             }
             let series = self.relaxing();
             if !series.is_empty() {
                 relaxation::convolved(&run.time_s, &stretches, &series, &mut force);
             }
             self.rub(run, &stretches, &mut force);
-            force
+            (force, states)
         };
         let mm_per_n = self.first(&compliance::EFFECT, 0);
-        let mut force = force_on(&recorded);
+        let (mut force, mut states) = force_on(&recorded);
         if mm_per_n != 0.0 {
             let mut depth = recorded.clone();
             for _ in 0..ROUNDS {
                 let mut moved = 0.0_f64;
-                for ((d, x), f) in depth.iter_mut().zip(&recorded).zip(&force) {
-                    let slope = run.area_mm2 / height_mm * column.at(stretch(*d)).slope;
+                for (((d, x), f), state) in depth.iter_mut().zip(&recorded).zip(&force).zip(&states) {
+                    let slope = run.area_mm2 / height_mm * state.slope;
                     let next = *d + compliance::correction(*x, *d, *f, slope, mm_per_n);
                     let next = next.max(0.0).min(x.max(0.0));
                     moved = moved.max((next - *d).abs());
                     *d = next;
                 }
-                force = force_on(&depth);
+                (force, states) = force_on(&depth);
                 if moved < SHARED_MM {
                     break;
                 }
@@ -185,12 +187,13 @@ impl Model {
     }
 
     /// Ogden and Roxburgh's factor of a material point, which all points are: the law behind what [`softening::factor`] is of a contact.
-    fn soften(&self, column: &Column, (loss, scale): (f64, f64), before: f64, stretches: &[f64], force_n: &mut [f64]) {
+    /// `before` is the largest energy (MPa) of earlier runs.
+    fn soften(&self, (loss, scale): (f64, f64), before: f64, states: &[State], force_n: &mut [f64]) {
         let (r, m_over_mu, beta) = softening::of_points(loss, scale);
         let law = OgdenRoxburgh { r, m_mpa: m_over_mu * self.mu_mpa, beta };
-        let mut largest = column.at(before).energy;
-        for (force, stretch) in force_n.iter_mut().zip(stretches) {
-            let (share, _, now) = law.factor(column.at(*stretch).energy, largest);
+        let mut largest = before;
+        for (force, state) in force_n.iter_mut().zip(states) {
+            let (share, _, now) = law.factor(state.energy, largest);
             *force *= share;
             largest = now;
         }

@@ -507,16 +507,17 @@ mod tests {
         let need = Need { effects: true };
         let failed = || SolveError::parameter("injected", 1.0, "must fail");
         let silent = |_: usize, _: usize| {};
+        let small = small(&geometry);
         let with = |fails: &'static str| {
-            Library::assembled(&[geometry], need, &silent, &|geometry, part| match part {
+            Library::assembled(&[geometry], need, &silent, &|_, part| match part {
                 part if part.code() == fails => Err(failed()),
                 // cheap stand-ins: what they hold plays no part here
                 Part::Memory(alpha) => Ok(Made::Memory(alpha, 0.3)),
                 Part::Friction(_) => Ok(Made::Friction(Vec::new())),
-                Part::Height => Ok(Made::Height(small(geometry))),
-                Part::Poisson => Ok(Made::Poisson(small(geometry))),
-                Part::Sliding => Ok(Made::Sliding(small(geometry))),
-                Part::Declared => Ok(Made::Declared(small(geometry))),
+                Part::Height => Ok(Made::Height(small.clone())),
+                Part::Poisson => Ok(Made::Poisson(small.clone())),
+                Part::Sliding => Ok(Made::Sliding(small.clone())),
+                Part::Declared => Ok(Made::Declared(small.clone())),
             })
         };
         let whole = with("none").unwrap();

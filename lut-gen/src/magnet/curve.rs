@@ -39,12 +39,27 @@ impl Rising {
         if x >= self.x[end] {
             return self.y[end];
         }
-        let i = self.x.partition_point(|own| *own <= x).clamp(1, end);
+        let i = self.end_of_part(x);
         let width = self.x[i] - self.x[i - 1];
         let t = (x - self.x[i - 1]) / width;
         let (first, last) = (width * self.slope[i - 1], width * self.slope[i]);
         let rise = self.y[i] - self.y[i - 1];
         self.y[i - 1] + t * (first + t * (3.0 * rise - 2.0 * first - last + t * (first + last - 2.0 * rise)))
+    }
+
+    /// The point after `x`, which lies between the first and the last: looked for from where it is if points are evenly apart,
+    /// as they nearly always are.
+    fn end_of_part(&self, x: f64) -> usize {
+        let end = self.x.len() - 1;
+        let share = (x - self.x[0]) / (self.x[end] - self.x[0]);
+        let mut i = ((share * end as f64) as usize + 1).clamp(1, end);
+        while i < end && self.x[i] <= x {
+            i += 1;
+        }
+        while i > 1 && self.x[i - 1] > x {
+            i -= 1;
+        }
+        i
     }
 
     /// Where the value is `y`; `None` outside of the points.
@@ -189,6 +204,17 @@ mod tests {
                 assert!((curve.current_a(curve.flux_t(a)).unwrap() - a).abs() < 1e-9);
             }
             assert_eq!(curve.current_a(bent(4.0) + 1e-6), None);
+        }
+    }
+
+    #[test]
+    fn points_that_are_not_evenly_apart_are_found_as_well() {
+        let x = vec![-1.0, -0.9, 0.0, 5.0, 5.01, 5.02, 20.0];
+        let curve = Rising::new(x.clone(), x.clone()).unwrap();
+        for value in (-99..2000).map(|k| 0.01 * f64::from(k)) {
+            let end = x.partition_point(|own| *own <= value);
+            assert_eq!(curve.end_of_part(value), end, "{value}");
+            assert!((curve.at(value) - value).abs() < 1e-12);
         }
     }
 

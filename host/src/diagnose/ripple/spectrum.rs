@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use rustfft::FftPlanner;
+use rustfft::FftPlannerScalar;
 use rustfft::num_complex::Complex;
 
 use crate::experiment::motion;
@@ -63,7 +63,7 @@ pub(super) fn of(experiment: &Experiment, design: &Design, curves: &[Curve]) -> 
 /// Differences between each run and the next one of its condition, branch by branch.
 fn branches(experiment: &Experiment, design: &Design, curves: &[Curve]) -> Vec<Branch> {
     let mut list = Vec::new();
-    let mut planner = FftPlanner::new();
+    let mut planner = FftPlannerScalar::new();
     for (at, series) in design.series.iter().enumerate() {
         let repeats = |other: &&Series| other.condition == series.condition && other.spot != series.spot;
         let Some(next) = design.series[at + 1..].iter().find(repeats) else { continue };
@@ -134,7 +134,7 @@ fn difference(
 
 impl Branch {
     fn of(
-        planner: &mut FftPlanner<f64>,
+        planner: &mut FftPlannerScalar<f64>,
         time_s: &[f64],
         force_n: &[f64],
         shapes: &[Vec<f64>],
@@ -205,7 +205,7 @@ struct Spectrum {
 
 impl Spectrum {
     /// Of samples at times (s), of which there are two at least.
-    fn of(planner: &mut FftPlanner<f64>, time_s: &[f64], values: Vec<f64>) -> Self {
+    fn of(planner: &mut FftPlannerScalar<f64>, time_s: &[f64], values: Vec<f64>) -> Self {
         let count = values.len();
         let step_s = (time_s[count - 1] - time_s[0]) / (count - 1) as f64;
         let values = evenly(time_s, step_s, values);
@@ -321,7 +321,7 @@ mod tests {
                             + amplitude * (std::f64::consts::TAU * wave(*t, rate) + phase).sin()
                     })
                     .collect();
-                list.extend(Branch::of(&mut FftPlanner::new(), &time, &force, &[], rate));
+                list.extend(Branch::of(&mut FftPlannerScalar::new(), &time, &force, &[], rate));
             }
         }
         list
@@ -334,7 +334,7 @@ mod tests {
             let time: Vec<f64> = (0..600).map(|k| 0.02 * (f64::from(k) + uneven * f64::from(k % 3))).collect();
             let tapered = |t: &f64| (0.5 - 0.5 * (std::f64::consts::TAU * t / 12.0).cos()) * (2.0 + (19.0 * t).sin());
             let values: Vec<f64> = time.iter().map(tapered).collect();
-            let spectrum = Spectrum::of(&mut FftPlanner::new(), &time, values.clone());
+            let spectrum = Spectrum::of(&mut FftPlannerScalar::new(), &time, values.clone());
             let largest = spectrum.power.iter().copied().fold(0.0, f64::max);
             for k in 1..200 {
                 let turn = std::f64::consts::TAU * 0.03 * f64::from(k);
@@ -356,7 +356,7 @@ mod tests {
             let wave = |t: &f64| 0.004 * (std::f64::consts::TAU * 50.2 * t + phase).sin();
             let force: Vec<f64> =
                 time.iter().map(|t| wave(t) + 0.01 * chance.sample::<f64, _>(StandardNormal)).collect();
-            Branch::of(&mut FftPlanner::new(), &time, &force, &[], 0.0).unwrap()
+            Branch::of(&mut FftPlannerScalar::new(), &time, &force, &[], 0.0).unwrap()
         };
         let holds = [hold(), hold(), hold()];
         let found = line(&holds, Over::Time).unwrap();

@@ -482,21 +482,26 @@ pub fn compare(data: &LoadingCurve, track: &Track, contact_mm: f64) -> Compared 
 
 /// The same for one of so many samples only.
 fn compare_some(data: &LoadingCurve, track: &Track, contact_mm: f64, of: usize) -> Compared {
-    let pairs = (0..data.force_n.len()).step_by(of).map(|at| {
-        let (model, slope) = modelled(data, track, contact_mm, at);
-        (data.force_n[at] - model, -slope)
-    });
-    let (residual_n, by_contact) = pairs.unzip();
+    let modelled = modelled(data, track, contact_mm, of);
+    let measured = data.force_n.iter().step_by(of);
+    let (residual_n, by_contact) = measured.zip(modelled).map(|(n, (model, slope))| (n - model, -slope)).unzip();
     Compared { residual_n, by_contact }
 }
 
 /// Modelled forces (N) at the samples.
 pub fn forces(data: &LoadingCurve, track: &Track, contact_mm: f64) -> Vec<f64> {
-    (0..data.force_n.len()).map(|at| modelled(data, track, contact_mm, at).0).collect()
+    modelled(data, track, contact_mm, 1).into_iter().map(|(force, _)| force).collect()
 }
 
-/// Modelled force (N) at a sample, and its slope (N/mm).
-fn modelled(data: &LoadingCurve, track: &Track, contact_mm: f64, at: usize) -> (f64, f64) {
-    let depth_mm = data.depth_mm[at] - contact_mm;
-    if at < data.hold_from { track.ramp(depth_mm) } else { track.hold(depth_mm, data.time_s[at]) }
+/// Modelled forces (N) at one of so many samples, and their slopes (N/mm).
+fn modelled(data: &LoadingCurve, track: &Track, contact_mm: f64, of: usize) -> Vec<(f64, f64)> {
+    let depth_mm: Vec<f64> = data.depth_mm.iter().step_by(of).map(|d| d - contact_mm).collect();
+    let mut both = track.ramps(&depth_mm);
+    for (at, (force, slope)) in (0..data.depth_mm.len()).step_by(of).zip(&mut both) {
+        if at >= data.hold_from {
+            let left = track.left(data.time_s[at]);
+            (*force, *slope) = (*force * left, *slope * left);
+        }
+    }
+    both
 }

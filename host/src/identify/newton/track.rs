@@ -1,6 +1,9 @@
 //! Force over depth and hold time of one condition, from the values of its grid.
 
-use lut_gen::solid::model::{HOLD_NODES, Press, RAMP_NODES};
+use lut_gen::solid::model::{HOLD_NODES, Press, RAMP_NODES, clenshaw_and_slope, clenshaw_and_slope_each};
+
+/// Depths that are computed at once: a recurrence waits for itself, several do not.
+const AT_ONCE: usize = 8;
 
 /// Force on a ball or a face that goes down and then may stand.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,21 +65,50 @@ impl Track {
     /// logarithm goes on straight in `s`.
     #[must_use]
     pub fn ramp(&self, depth_mm: f64) -> (f64, f64) {
-        if self.rounding_mm <= 0.0 {
-            return self.sharp(depth_mm);
-        }
-        let round = depth_mm.hypot(self.rounding_mm);
-        let (force, slope) = self.sharp(0.5 * (depth_mm + round));
-        (force, slope * 0.5 * (1.0 + depth_mm / round))
+        let (sharp_mm, by_depth) = self.rounded(depth_mm);
+        let (force, slope) = self.sharp(sharp_mm, clenshaw_and_slope(&self.coefficients, self.place(sharp_mm)));
+        (force, slope * by_depth)
     }
 
-    fn sharp(&self, depth_mm: f64) -> (f64, f64) {
+    /// The same at some depths (mm).
+    #[must_use]
+    pub fn ramps(&self, depth_mm: &[f64]) -> Vec<(f64, f64)> {
+        let mut all = Vec::with_capacity(depth_mm.len());
+        for some in depth_mm.chunks(AT_ONCE) {
+            let mut rounded = [(0.0, 0.0); AT_ONCE];
+            rounded.iter_mut().zip(some).for_each(|(to, depth)| *to = self.rounded(*depth));
+            let (value, slope) =
+                clenshaw_and_slope_each(&self.coefficients, rounded.map(|(depth_mm, _)| self.place(depth_mm)));
+            all.extend((0..some.len()).map(|i| {
+                let (sharp_mm, by_depth) = rounded[i];
+                let (force, slope) = self.sharp(sharp_mm, (value[i], slope[i]));
+                (force, slope * by_depth)
+            }));
+        }
+        all
+    }
+
+    /// The depth (mm) at which a sharp contact has the force of a rounded one, and its derivative.
+    fn rounded(&self, depth_mm: f64) -> (f64, f64) {
+        if self.rounding_mm <= 0.0 {
+            return (depth_mm, 1.0);
+        }
+        let round = depth_mm.hypot(self.rounding_mm);
+        (0.5 * (depth_mm + round), 0.5 * (1.0 + depth_mm / round))
+    }
+
+    /// `2 s - 1`, within what was solved.
+    fn place(&self, depth_mm: f64) -> f64 {
+        2.0 * (depth_mm.max(0.0) / self.depth_max_mm).sqrt().min(1.0) - 1.0
+    }
+
+    /// From the sum at its place and its slope there.
+    fn sharp(&self, depth_mm: f64, (mut q, half): (f64, f64)) -> (f64, f64) {
         if depth_mm <= 0.0 {
             return (0.0, 0.0);
         }
         let s = (depth_mm / self.depth_max_mm).sqrt();
-        let (mut q, slope) = chebyshev(&self.coefficients, 2.0 * s.min(1.0) - 1.0);
-        let slope = 2.0 * slope;
+        let slope = 2.0 * half;
         q += slope * (s - s.min(1.0));
         let force = (self.ln_mu + q).exp() * self.power(depth_mm);
         (force + self.wrong(s * s), force * (self.exponent + 0.5 * slope * s) / depth_mm)
@@ -87,7 +119,7 @@ impl Track {
         if size == 0.0 {
             return 0.0;
         }
-        let (q, _) = chebyshev(&self.coefficients, 1.0);
+        let (q, _) = clenshaw_and_slope(&self.coefficients, 1.0);
         let peak = (self.ln_mu + q).exp() * self.power(self.depth_max_mm);
         size * peak * x * (waves * std::f64::consts::PI * x).cos()
     }
@@ -101,8 +133,9 @@ impl Track {
         (force * left, slope * left)
     }
 
-    /// What is left of the peak's force, by the cubic through four neighbours on the even grid.
-    fn left(&self, time_s: f64) -> f64 {
+    /// What is left of the peak's force at a time (s) since it, by the cubic through four neighbours on the even grid.
+    #[must_use]
+    pub fn left(&self, time_s: f64) -> f64 {
         if self.hold.len() < 4 {
             return 1.0;
         }
@@ -115,16 +148,6 @@ impl Track {
             -p[0] * t1 * t2 * t3 / 6.0 + p[1] * t * t2 * t3 / 2.0 - p[2] * t * t1 * t3 / 2.0 + p[3] * t * t1 * t2 / 6.0;
         ln.exp()
     }
-}
-
-/// A Chebyshev sum and its derivative at `x` in [-1, 1], by Clenshaw's recurrence.
-fn chebyshev(coefficients: &[f64; RAMP_NODES], x: f64) -> (f64, f64) {
-    let (mut b1, mut b2, mut d1, mut d2) = (0.0, 0.0, 0.0, 0.0);
-    for at in (1..RAMP_NODES).rev() {
-        let c = coefficients[at];
-        (b1, b2, d1, d2) = (2.0 * x * b1 - b2 + c, b1, 2.0 * b1 + 2.0 * x * d1 - d2, d1);
-    }
-    (x * b1 - b2 + coefficients[0], b1 + x * d1 - d2)
 }
 
 #[cfg(test)]
@@ -156,6 +179,11 @@ mod tests {
             assert!((track.hold(4.0, t).0 / exact - 1.0).abs() < 1e-3, "{t}");
         }
         assert_eq!(track.ramp(-0.1), (0.0, 0.0));
+        // More than are computed at once, and some left over.
+        let depths: Vec<f64> = (-1..18).map(|k| 0.25 * f64::from(k)).collect();
+        for (d, both) in depths.iter().zip(track.ramps(&depths)) {
+            assert_eq!(both, track.ramp(*d), "{d}");
+        }
         let round = track.beginning_as(1.5, 0.05);
         for d in [-0.1, 0.0, 0.03, 1.0] {
             let quotient = (round.ramp(d + 1e-5).0 - round.ramp(d - 1e-5).0) / 2e-5;

@@ -20,7 +20,7 @@ mod simulation;
 mod slice;
 mod specimen;
 
-pub use chebyshev::{Axis, Scale};
+pub use chebyshev::{Axis, Scale, clenshaw_and_slope, clenshaw_and_slope_each};
 pub use compression::{Compression, Ends};
 pub use curve::{Curve, Stats};
 pub use force::{ErrorBound, ForceGradient, ForceModel};

@@ -1,8 +1,7 @@
 //! Hangs, silence and overflows of the real image: outputs off in time, and the cause is told after the reset.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use emulator::board::{BANK_2, EmulatedBoard, LSI_HZ, LSI_RANGE_HZ, Task};
 use emulator::chip::Reset;
 use emulator::core::Deed;

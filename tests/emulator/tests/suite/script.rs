@@ -1,4 +1,5 @@
 //! A session that is the same on every board: what happens after which control tick, whatever the board says.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use emulator::board::EmulatedBoard;
 use palpate::plant::{Broken, Foam, Input, Touch};

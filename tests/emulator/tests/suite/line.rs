@@ -1,8 +1,7 @@
 //! The 115200 baud of the real image's UART: what fits, and what is left out when more is asked for.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use emulator::board::{BANK_2, EmulatedBoard};
 use emulator::link::EmulatedUart;
 use palpate::link::{BAUD, Link, LinkError};

@@ -1,8 +1,7 @@
 //! When ticks come, measured from start to start by the board itself.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use emulator::link::EmulatedUart;
 use palpate::session::{Patience, Session};
 

@@ -1,8 +1,7 @@
 //! Lamps and button of the NUCLEO.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use emulator::board::{BANK_2, EmulatedBoard};
 use emulator::link::EmulatedUart;
 use palpate::session::{Patience, Session};

@@ -1,10 +1,8 @@
 //! The same scripted session on the in-process board and on the emulated real image.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-#[path = "common/script.rs"]
-mod script;
-
+use crate::common;
+use crate::script::{self, Act, Heard, Script};
 use firmware::coil::winding::CoilCircuit;
 use palpate::plant::{Broken, Input, Jitter, Touch};
 use palpate::simulated_board::{SimulatedBoard, Timing};
@@ -15,7 +13,6 @@ use protocol::message::{
     DisplayMode, DisplayState, Empty, Halves, HelloRequest, Mode, PalpationMode, Parts, Request, Rule, SCHEMA_HASH,
     State, Telemetry, Verdict,
 };
-use script::{Act, Heard, Script};
 
 /// What the hand does at the display.
 const TOUCH: Touch = Touch { peak_n: 3.0, period_s: 3.0 };

@@ -1,8 +1,7 @@
 //! `palpate flash` end to end: probe-rs' own flash algorithm for the STM32F4, executed by the emulated core.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use std::path::Path;
 
 use emulator::board::LSI_HZ;

@@ -1,7 +1,7 @@
 //! The identification as compiled for the board gives the host's bits: the hashes of `tests/tests/suite/same_bits.rs`, computed by an emulated Cortex-M4F.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 #[test]
 fn the_code_for_the_board_gives_the_same_bits_as_that_for_the_host() {

@@ -1,8 +1,7 @@
 //! Host and real image of different versions: the frozen rescue message gets through, and each side says what to do.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use emulator::board::EmulatedBoard;
 use emulator::link::EmulatedUart;
 use firmware::board::FIRMWARE_VERSION;

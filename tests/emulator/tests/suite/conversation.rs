@@ -1,8 +1,7 @@
 //! The image starts, answers over its UART, in virtual time and over TCP, and does the same every time.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;

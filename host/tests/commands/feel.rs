@@ -78,7 +78,7 @@ fn a_voice_coil_is_nearer_and_faster_than_a_spindle() {
 fn a_voice_coil_has_the_whole_stroke() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("deep.csv");
-    let eva = include_str!("../curves/eva.csv");
+    let eva = include_str!("../../curves/eva.csv");
     let (head, rows) = eva.split_at(eva.find("\n0,").unwrap() + 1);
     let deeper = |line: &str| {
         let mut cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();

@@ -4,8 +4,7 @@
 //! from the flash as it was after each of them, and in the middle of each: a word of which some bits are programmed, a sector whose bits are erased at random.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use emulator::board::{BANK_2, EmulatedBoard};
 use emulator::chip::{Change, Reset};
 use emulator::link::EmulatedUart;

@@ -2,8 +2,7 @@
 //! and what is left after an end that nobody wanted.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use std::collections::BTreeMap;
 
 use emulator::board::{BANK_2, EmulatedBoard, Task};

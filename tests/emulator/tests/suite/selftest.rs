@@ -1,8 +1,7 @@
 //! The self test of a bare NUCLEO on the emulated one: everything passes as drawn, and each fault is found where it is.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use emulator::board::{EmulatedBoard, LSI_HZ};
 use emulator::elf::Image;
 use emulator::jumpers::{AS_DRAWN, From, Jumper, Jumpers};

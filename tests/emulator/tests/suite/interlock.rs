@@ -3,8 +3,7 @@
 //! `PALPATE_SCENARIOS` sets how many random scenarios are run; 1,000 take about half an hour on two cores.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common;
 use emulator::board::{BANK_2, EmulatedBoard, LSI_HZ, LSI_RANGE_HZ, Task};
 use emulator::core::Deed;
 use emulator::link::EmulatedUart;
