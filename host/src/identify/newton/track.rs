@@ -75,15 +75,16 @@ impl Track {
     pub fn ramps(&self, depth_mm: &[f64]) -> Vec<(f64, f64)> {
         let mut all = Vec::with_capacity(depth_mm.len());
         for some in depth_mm.chunks(AT_ONCE) {
-            let mut rounded = [(0.0, 0.0); AT_ONCE];
-            rounded.iter_mut().zip(some).for_each(|(to, depth)| *to = self.rounded(*depth));
-            let (value, slope) =
-                clenshaw_and_slope_each(&self.coefficients, rounded.map(|(depth_mm, _)| self.place(depth_mm)));
-            all.extend((0..some.len()).map(|i| {
-                let (sharp_mm, by_depth) = rounded[i];
-                let (force, slope) = self.sharp(sharp_mm, (value[i], slope[i]));
-                (force, slope * by_depth)
-            }));
+            let (mut rounded, mut places) = ([(0.0, 0.0); AT_ONCE], [0.0; AT_ONCE]);
+            for (i, depth_mm) in some.iter().enumerate() {
+                rounded[i] = self.rounded(*depth_mm);
+                places[i] = self.place(rounded[i].0);
+            }
+            let (values, slopes) = clenshaw_and_slope_each(&self.coefficients, places);
+            for (i, (sharp_mm, by_depth)) in rounded.into_iter().take(some.len()).enumerate() {
+                let (force, slope) = self.sharp(sharp_mm, (values[i], slopes[i]));
+                all.push((force, slope * by_depth));
+            }
         }
         all
     }

@@ -160,11 +160,17 @@ pub fn clenshaw(coefficients: &[f64], x: f64) -> f64 {
 #[must_use]
 pub fn clenshaw_each<const N: usize>(coefficients: &[f64], x: [f64; N]) -> [f64; N] {
     let (mut one, mut two) = ([0.0; N], [0.0; N]);
-    for c in coefficients.iter().skip(1).rev() {
-        (one, two) = (std::array::from_fn(|i| 2.0 * x[i] * one[i] - two[i] + c), one);
+    let Some((first, others)) = coefficients.split_first() else { return one };
+    // loops and no closures, which are not inlined in every profile
+    for c in others.iter().rev() {
+        for i in 0..N {
+            (one[i], two[i]) = (2.0 * x[i] * one[i] - two[i] + c, one[i]);
+        }
     }
-    let first = coefficients.first().copied().unwrap_or(0.0);
-    std::array::from_fn(|i| x[i] * one[i] - two[i] + first)
+    for i in 0..N {
+        one[i] = x[i] * one[i] - two[i] + first;
+    }
+    one
 }
 
 /// The same with its derivative by `x`: the recurrence is differentiated.
@@ -179,13 +185,18 @@ pub fn clenshaw_and_slope(coefficients: &[f64], x: f64) -> (f64, f64) {
 pub fn clenshaw_and_slope_each<const N: usize>(coefficients: &[f64], x: [f64; N]) -> ([f64; N], [f64; N]) {
     let (mut one, mut two) = ([0.0; N], [0.0; N]);
     let (mut by_one, mut by_two) = ([0.0; N], [0.0; N]);
-    for c in coefficients.iter().skip(1).rev() {
-        (by_one, by_two) = (std::array::from_fn(|i| 2.0 * (one[i] + x[i] * by_one[i]) - by_two[i]), by_one);
-        (one, two) = (std::array::from_fn(|i| 2.0 * x[i] * one[i] - two[i] + c), one);
+    let Some((first, others)) = coefficients.split_first() else { return (one, by_one) };
+    for c in others.iter().rev() {
+        for i in 0..N {
+            (by_one[i], by_two[i]) = (2.0 * (one[i] + x[i] * by_one[i]) - by_two[i], by_one[i]);
+            (one[i], two[i]) = (2.0 * x[i] * one[i] - two[i] + c, one[i]);
+        }
     }
-    let first = coefficients.first().copied().unwrap_or(0.0);
-    let value = std::array::from_fn(|i| x[i] * one[i] - two[i] + first);
-    (value, std::array::from_fn(|i| one[i] + x[i] * by_one[i] - by_two[i]))
+    for i in 0..N {
+        by_one[i] = one[i] + x[i] * by_one[i] - by_two[i];
+        one[i] = x[i] * one[i] - two[i] + first;
+    }
+    (one, by_one)
 }
 
 /// Coefficients of the sum of so many polynomials that comes closest to points `(x, y)` with weights, `x` in -1..1: fewer where there are fewer points.

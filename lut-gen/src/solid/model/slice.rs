@@ -53,8 +53,8 @@ impl ForceSlice {
     /// The same at some depths (mm), handed over one after the other.
     pub fn forces(&self, depth_mm: impl Iterator<Item = f64>, mut take: impl FnMut(f64)) {
         some_at_once(depth_mm, |some, count| {
-            let s = some.map(|d| self.root(d));
-            let q = clenshaw_each(&self.coefficients, s.map(|s| 2.0 * s - 1.0));
+            let (s, places) = self.roots(&some);
+            let q = clenshaw_each(&self.coefficients, places);
             for (d, (s, q)) in some.into_iter().zip(s.into_iter().zip(q)).take(count) {
                 take(if self.is_solved(d) { self.within(d, s * q) } else { self.force(d) });
             }
@@ -64,8 +64,8 @@ impl ForceSlice {
     /// [`Self::force_and_slope`] at some depths (mm), handed over one after the other.
     pub fn forces_and_slopes(&self, depth_mm: impl Iterator<Item = f64>, mut take: impl FnMut((f64, f64))) {
         some_at_once(depth_mm, |some, count| {
-            let s = some.map(|d| self.root(d));
-            let (q, half) = clenshaw_and_slope_each(&self.coefficients, s.map(|s| 2.0 * s - 1.0));
+            let (s, places) = self.roots(&some);
+            let (q, half) = clenshaw_and_slope_each(&self.coefficients, places);
             for (i, d) in some.into_iter().enumerate().take(count) {
                 let solved = self.is_solved(d);
                 take(if solved { self.both(d, s[i], (q[i], half[i])) } else { self.force_and_slope(d) });
@@ -73,8 +73,14 @@ impl ForceSlice {
         });
     }
 
-    fn root(&self, depth_mm: f64) -> f64 {
-        (depth_mm.clamp(0.0, self.depth_max_mm) / self.depth_max_mm).sqrt()
+    /// `s` and `2 s - 1`, within what was solved.
+    fn roots(&self, depth_mm: &[f64; AT_ONCE]) -> ([f64; AT_ONCE], [f64; AT_ONCE]) {
+        let (mut roots, mut places) = ([0.0; AT_ONCE], [0.0; AT_ONCE]);
+        for (i, d) in depth_mm.iter().enumerate() {
+            roots[i] = (d.clamp(0.0, self.depth_max_mm) / self.depth_max_mm).sqrt();
+            places[i] = 2.0 * roots[i] - 1.0;
+        }
+        (roots, places)
     }
 
     fn is_solved(&self, depth_mm: f64) -> bool {
