@@ -23,7 +23,7 @@ struct Force {
 }
 
 /// Forces on a fluid of one shear yield stress.
-struct Fluidity {
+struct OnFluid {
     kpa: f64,
     ln_kpa: f64,
     force: Force,
@@ -32,7 +32,7 @@ struct Fluidity {
 struct Tables {
     pulp: Force,
     /// Stresses rise.
-    fluid: Vec<Fluidity>,
+    fluid: Vec<OnFluid>,
     yields: Fluid,
 }
 
@@ -47,7 +47,7 @@ static TABLES: LazyLock<Option<Tables>> = LazyLock::new(|| {
         }
     }
     let fluid =
-        fluid.into_iter().map(|(kpa, points)| Some(Fluidity { kpa, ln_kpa: kpa.ln(), force: Force::of(points)? }));
+        fluid.into_iter().map(|(kpa, points)| Some(OnFluid { kpa, ln_kpa: kpa.ln(), force: Force::of(points)? }));
     let pulp = rows(PULP).filter_map(|row| Some((*row.first()?, *row.get(1)?)));
     Some(Tables {
         pulp: Force::of(pulp.collect())?,

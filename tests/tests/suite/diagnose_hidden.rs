@@ -63,6 +63,8 @@ fn clean_data_stay_clean() {
         clean(Design::D18, 31_002, Matched),
         clean(Design::D18, 31_102, Mismatched),
         clean(Design::D36, 31_103, Mismatched),
+        clean(Design::D18, 31_000, Matched),
+        clean(Design::D18, 31_101, Mismatched),
     ];
     all_are(Outcome::CleanRight, &cases);
 }
@@ -135,10 +137,13 @@ fn the_order_of_the_runs_does_not_matter() {
 /// Declared radii of 4 and 6 mm are swapped: a quarter more and a third less. That is not one ball's error, and no material does it.
 #[test]
 fn swapped_radii_get_no_confident_name() {
-    let found = answer(&control::with_radii_swapped(&experiment(&clean(Design::D18, 31_001, NoiseKind::Matched))));
-    let about_radii = |codes: Vec<&str>| !codes.is_empty() && codes.iter().all(|code| *code == "radius");
-    let noticed = found.verdict != Verdict::Clean && found.verdict != Verdict::Named;
-    assert!(noticed || about_radii(codes(&found)), "{found:?}");
+    for seed in [31_001, 31_002] {
+        let swapped = control::with_radii_swapped(&experiment(&clean(Design::D18, seed, NoiseKind::Matched)));
+        let found = answer(&swapped);
+        let about_radii = |codes: Vec<&str>| !codes.is_empty() && codes.iter().all(|code| *code == "radius");
+        let noticed = found.verdict != Verdict::Clean && found.verdict != Verdict::Named;
+        assert!(noticed || about_radii(codes(&found)), "{found:?}");
+    }
 }
 
 /// One run of every condition and no stated noise: refused, with the reason and what to do.

@@ -66,7 +66,8 @@ impl Track {
     #[must_use]
     pub fn ramp(&self, depth_mm: f64) -> (f64, f64) {
         let (sharp_mm, by_depth) = self.rounded(depth_mm);
-        let (force, slope) = self.sharp(sharp_mm, clenshaw_and_slope(&self.coefficients, self.place(sharp_mm)));
+        let s = self.share(sharp_mm);
+        let (force, slope) = self.sharp(sharp_mm, s, clenshaw_and_slope(&self.coefficients, place(s)));
         (force, slope * by_depth)
     }
 
@@ -75,14 +76,16 @@ impl Track {
     pub fn ramps(&self, depth_mm: &[f64]) -> Vec<(f64, f64)> {
         let mut all = Vec::with_capacity(depth_mm.len());
         for some in depth_mm.chunks(AT_ONCE) {
-            let (mut rounded, mut places) = ([(0.0, 0.0); AT_ONCE], [0.0; AT_ONCE]);
+            let mut rounded = [(0.0, 0.0); AT_ONCE];
+            let (mut shares, mut places) = ([0.0; AT_ONCE], [0.0; AT_ONCE]);
             for (i, depth_mm) in some.iter().enumerate() {
                 rounded[i] = self.rounded(*depth_mm);
-                places[i] = self.place(rounded[i].0);
+                shares[i] = self.share(rounded[i].0);
+                places[i] = place(shares[i]);
             }
             let (values, slopes) = clenshaw_and_slope_each(&self.coefficients, places);
             for (i, (sharp_mm, by_depth)) in rounded.into_iter().take(some.len()).enumerate() {
-                let (force, slope) = self.sharp(sharp_mm, (values[i], slopes[i]));
+                let (force, slope) = self.sharp(sharp_mm, shares[i], (values[i], slopes[i]));
                 all.push((force, slope * by_depth));
             }
         }
@@ -98,17 +101,16 @@ impl Track {
         (0.5 * (depth_mm + round), 0.5 * (1.0 + depth_mm / round))
     }
 
-    /// `2 s - 1`, within what was solved.
-    fn place(&self, depth_mm: f64) -> f64 {
-        2.0 * (depth_mm.max(0.0) / self.depth_max_mm).sqrt().min(1.0) - 1.0
+    /// `s` at a depth, 0 before contact.
+    fn share(&self, depth_mm: f64) -> f64 {
+        (depth_mm.max(0.0) / self.depth_max_mm).sqrt()
     }
 
-    /// From the sum at its place and its slope there.
-    fn sharp(&self, depth_mm: f64, (mut q, half): (f64, f64)) -> (f64, f64) {
+    /// From `s`, and the sum at its place and its slope there.
+    fn sharp(&self, depth_mm: f64, s: f64, (mut q, half): (f64, f64)) -> (f64, f64) {
         if depth_mm <= 0.0 {
             return (0.0, 0.0);
         }
-        let s = (depth_mm / self.depth_max_mm).sqrt();
         let slope = 2.0 * half;
         q += slope * (s - s.min(1.0));
         let force = (self.ln_mu + q).exp() * self.power(depth_mm);
@@ -149,6 +151,11 @@ impl Track {
             -p[0] * t1 * t2 * t3 / 6.0 + p[1] * t * t2 * t3 / 2.0 - p[2] * t * t1 * t3 / 2.0 + p[3] * t * t1 * t2 / 6.0;
         ln.exp()
     }
+}
+
+/// Where a sum is taken for `s`, within what was solved.
+fn place(s: f64) -> f64 {
+    2.0 * s.min(1.0) - 1.0
 }
 
 #[cfg(test)]

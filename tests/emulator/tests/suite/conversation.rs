@@ -1,7 +1,6 @@
 //! The image starts, answers over its UART, in virtual time and over TCP, and does the same every time.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -12,6 +11,8 @@ use palpate::link::{Disturbance, Disturbed, Link, Tcp};
 use palpate::session::{Event, Patience, Session};
 use protocol::lut::Table;
 use protocol::message::{ResetCause, State};
+
+use crate::common;
 
 #[test]
 fn the_image_answers_hello_and_sends_a_record_every_tick() {

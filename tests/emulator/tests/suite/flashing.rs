@@ -1,7 +1,6 @@
 //! `palpate flash` end to end: probe-rs' own flash algorithm for the STM32F4, executed by the emulated core.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use std::path::Path;
 
 use emulator::board::LSI_HZ;
@@ -11,6 +10,8 @@ use emulator::link::EmulatedUart;
 use palpate::flash::{CHIP, Expected, Firmware, FlashingError, Greeted, Job, Step, TableImage, greet, write};
 use palpate::link::{Link, LinkError};
 use protocol::lut::Table;
+
+use crate::common;
 
 /// Greets over a link that is open already.
 fn greet_once(link: impl Link, expected: &Expected) -> Result<Greeted, FlashingError> {

@@ -1,7 +1,6 @@
 //! Hangs, silence and overflows of the real image: outputs off in time, and the cause is told after the reset.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use emulator::board::{BANK_2, EmulatedBoard, LSI_HZ, LSI_RANGE_HZ, Task};
 use emulator::chip::Reset;
 use emulator::core::Deed;
@@ -11,6 +10,8 @@ use palpate::session::{Event, Patience, Session};
 use protocol::fault::Fault;
 use protocol::frame::{self, MAX_FRAME};
 use protocol::message::{Empty, Mode, Refusal, Request, ResetCause};
+
+use crate::common;
 
 /// A task is taken for dead after 0.1 s, and its last permit lasts 0.04 s.
 const OFF_WITHIN_S: f64 = 0.15;

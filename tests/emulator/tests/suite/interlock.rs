@@ -3,7 +3,6 @@
 //! `PALPATE_SCENARIOS` sets how many random scenarios are run; 1,000 take about half an hour on two cores.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use emulator::board::{BANK_2, EmulatedBoard, LSI_HZ, LSI_RANGE_HZ, Task};
 use emulator::core::Deed;
 use emulator::link::EmulatedUart;
@@ -17,6 +16,8 @@ use protocol::message::{
 
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
+
+use crate::common;
 
 /// Life of a permit, and what the observer, who looks once a millisecond, cannot tell from it.
 const PERMIT_MS: u64 = 40 + 1;

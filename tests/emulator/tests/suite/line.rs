@@ -1,7 +1,6 @@
 //! The 115200 baud of the real image's UART: what fits, and what is left out when more is asked for.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use emulator::board::{BANK_2, EmulatedBoard};
 use emulator::link::EmulatedUart;
 use palpate::link::{BAUD, Link, LinkError};
@@ -9,6 +8,8 @@ use palpate::plant::Touch;
 use palpate::session::{Event, Patience, Session};
 use protocol::frame::{Decoder, LossCounter, MAX_FRAME, encode_request};
 use protocol::message::{Empty, Mode, Report, Request, Status};
+
+use crate::common;
 
 /// Bytes a second that the line can carry: 8N1 is ten bits a byte.
 const LINE_BYTES_PER_S: f64 = BAUD as f64 / 10.0;

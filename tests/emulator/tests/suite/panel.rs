@@ -1,11 +1,12 @@
 //! Lamps and button of the NUCLEO.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use emulator::board::{BANK_2, EmulatedBoard};
 use emulator::link::EmulatedUart;
 use palpate::session::{Patience, Session};
 use protocol::message::{Mode, Refusal, RunEnd, State};
+
+use crate::common;
 
 /// Lit lamps: LD1 alive, LD2 outputs on, LD3 fault.
 fn lamps(board: &mut EmulatedBoard) -> [bool; 3] {

@@ -4,7 +4,6 @@
 //! from the flash as it was after each of them, and in the middle of each: a word of which some bits are programmed, a sector whose bits are erased at random.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use emulator::board::{BANK_2, EmulatedBoard};
 use emulator::chip::{Change, Reset};
 use emulator::link::EmulatedUart;
@@ -15,6 +14,8 @@ use protocol::fault::Fault;
 use protocol::frame::{self, Decoder, MAX_FRAME};
 use protocol::lut::Table;
 use protocol::message::{Calibration, CalibrationState, Empty, Report, Request};
+
+use crate::common;
 
 /// The two journals, as offsets in the flash.
 const JOURNALS: [usize; 2] = [0xc_0000, 0xe_0000];

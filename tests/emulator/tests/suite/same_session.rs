@@ -1,8 +1,6 @@
 //! The same scripted session on the in-process board and on the emulated real image.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
-use crate::script::{self, Act, Heard, Script};
 use firmware::coil::winding::CoilCircuit;
 use palpate::plant::{Broken, Input, Jitter, Touch};
 use palpate::simulated_board::{SimulatedBoard, Timing};
@@ -13,6 +11,9 @@ use protocol::message::{
     DisplayMode, DisplayState, Empty, Halves, HelloRequest, Mode, PalpationMode, Parts, Request, Rule, SCHEMA_HASH,
     State, Telemetry, Verdict,
 };
+
+use crate::common;
+use crate::script::{self, Act, Heard, Script};
 
 /// What the hand does at the display.
 const TOUCH: Touch = Touch { peak_n: 3.0, period_s: 3.0 };

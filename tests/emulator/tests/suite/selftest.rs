@@ -1,7 +1,6 @@
 //! The self test of a bare NUCLEO on the emulated one: everything passes as drawn, and each fault is found where it is.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use emulator::board::{EmulatedBoard, LSI_HZ};
 use emulator::elf::Image;
 use emulator::jumpers::{AS_DRAWN, From, Jumper, Jumpers};
@@ -9,6 +8,8 @@ use emulator::link::EmulatedUart;
 use palpate::link::{Link, LinkError};
 use palpate::selftest::{self, Check, Outcome, SelftestError, Step, Talk, Usb};
 use palpate::session::{Patience, Session};
+
+use crate::common;
 
 /// A NUCLEO with the self-test program, its brown-out level set.
 fn nucleo(wires: &[Jumper], lsi_hz: u64) -> EmulatedBoard {

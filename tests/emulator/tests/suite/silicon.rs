@@ -2,7 +2,6 @@
 //! and what is left after an end that nobody wanted.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use std::collections::BTreeMap;
 
 use emulator::board::{BANK_2, EmulatedBoard, Task};
@@ -18,6 +17,8 @@ use palpate::plant::Touch;
 use palpate::session::{Patience, Session, SessionError};
 use protocol::fault::Fault;
 use protocol::message::{Mode, ResetCause, State};
+
+use crate::common;
 
 /// Registers, by the memory map of RM0090 section 2.3.
 const GPIOA_MODER: u32 = 0x4002_0000;

@@ -1,9 +1,10 @@
 //! When ticks come, measured from start to start by the board itself.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use emulator::link::EmulatedUart;
 use palpate::session::{Patience, Session};
+
+use crate::common;
 
 /// A tick that comes 2 ms late is still far from the 30 ms that are a fault.
 const PUNCTUAL_US: u32 = 22_000;

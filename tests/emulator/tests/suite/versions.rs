@@ -1,7 +1,6 @@
 //! Host and real image of different versions: the frozen rescue message gets through, and each side says what to do.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use crate::common;
 use emulator::board::EmulatedBoard;
 use emulator::link::EmulatedUart;
 use firmware::board::FIRMWARE_VERSION;
@@ -12,6 +11,8 @@ use protocol::message::{
     EARLIER, Empty, Hello, HelloRequest, Mode, ModeRequest, Refusal, Report, Request, SCHEMA_HASH,
 };
 use protocol::{PROTOCOL_VERSION, rescue};
+
+use crate::common;
 
 type Frame = (u8, Vec<u8>);
 
